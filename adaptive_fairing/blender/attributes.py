@@ -1,0 +1,88 @@
+"""Numbers per vertex as attributes of the mesh: the value itself, and the same as a colour."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .color_map import colors_srgb, srgb_to_linear
+
+DENSITY = "fairing_density"
+"""Float point attribute: smoothed density d of the last step, in the solver's [-3, 3]^3 frame."""
+
+DENSITY_COLOR = "fairing_density_color"
+"""Colour attribute that shows `DENSITY`."""
+
+
+def write_scalar(mesh: bpy.types.Mesh, name: str, values: ArrayLike) -> None:
+    """Store one number per vertex, in place of an earlier attribute of that name.
+
+    Parameters
+    ----------
+    mesh
+        Mesh in Object Mode.
+    name
+        Name of the attribute.
+    values
+        (n,) numbers, kept as float32.
+    """
+    values = _per_vertex(mesh, values)
+    attribute = _point_attribute(mesh, name, "FLOAT")
+    attribute.data.foreach_set("value", np.ascontiguousarray(values, dtype=np.float32))
+    mesh.update()
+
+
+def write_color(
+    mesh: bpy.types.Mesh,
+    name: str,
+    values: ArrayLike,
+    low: float | None = None,
+    high: float | None = None,
+) -> None:
+    """Store one colour per vertex and make it the one the viewport shows.
+
+    The colour that renders and exports use stays what it was, unless the mesh had none.
+
+    Parameters
+    ----------
+    mesh
+        Mesh in Object Mode.
+    name
+        Name of the colour attribute; an earlier one of that name is replaced.
+    values
+        (n,) numbers, coloured by `color_map`; grey where not a number.
+    low, high
+        Values of the darkest and the brightest colour; None takes the range of the values.
+    """
+    values = _per_vertex(mesh, values)
+    attribute = _point_attribute(mesh, name, "FLOAT_COLOR")
+    colors = np.ones((len(values), 4), dtype=np.float32)
+    colors[:, :3] = srgb_to_linear(colors_srgb(values, low, high))
+    attribute.data.foreach_set("color", colors.ravel())
+    mesh.color_attributes.active_color = mesh.color_attributes[name]
+    mesh.update()
+
+
+def write_density(mesh: bpy.types.Mesh, density: ArrayLike) -> None:
+    """Store the density of a step under its two names, as number and as colour."""
+    write_scalar(mesh, DENSITY, density)
+    write_color(mesh, DENSITY_COLOR, density)
+
+
+def _per_vertex(mesh: bpy.types.Mesh, values: ArrayLike) -> np.ndarray:
+    values = np.asarray(values)
+    if values.shape != (len(mesh.vertices),):
+        raise ValueError(f"values of shape {values.shape}, the mesh needs ({len(mesh.vertices)},)")
+    return values
+
+
+def _point_attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute:
+    """Find or make the attribute; one of another type or domain gives way."""
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and (attribute.data_type, attribute.domain) != (kind, "POINT"):
+        mesh.attributes.remove(attribute)
+        attribute = None
+    if attribute is None:
+        attribute = mesh.attributes.new(name, kind, "POINT")
+    return attribute

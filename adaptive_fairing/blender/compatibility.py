@@ -1,0 +1,39 @@
+"""Differences between the supported Blenders, 4.2 to 5.2, in one place."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import bpy
+
+
+def fcurves(datablock: bpy.types.ID) -> Iterable[bpy.types.FCurve]:
+    """Animation curves of the action that drives a datablock; empty if there is none.
+
+    Actions have layers since Blender 4.4, and the flat list `Action.fcurves` is gone in 5.0.
+    """
+    animation = datablock.animation_data
+    if animation is None or animation.action is None:
+        return []
+    action = animation.action
+    if hasattr(action, "fcurves"):
+        return action.fcurves
+    return [
+        curve
+        for layer in action.layers
+        for strip in layer.strips
+        for bag in strip.channelbags
+        if bag.slot_handle == animation.action_slot_handle
+        for curve in bag.fcurves
+    ]
+
+
+def known_options(operator: Callable[..., set[str]], options: dict[str, Any]) -> dict[str, Any]:
+    """Keep the options that this Blender's version of an operator has.
+
+    Importers and exporters gain options over the years; one that does not exist yet stands for
+    behaviour that this version does not have.
+    """
+    properties = operator.get_rna_type().properties.keys()
+    return {name: value for name, value in options.items() if name in properties}
