@@ -1,0 +1,32 @@
+"""Numeric core of Adaptive Fairing: numpy and scipy only, never bpy.
+
+Geometric diffusion of surface meshes in the finite element space of Loop's subdivision basis,
+after C. Bajaj and G. Xu, *Adaptive Fairing of Surface Meshes by Geometric Diffusion*.
+"""
+
+from .assembly import LoopSpace
+from .density import mesh_density
+from .errors import FairingError, InputError, SettingsError, SolverError, TopologyError
+from .fairing import FairingResult, FairingStep, fair, fair_steps
+from .geometry import SurfaceMeasures
+from .linear_solver import SolveReport
+from .settings import FairingSettings
+from .topology import TriangleTopology
+
+__all__ = [
+    "FairingError",
+    "FairingResult",
+    "FairingSettings",
+    "FairingStep",
+    "InputError",
+    "LoopSpace",
+    "SettingsError",
+    "SolveReport",
+    "SolverError",
+    "SurfaceMeasures",
+    "TopologyError",
+    "TriangleTopology",
+    "fair",
+    "fair_steps",
+    "mesh_density",
+]

@@ -1,0 +1,61 @@
+"""Errors that the core raises on purpose: one clear line each, with the culprits attached."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+MAX_LISTED = 5
+
+
+class FairingError(Exception):
+    """Base of every error that the core raises on purpose."""
+
+
+class SettingsError(FairingError):
+    """A field of the settings has a value that makes no sense; the message names the field."""
+
+
+class InputError(FairingError):
+    """The arrays handed over cannot be a mesh: wrong shape, wrong type, not finite, out of range."""
+
+
+class TopologyError(FairingError):
+    """The triangles do not form a surface that the Loop basis is defined on.
+
+    Attributes
+    ----------
+    vertices : (k,) int array
+        Vertices at fault, as indices into the caller's vertex array.
+    edges : (e, 2) int array
+        Edges at fault, as pairs of vertex indices.
+    triangles : (t,) int array
+        Triangles at fault.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        vertices: ArrayLike = (),
+        edges: ArrayLike = (),
+        triangles: ArrayLike = (),
+    ) -> None:
+        super().__init__(message)
+        self.vertices: NDArray[np.int64] = np.asarray(vertices, dtype=np.int64).reshape(-1)
+        self.edges: NDArray[np.int64] = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
+        self.triangles: NDArray[np.int64] = np.asarray(triangles, dtype=np.int64).reshape(-1)
+
+
+class SolverError(FairingError):
+    """The linear system of a step is not one that conjugate gradients can solve."""
+
+
+def listed(indices: ArrayLike) -> str:
+    """Write the first few indices, and how many more there are: ``3, 8, 9, … (17 in all)``."""
+    array = np.asarray(indices)
+    first = ", ".join(
+        str(tuple(int(i) for i in item)) if array.ndim > 1 else str(int(item))
+        for item in array[:MAX_LISTED]
+    )
+    return first if len(array) <= MAX_LISTED else f"{first}, … ({len(array)} in all)"

@@ -1,0 +1,316 @@
+"""Geometric diffusion of a surface mesh: the paper's algorithm (section 3.4), step by step."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .assembly import LoopSpace, StepSystem
+from .density import mesh_density
+from .errors import InputError, listed
+from .geometry import SurfaceMeasures
+from .linear_solver import SolveReport, conjugate_gradients
+from .ordering import local_order
+from .settings import FairingSettings
+from .topology import TriangleTopology
+
+FloatArray = NDArray[np.float64]
+
+FRAME_SIZE = 6.0  # the paper resizes the mesh into the box [-3, 3]³
+
+
+@dataclass(frozen=True)
+class FairingStep:
+    """The surface after one semi-implicit step.
+
+    Attributes
+    ----------
+    index : int
+        1 for the first step.
+    time : float
+        index · τ.
+    positions : (n, 3)
+        In the units of the input; vertices that are held have their input coordinates bit by bit.
+    density : (n,)
+        d_i after smoothing, in the [-3, 3]³ frame, as this step used it; 0 at loose vertices.
+    curvature_energy, area, volume : float
+        Measures of the limit surface of `positions`, see `SurfaceMeasures`.
+    solve : SolveReport
+    initial : SurfaceMeasures
+        Measures of the surface before the first step.
+    stop_reason : str or None
+        None while the run goes on; otherwise "steps" (all done), "curvature" (3.11), "rate"
+        (3.10), or "not_converged" (the linear solve of this step missed its tolerance).
+    """
+
+    index: int
+    time: float
+    positions: FloatArray
+    density: FloatArray
+    curvature_energy: float
+    area: float
+    volume: float
+    solve: SolveReport
+    initial: SurfaceMeasures
+    stop_reason: str | None = None
+
+    @property
+    def curvature_ratio(self) -> float:
+        """H(t) of the paper: curvature energy relative to that of the input surface."""
+        return _ratio(self.curvature_energy, self.initial.curvature_energy)
+
+
+@dataclass(frozen=True)
+class FairingResult:
+    """A finished run.
+
+    Attributes
+    ----------
+    steps : tuple of FairingStep
+    stop_reason : str
+        As in the last step.
+    settings : FairingSettings
+    initial : SurfaceMeasures
+        Measures of the input surface.
+    """
+
+    steps: tuple[FairingStep, ...]
+    stop_reason: str
+    settings: FairingSettings
+    initial: SurfaceMeasures
+
+    @property
+    def positions(self) -> FloatArray:
+        """Final positions, (n, 3)."""
+        return self.steps[-1].positions
+
+
+def fair(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    settings: FairingSettings | None = None,
+    *,
+    weights: ArrayLike | None = None,
+) -> FairingResult:
+    """Run all steps of `fair_steps`, which has the parameters and errors."""
+    settings = settings or FairingSettings()
+    steps = tuple(fair_steps(vertices, faces, settings, weights=weights))
+    last = steps[-1]
+    return FairingResult(steps, last.stop_reason or "steps", settings, last.initial)
+
+
+def fair_steps(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    settings: FairingSettings | None = None,
+    *,
+    weights: ArrayLike | None = None,
+) -> Iterator[FairingStep]:
+    """Fair a triangle mesh; yield the surface after every step.
+
+    The arrays are checked at the call; the work, including the one-time set-up, is done as the
+    steps are asked for.  Nothing handed over is changed.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float
+        Control points of the Loop surface.  Vertices without a triangle stay where they are.
+    faces : (m, 3) int
+        Consistently oriented triangles of one or several pieces, open or closed.
+    settings : FairingSettings
+    weights : (n,) float, optional
+        Share of the local timestep (or diffusivity) that a vertex gets, in [0, 1]; a vertex of
+        weight 0 stays exactly where it is.
+
+    Raises
+    ------
+    InputError
+        Arrays of the wrong shape or type, coordinates that are not finite, weights out of range.
+    TopologyError
+        Triangles that are not an oriented manifold; raised with the first step.
+    SolverError
+        A linear system that is not positive definite or not finite; raised by its step.
+
+    Source: section 3.4 of the paper.
+    """
+    settings = settings or FairingSettings()
+    points = _checked_vertices(vertices)
+    shares = _checked_weights(weights, len(points))
+    topology_faces = np.array(faces)  # a copy: the caller may change the array between two steps
+    return _run(points, topology_faces, settings, shares)
+
+
+def _run(
+    points: FloatArray, faces: NDArray[np.integer], settings: FairingSettings, weights: FloatArray
+) -> Iterator[FairingStep]:
+    # Built once in the caller's numbers, so that errors name the caller's vertices.
+    topology = TriangleTopology(faces, len(points))
+    if topology.n_triangles == 0:
+        raise InputError("the mesh has no triangles: there is no surface to fair")
+    order = local_order(topology.triangles, len(points))
+    topology = TriangleTopology(order.triangles, len(points))
+    space = LoopSpace(topology, settings.quadrature_tolerance)
+
+    frame = _Frame.of(points, topology, order.vertices, settings.normalize)
+    weights = weights[order.vertices]
+    is_held = (weights == 0) | topology.is_loose
+    if settings.boundary == "fixed":
+        is_held |= topology.on_boundary
+
+    current = frame.inward(points)
+    density, system = _system(space, current, settings, weights)
+    initial = previous = system.measures
+    for index in range(1, settings.steps + 1):
+        current, solve = conjugate_gradients(
+            system.matrix,
+            system.right_side,
+            current,
+            is_held=is_held,
+            tolerance=settings.cg_tolerance,
+            max_iterations=settings.cg_max_iterations,
+        )
+        used_density = density
+        # The system of the next step measures this step's surface on the way.
+        if index < settings.steps and solve.converged:
+            density, system = _system(space, current, settings, weights)
+            measures = system.measures
+        else:
+            measures = space.measures(current)
+        reason = _stop_reason(index, settings, solve, initial, previous, measures)
+        yield frame.step(
+            index, current, used_density, is_held, points, settings, solve, initial, measures, reason
+        )
+        if reason is not None:
+            return
+        previous = measures
+
+
+def _system(
+    space: LoopSpace, current: FloatArray, settings: FairingSettings, weights: FloatArray
+) -> tuple[FloatArray, StepSystem]:
+    """Density of the current surface, and the linear system (3.3) of the chosen scheme."""
+    density = mesh_density(
+        space.topology, current, settings.density, settings.density_passes
+    )
+    if settings.method == "uniform":
+        return density, space.step_system(current, timestep=_positive(settings.tau * weights))
+    field = settings.tau * density * weights
+    if settings.method == "adaptive_tensor":
+        return density, space.step_system(current, diffusivity=field)
+    return density, space.step_system(current, timestep=_positive(field))
+
+
+def _positive(timestep: FloatArray) -> FloatArray:
+    """Keep the timestep positive where it is 0: only in the equations of held vertices."""
+    return np.maximum(timestep, 1e-12 * timestep.max(initial=0) or 1.0)
+
+
+def _stop_reason(
+    index: int,
+    settings: FairingSettings,
+    solve: SolveReport,
+    initial: SurfaceMeasures,
+    previous: SurfaceMeasures,
+    current: SurfaceMeasures,
+) -> str | None:
+    if not solve.converged:
+        return "not_converged"
+    ratio = _ratio(current.curvature_energy, initial.curvature_energy)
+    if settings.stop_curvature is not None and ratio <= settings.stop_curvature:
+        return "curvature"
+    change = ratio - _ratio(previous.curvature_energy, initial.curvature_energy)
+    if settings.stop_rate is not None and abs(change) / settings.tau <= settings.stop_rate:
+        return "rate"
+    return "steps" if index == settings.steps else None
+
+
+def _ratio(energy: float, initial: float) -> float:
+    """H(t)/H(0); a surface that was flat from the start has nothing left to lose."""
+    return energy / initial if initial > 0 else 0.0
+
+
+@dataclass(frozen=True)
+class _Frame:
+    """The solve's own coordinates and vertex numbers."""
+
+    centre: FloatArray
+    scale: float
+    vertices: NDArray[np.intp]
+
+    @classmethod
+    def of(
+        cls,
+        points: FloatArray,
+        topology: TriangleTopology,
+        vertices: NDArray[np.intp],
+        normalize: bool,
+    ) -> _Frame:
+        surface = points[vertices[~topology.is_loose]]
+        low, high = surface.min(axis=0), surface.max(axis=0)
+        size = float((high - low).max())
+        scale = FRAME_SIZE / size if normalize and size > 0 else 1.0
+        # Centred in any case: far from the origin the coordinates would lose digits.
+        return cls(low + (high - low) / 2, scale, vertices)
+
+    def inward(self, points: FloatArray) -> FloatArray:
+        return (points[self.vertices] - self.centre) * self.scale
+
+    def step(
+        self,
+        index: int,
+        current: FloatArray,
+        density: FloatArray,
+        is_held: NDArray[np.bool_],
+        points: FloatArray,
+        settings: FairingSettings,
+        solve: SolveReport,
+        initial: SurfaceMeasures,
+        measures: SurfaceMeasures,
+        reason: str | None,
+    ) -> FairingStep:
+        positions = points.copy()
+        moving = ~is_held
+        positions[self.vertices[moving]] = current[moving] / self.scale + self.centre
+        caller_density = np.empty_like(density)
+        caller_density[self.vertices] = density
+        outer = measures.scaled(1 / self.scale)
+        return FairingStep(
+            index=index,
+            time=index * settings.tau,
+            positions=positions,
+            density=caller_density,
+            curvature_energy=outer.curvature_energy,
+            area=outer.area,
+            volume=outer.volume,
+            solve=solve,
+            initial=initial.scaled(1 / self.scale),
+            stop_reason=reason,
+        )
+
+
+def _checked_vertices(vertices: ArrayLike) -> FloatArray:
+    points = np.array(vertices, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InputError(f"vertices must have shape (n, 3), not {points.shape}")
+    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    if len(bad):
+        raise InputError(
+            f"{len(bad)} vertices have coordinates that are not finite numbers: {listed(bad)}; "
+            "delete or repair them"
+        )
+    return points
+
+
+def _checked_weights(weights: ArrayLike | None, n_vertices: int) -> FloatArray:
+    if weights is None:
+        return np.ones(n_vertices)
+    shares = np.array(weights, dtype=np.float64)
+    if shares.shape != (n_vertices,):
+        raise InputError(f"weights must have shape ({n_vertices},), not {shares.shape}")
+    bad = np.flatnonzero(~((shares >= 0) & (shares <= 1)))
+    if len(bad):
+        raise InputError(f"{len(bad)} weights lie outside [0, 1]: at vertices {listed(bad)}")
+    return shares
