@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
 from .errors import SettingsError
-from .loop_basis import limit_weight
+from .masks import limit_weight
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]

@@ -17,7 +17,7 @@ class SettingsError(FairingError):
 
 
 class InputError(FairingError):
-    """The arrays handed over cannot be a mesh: wrong shape, wrong type, not finite, out of range."""
+    """The arrays cannot be a mesh: wrong shape or type, not finite, out of range."""
 
 
 class TopologyError(FairingError):

@@ -144,7 +144,7 @@ def fair_steps(
 
 
 def _run(
-    points: FloatArray, faces: NDArray[np.integer], settings: FairingSettings, weights: FloatArray
+    points: FloatArray, faces: NDArray[np.int32], settings: FairingSettings, weights: FloatArray
 ) -> Iterator[FairingStep]:
     # Built once in the caller's numbers, so that errors name the caller's vertices.
     topology = TriangleTopology(faces, len(points))
@@ -181,7 +181,16 @@ def _run(
             measures = space.measures(current)
         reason = _stop_reason(index, settings, solve, initial, previous, measures)
         yield frame.step(
-            index, current, used_density, is_held, points, settings, solve, initial, measures, reason
+            index,
+            current,
+            used_density,
+            is_held,
+            points,
+            settings,
+            solve,
+            initial,
+            measures,
+            reason,
         )
         if reason is not None:
             return
@@ -192,9 +201,7 @@ def _system(
     space: LoopSpace, current: FloatArray, settings: FairingSettings, weights: FloatArray
 ) -> tuple[FloatArray, StepSystem]:
     """Density of the current surface, and the linear system (3.3) of the chosen scheme."""
-    density = mesh_density(
-        space.topology, current, settings.density, settings.density_passes
-    )
+    density = mesh_density(space.topology, current, settings.density, settings.density_passes)
     if settings.method == "uniform":
         return density, space.step_system(current, timestep=_positive(settings.tau * weights))
     field = settings.tau * density * weights

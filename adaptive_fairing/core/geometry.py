@@ -91,6 +91,7 @@ def mean_curvature(metric: Metric, second_derivatives: FloatArray) -> FloatArray
 
     Source: 2 H = tr(g⁻¹ h) up to the sign, with the second fundamental form h.
     """
+    trace: FloatArray
     h11, h12, h22 = np.einsum("adp,dp->ap", second_derivatives, metric.normal)
     trace = h12 * metric.g12
     trace *= -2

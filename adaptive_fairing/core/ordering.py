@@ -26,7 +26,7 @@ class LocalOrder(NamedTuple):
 
 
 def local_order(triangles: NDArray[np.integer], n_vertices: int) -> LocalOrder:
-    """Number vertices along fronts (reverse Cuthill-McKee) and sort triangles to match."""
+    """Renumber vertices along fronts (reverse Cuthill-McKee) and sort triangles to match."""
     edges = sparse.csr_array(
         sparse.coo_array(
             (

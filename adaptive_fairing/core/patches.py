@@ -7,12 +7,13 @@ triangles of one class within a chunk is a segment: its integrals are dense matr
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .loop_basis import TETRAHEDRON, ControlPoints, Corner, PatchClass
+from .patch_class import TETRAHEDRON, ControlPoints, Corner, PatchClass
 from .topology import TriangleTopology
 
 TRIANGLES_PER_CHUNK = 16384
@@ -59,12 +60,14 @@ class PatchSet:
         group = chunk_of * len(self.classes) + class_of
         order = np.argsort(group, kind="stable")
         bounds = np.flatnonzero(np.diff(group[order], prepend=-1, append=-1))
-        self.chunks: list[list[Segment]] = [[] for _ in range(chunk_of[-1] + 1)] if len(order) else []
+        self.chunks: list[list[Segment]] = (
+            [[] for _ in range(chunk_of[-1] + 1)] if len(order) else []
+        )
 
         flat, starts = self._control_points(
             topology, codes, decode, class_of[order], first_corner[order], order, bounds
         )
-        for k, (low, high) in enumerate(zip(bounds[:-1], bounds[1:], strict=True)):
+        for k, (low, high) in enumerate(pairwise(bounds.tolist())):
             triangles = order[low:high]
             class_index = int(class_of[triangles[0]])
             control = flat[starts[k] : starts[k + 1]].reshape(-1, high - low)
@@ -135,7 +138,7 @@ class PatchSet:
 
 
 def _corner_codes(topology: TriangleTopology) -> tuple[NDArray[np.int64], dict[int, Corner]]:
-    """Number the corner connectivities: a code per half-edge, and what each code means."""
+    """Assign a code to every corner connectivity: a code per half-edge, and what codes mean."""
     origins = topology.origins
     codes = topology.ring_size[origins].astype(np.int64)
     stride = int(topology.ring_size.max(initial=0)) + 1
@@ -160,7 +163,10 @@ def _classes(
     """
     base = int(codes.max(initial=0)) + 1
     keys = np.stack(
-        [(codes[:, k] * base + codes[:, (k + 1) % 3]) * base + codes[:, (k + 2) % 3] for k in range(3)]
+        [
+            (codes[:, k] * base + codes[:, (k + 1) % 3]) * base + codes[:, (k + 2) % 3]
+            for k in range(3)
+        ]
     )
     first_corner = keys.argmin(axis=0)
     unique, class_of = np.unique(keys.min(axis=0, initial=base**3), return_inverse=True)

@@ -1,4 +1,4 @@
-"""Quadrature on the unit triangle {ξ1 ≥ 0, ξ2 ≥ 0, ξ1 + ξ2 ≤ 1}, and which rule a tolerance asks for.
+"""Quadrature on the unit triangle {ξ1, ξ2 ≥ 0, ξ1 + ξ2 ≤ 1}, and the rule for a tolerance.
 
 All rules are symmetric under the six symmetries of the triangle, so that an integral does not
 depend on the corner at which a face happens to start.  Weights sum to 1/2, the triangle's area.
@@ -80,9 +80,7 @@ def quadrature_choice(tolerance: float) -> QuadratureChoice:
     finest = _CHOICES[-1][0]
     if not finest <= tolerance <= 1:
         raise SettingsError(f"quadrature_tolerance must lie in [{finest:g}, 1], not {tolerance!r}")
-    for bound, regular, irregular, depth in _CHOICES:
-        if bound <= tolerance:
-            break
+    _, regular, irregular, depth = next(row for row in _CHOICES if row[0] <= tolerance)
     return QuadratureChoice(triangle_rule(regular), triangle_rule(irregular), depth)
 
 

@@ -105,5 +105,7 @@ def _require_number(
     value = getattr(settings, name)
     is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
     if not is_number or not above < value < below:
-        bound = f"greater than {above:g}" + (f" and less than {below:g}" if below < math.inf else "")
+        bound = f"greater than {above:g}" + (
+            f" and less than {below:g}" if below < math.inf else ""
+        )
         raise SettingsError(f"{name} must be a number {bound}, not {value!r}")

@@ -52,11 +52,11 @@ class SymmetricPattern:
         """Return the upper-triangle numbers of the entries (rows, columns), in either order."""
         return np.asarray(self._numbers[rows, columns]).reshape(-1)
 
-    def diagonal(self, upper: NDArray[np.floating]) -> NDArray[np.floating]:
+    def diagonal(self, upper: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the diagonal, (n,), of the matrix with upper entries `upper`."""
         return upper[self._diagonal]
 
-    def matrix(self, upper: NDArray[np.floating]) -> sparse.csr_array:
+    def matrix(self, upper: NDArray[np.float64]) -> sparse.csr_array:
         """Return the full symmetric matrix with upper entries `upper`, (n_upper,)."""
         return sparse.csr_array(
             (upper[self._upper_of], self.indices, self.indptr), shape=(self.n, self.n), copy=False

@@ -1,12 +1,12 @@
-"""Connectivity of a triangulated surface: half-edges, twins, ordered one-rings, boundary.
+r"""Connectivity of a triangulated surface: half-edges, twins, ordered one-rings, boundary.
 
 Half-edge ``h = 3 f + k`` of triangle ``f`` runs from corner ``k`` to corner ``k + 1``.  Around an
 interior vertex the one-ring is a cycle; around a boundary vertex it is a chain that starts at the
 outgoing boundary edge.  Both run counter-clockwise as seen from outside.
 
     ring[1]   ring[0]
-        \\     /
-         \\   /          half-edge v -> ring[j] lies in the triangle (v, ring[j], ring[j+1])
+        \     /
+         \   /          half-edge v -> ring[j] lies in the triangle (v, ring[j], ring[j+1])
     ----- v -----       and has ring position j at v
 """
 
@@ -76,7 +76,8 @@ class TriangleTopology:
     @property
     def is_loose(self) -> NDArray[np.bool_]:
         """Vertices that no triangle uses, (n_vertices,)."""
-        return self.ring_size == 0
+        loose: NDArray[np.bool_] = self.ring_size == 0
+        return loose
 
     @property
     def boundary_vertices(self) -> NDArray[np.intp]:
@@ -193,7 +194,7 @@ def _twins(triangles: IntArray, n_vertices: int) -> IntArray:
 
 
 def _entry_keys(matrix: sparse.csr_array) -> NDArray[np.int64]:
-    """Number the stored places of a row-compressed matrix in reading order, ascending."""
+    """Return the stored places of a row-compressed matrix as ascending numbers."""
     n_rows, n_columns = matrix.shape
     rows = np.repeat(np.arange(n_rows, dtype=np.int64), np.diff(matrix.indptr))
     return rows * n_columns + matrix.indices

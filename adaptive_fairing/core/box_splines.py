@@ -1,0 +1,123 @@
+"""Quartic box splines: the Loop basis on a regular patch, inside the surface and on its boundary.
+
+Source: J. Stam, Evaluation of Loop subdivision surfaces, 1998.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .patch_class import ControlPoints, PatchClass
+
+FloatArray = NDArray[np.float64]
+
+
+def _box_spline_coefficients() -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Exponents (15, 3) and integer coefficients (12, 15), common factor 1/12.
+
+    In barycentric coordinates (u, v, w) of the triangle the twelve quartic box splines are three
+    polynomials up to symmetry: that of a corner, of the vertex across an edge, and of a tip.
+    Source: J. Stam 1998, appendix A.
+    """
+    at_u = {
+        (4, 0, 0): 6, (3, 1, 0): 24, (3, 0, 1): 24, (2, 2, 0): 24, (2, 1, 1): 60, (2, 0, 2): 24,
+        (1, 3, 0): 8, (1, 2, 1): 36, (1, 1, 2): 36, (1, 0, 3): 8,
+        (0, 4, 0): 1, (0, 3, 1): 6, (0, 2, 2): 12, (0, 1, 3): 6, (0, 0, 4): 1,
+    }  # fmt: skip
+    across_uw = {
+        (4, 0, 0): 1, (3, 0, 1): 6, (2, 0, 2): 12, (1, 0, 3): 6, (0, 0, 4): 1,
+        (3, 1, 0): 2, (2, 1, 1): 6, (1, 1, 2): 6, (0, 1, 3): 2,
+    }  # fmt: skip
+    tip_w = {(4, 0, 0): 1, (3, 0, 1): 2}
+    tip_v = {(4, 0, 0): 1, (3, 1, 0): 2}
+
+    exponents = sorted(at_u)
+    coefficients = np.zeros((12, 15), dtype=np.int64)
+    for corner in range(3):
+        # Ring entries 2, 3, 4 of a corner: across the edge to the previous corner, then the tips.
+        for slot, polynomial in zip(
+            (corner, 3 + 3 * corner, 4 + 3 * corner, 5 + 3 * corner),
+            (at_u, across_uw, tip_w, tip_v),
+            strict=True,
+        ):
+            for exponent, value in polynomial.items():
+                rotated = (
+                    exponent[-corner % 3],
+                    exponent[(1 - corner) % 3],
+                    exponent[(2 - corner) % 3],
+                )
+                coefficients[slot, exponents.index(rotated)] = value
+    return np.array(exponents), coefficients
+
+
+_EXPONENTS, _COEFFICIENTS = _box_spline_coefficients()
+
+
+def box_splines(points: FloatArray) -> FloatArray:
+    """Evaluate the twelve box splines of a regular patch and their derivatives.
+
+    Parameters
+    ----------
+    points : (n_points, 2)
+
+    Returns
+    -------
+    (6, n_points, 12)
+        Value, ∂1, ∂2, ∂11, ∂12, ∂22.
+    """
+    points = np.asarray(points, dtype=np.float64)
+    bary = np.stack([1 - points.sum(axis=1), points[:, 0], points[:, 1]], axis=1)
+    powers = bary[:, :, None] ** np.arange(5)
+
+    def monomials(derivative: tuple[int, int, int]) -> FloatArray:
+        product = np.ones((len(points), len(_EXPONENTS)))
+        for axis, order in enumerate(derivative):
+            exponent = _EXPONENTS[:, axis]
+            factor = np.ones(len(exponent))
+            for k in range(order):
+                factor = factor * (exponent - k)
+            product *= factor * powers[:, axis, np.maximum(exponent - order, 0)]
+        return product
+
+    # ∂1 = ∂v - ∂u and ∂2 = ∂w - ∂u, because u = 1 - ξ1 - ξ2.
+    u, v, w = monomials((1, 0, 0)), monomials((0, 1, 0)), monomials((0, 0, 1))
+    uu, vv, ww = monomials((2, 0, 0)), monomials((0, 2, 0)), monomials((0, 0, 2))
+    uv, uw, vw = monomials((1, 1, 0)), monomials((1, 0, 1)), monomials((0, 1, 1))
+    stacked = np.stack(
+        [
+            monomials((0, 0, 0)),
+            v - u,
+            w - u,
+            vv - 2 * uv + uu,
+            vw - uv - uw + uu,
+            ww - 2 * uw + uu,
+        ]
+    )
+    return stacked @ (_COEFFICIENTS.T / 12)
+
+
+def ghost_matrix(patch_class: PatchClass) -> FloatArray:
+    """Express the 12 control points of a regular patch by those that exist, (12, n).
+
+    Beyond a boundary edge (a, b) with third vertex c stands the ghost a + b - c; with it the box
+    spline's own rules reproduce Loop's boundary rules exactly.
+    """
+    control = ControlPoints(patch_class)
+    matrix = np.zeros((12, control.count))
+    matrix[:3, :3] = np.eye(3)
+    for i, corner in enumerate(patch_class):
+        for k, entry in enumerate((2, 3, 4)):
+            row = matrix[3 + 3 * i + k]
+            if not corner.is_boundary:
+                row[control.slot(i, entry)] += 1
+                continue
+            ring = control.ring(i)
+            place = (corner.fan_position + entry) % 6
+            if place < 4:
+                row[ring[place]] += 1
+            else:
+                end, inner = (ring[3], ring[2]) if place == 4 else (ring[0], ring[1])
+                np.add.at(row, [i, end], 1)
+                row[inner] -= 1
+    return matrix
