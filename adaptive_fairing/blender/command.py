@@ -1,0 +1,37 @@
+"""``blender -c adaptive_fairing INPUT -o OUTPUT ...``: the command line in an installed Blender.
+
+The arguments, the messages and the exit codes are those of ``adaptive-fairing``, because the same
+function handles them. The extension has to be enabled; a Blender started with
+``--factory-startup`` needs ``--addons bl_ext.user_default.adaptive_fairing`` before ``-c``.
+"""
+
+from __future__ import annotations
+
+import bpy
+
+NAME = "adaptive_fairing"
+
+# What Blender gave back on registering, which it wants to see again on unregistering.
+_registered: list[object] = []
+
+
+def run(arguments: list[str]) -> int:
+    """Run the command line with `arguments`; return the exit code that Blender passes on."""
+    # Enabling the add-on must not load scipy.
+    from .. import cli
+
+    try:
+        return cli.main(arguments)
+    except SystemExit as stop:  # argparse leaves this way, and must not end Blender
+        return stop.code if isinstance(stop.code, int) else 0
+
+
+def register() -> None:
+    """Make the command known to Blender."""
+    _registered.append(bpy.utils.register_cli_command(NAME, run))
+
+
+def unregister() -> None:
+    """Withdraw the command."""
+    while _registered:
+        bpy.utils.unregister_cli_command(_registered.pop())
