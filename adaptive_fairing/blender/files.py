@@ -1,0 +1,168 @@
+"""Files in and out, with Blender's own importers and exporters; results appear whole or not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ..core import FairingError, InputError
+from ..core.atomic_files import replaced_file, replaced_files
+from ..core.errors import listed
+from ..formats import BLEND, MESH_FORMATS, suffix_of
+from .compatibility import known_options
+from .mesh_data import read_positions
+from .silence import silent_stdout
+from .target import find_mesh_object
+
+_AXES_AS_IN_FILE = {"forward_axis": "Y", "up_axis": "Z"}
+
+
+class FileError(FairingError):
+    """A file that Blender cannot read or write."""
+
+
+def import_mesh(
+    path: Path, object_name: str | None = None, *, keep_axes: bool = False
+) -> bpy.types.Object:
+    """Load a file in place of everything that Blender holds, and find the mesh to fair.
+
+    Parameters
+    ----------
+    path
+        A .blend file, or any format of `MESH_FORMATS`, which is loaded into an empty scene.
+    object_name
+        Name of the mesh object; needed only if the file holds several.
+    keep_axes
+        Take coordinates as they stand in the file, for the formats that have no axes of their own.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read.
+    FairingError
+        No mesh, several meshes without a name, or no mesh of that name.
+    InputError
+        Coordinates that are not finite numbers.
+    """
+    path = Path(path).resolve()
+    if not path.is_file():
+        raise FileError(f"cannot read {path}: there is no such file")
+    if suffix_of(path) == BLEND:
+        _call(path, "wm.open_mainfile", {"filepath": str(path), "use_scripts": False})
+    else:
+        _import_into_empty_scene(path, split=object_name is not None, keep_axes=keep_axes)
+    obj = find_mesh_object(path.name, object_name)
+    if obj.mode != "OBJECT":
+        # The mesh of an object in Edit Mode or Sculpt Mode is not up to date.
+        with bpy.context.temp_override(object=obj, active_object=obj):
+            bpy.ops.object.mode_set(mode="OBJECT")
+    return obj
+
+
+def export_mesh(obj: bpy.types.Object, path: Path, *, alone: bool, keep_axes: bool = False) -> None:
+    """Write a mesh file; modifiers and shape keys are not applied where the format allows it.
+
+    Parameters
+    ----------
+    obj
+        The faired object.
+    path
+        Output; its suffix chooses the format.
+    alone
+        Write this object only, instead of the whole scene.
+    keep_axes
+        As in `import_mesh`.
+
+    Raises
+    ------
+    FileError
+        Blender cannot write the file.
+    OSError
+        The place cannot be written to.
+    """
+    file_format = MESH_FORMATS[suffix_of(path)]
+    options = dict(file_format.export_options)
+    if file_format.keeps_axes and keep_axes:
+        options |= _AXES_AS_IN_FILE
+    if alone or not file_format.holds_scene:
+        _show_alone(obj)
+    with replaced_files(path) as draft:
+        _call(path, file_format.exporter, {**options, "filepath": str(draft)})
+        if not draft.is_file():
+            raise FileError(f"cannot write {path}: Blender wrote nothing")
+
+
+def save_blend(path: Path) -> None:
+    """Save everything that Blender holds as a .blend file.
+
+    Raises
+    ------
+    FileError, OSError
+        As in `export_mesh`.
+    """
+    with replaced_file(path) as draft:
+        options = {"filepath": str(draft), "copy": True, "check_existing": False}
+        _call(path, "wm.save_as_mainfile", options)
+
+
+def empty_scene() -> None:
+    """Load Blender's factory start-up scene without its objects; add-ons stay enabled."""
+    with silent_stdout():
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+
+
+def _import_into_empty_scene(path: Path, *, split: bool, keep_axes: bool) -> None:
+    file_format = MESH_FORMATS[suffix_of(path)]
+    options = dict(file_format.import_options)
+    if split and "use_split_objects" in options:
+        # Whoever names an object of the file wants its objects apart.
+        options["use_split_objects"] = True
+    if file_format.keeps_axes and keep_axes:
+        options |= _AXES_AS_IN_FILE
+    empty_scene()
+    _call(path, file_format.importer, {**options, "filepath": str(path)})
+    for mesh in bpy.data.meshes:
+        _require_finite(mesh)
+        # The importers' own validation is off, because it hides what `_require_finite` finds.
+        mesh.validate(clean_customdata=False)
+
+
+def _require_finite(mesh: bpy.types.Mesh) -> None:
+    bad = np.flatnonzero(~np.isfinite(read_positions(mesh)).all(axis=1))
+    if len(bad):
+        raise InputError(
+            f"{len(bad)} vertices of mesh {mesh.name!r} have coordinates that are not finite "
+            f"numbers: {listed(bad)}; delete or repair them"
+        )
+
+
+def _show_alone(obj: bpy.types.Object) -> None:
+    """Switch to a new scene that holds this object only, whatever hides it elsewhere."""
+    scene = bpy.data.scenes.new(obj.name)
+    scene.collection.objects.link(obj)
+    if obj.library is None:
+        obj.hide_viewport = False
+    bpy.context.window.scene = scene
+
+
+def _call(path: Path, name: str, options: Mapping[str, Any]) -> None:
+    """Run an operator on a file; its errors become one line."""
+    operator = _operator(name)
+    verb = "write" if "export" in name or "save" in name else "read"
+    try:
+        with silent_stdout():
+            outcome = operator(**known_options(operator, dict(options)))
+    except RuntimeError as error:
+        reason = " ".join(str(error).removeprefix("Error: ").split())
+        raise FileError(f"cannot {verb} {path}: {reason}") from error
+    if outcome != {"FINISHED"}:
+        raise FileError(f"cannot {verb} {path}: Blender gave up without a reason")
+
+
+def _operator(name: str) -> Callable[..., set[str]]:
+    group, _, function = name.partition(".")
+    return getattr(getattr(bpy.ops, group), function)

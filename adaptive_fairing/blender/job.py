@@ -1,0 +1,216 @@
+"""The main job: one file in, its mesh faired, one file out. The command line is a shell of this."""
+
+from __future__ import annotations
+
+import platform
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import scipy
+
+from ..core import FairingError, FairingSettings, FairingStep, SolverError, fair_steps
+from ..core.atomic_files import writable_place
+from ..core.report import build_report, step_record, write_report
+from ..formats import BLEND, keeps_axes, suffix_of
+from ..version import program_version
+from .attributes import write_density
+from .files import export_mesh, import_mesh, save_blend
+from .mesh_data import read_mesh
+from .shape_keys import animate_evolution, write_absolute_keys, write_final_shape
+from .target import needs_copy, writable_object
+
+FRAMES_PER_STEP = 10
+"""Length of one step on the timeline of an output .blend, in frames."""
+
+OnStep = Callable[[FairingStep], None]
+
+
+@dataclass(frozen=True)
+class FairingJob:
+    """What to do.
+
+    Attributes
+    ----------
+    input, output
+        Files; their suffixes choose the formats. A .blend output gets every step as a shape key,
+        a mesh format the last step.
+    settings
+        For the solver.
+    object_name
+        Mesh object of the input; None if it holds a single one.
+    report
+        File for the JSON report; None for no report.
+    """
+
+    input: Path
+    output: Path
+    settings: FairingSettings = field(default_factory=FairingSettings)
+    object_name: str | None = None
+    report: Path | None = None
+
+
+def run_job(job: FairingJob, on_step: OnStep | None = None) -> dict[str, Any]:
+    """Do the job. Everything that Blender holds is replaced by the input file.
+
+    A solve that fails in a later step does not lose the steps before it: they are written, and
+    then the error is raised. A step that did not converge itself is not written.
+
+    Parameters
+    ----------
+    job
+        What to do.
+    on_step
+        Called after every step.
+
+    Returns
+    -------
+    dict
+        The report, whether or not it is also written to a file.
+
+    Raises
+    ------
+    FairingError
+        The input is no mesh that can be faired, or the solver failed.
+    OSError
+        A file cannot be read or written.
+    """
+    for path in (job.output, job.report):
+        if path is not None:
+            writable_place(path)
+    run = _Run(job)
+    try:
+        run.execute(on_step or (lambda step: None))
+    except (FairingError, OSError) as error:
+        if job.report is not None:
+            write_report(job.report, run.report(str(error)))
+        raise
+    report = run.report(None)
+    if job.report is not None:
+        write_report(job.report, report)
+    return report
+
+
+class _Run:
+    """State of a job while it runs, from which its report can be written at any moment."""
+
+    def __init__(self, job: FairingJob) -> None:
+        self.job = job
+        self.object_name = job.object_name
+        self.mesh: Mapping[str, int] = {}
+        self.records: list[dict[str, Any]] = []
+        self.last: FairingStep | None = None
+
+    def execute(self, on_step: OnStep) -> None:
+        job = self.job
+        obj = import_mesh(job.input, job.object_name, keep_axes=keeps_axes(job.input, job.output))
+        self.object_name = obj.name
+        shapes, density, failure = self._solve(obj, on_step)
+        if shapes:
+            self._write(obj, shapes, density)
+        if failure is not None:
+            written = f"the {len(shapes)} before it are in {job.output}" if shapes else "no output"
+            raise SolverError(f"{failure} ({written})") from failure
+
+    def _solve(
+        self, obj: bpy.types.Object, on_step: OnStep
+    ) -> tuple[list[np.ndarray], np.ndarray | None, FairingError | None]:
+        """Run the solver; give the good steps, the density of the last, and what went wrong."""
+        data = read_mesh(obj.data)
+        self.mesh = {
+            "vertices": len(data.vertices),
+            "edges": len(obj.data.edges),
+            "polygons": len(obj.data.polygons),
+            "triangles": len(data.triangles),
+        }
+        shapes: list[np.ndarray] = []
+        density = None
+        started = time.perf_counter()
+        try:
+            for step in fair_steps(data.vertices, data.triangles, self.job.settings):
+                now = time.perf_counter()
+                self.records.append(step_record(step, data.vertices, now - started))
+                self.last = step
+                on_step(step)
+                if not step.solve.converged:
+                    return shapes, density, _not_converged(step)
+                # Blender keeps float32: half the memory for the same result.
+                shapes.append(step.positions.astype(np.float32))
+                density = step.density
+                started = time.perf_counter()
+        except SolverError as error:
+            return shapes, density, SolverError(f"step {len(shapes) + 1}: {error}")
+        return shapes, density, None
+
+    def _write(self, obj: bpy.types.Object, shapes: list[np.ndarray], density: np.ndarray) -> None:
+        job = self.job
+        is_copy = needs_copy(obj)
+        obj = writable_object(obj)
+        if suffix_of(job.output) == BLEND:
+            write_absolute_keys(obj, shapes)
+            write_density(obj.data, density)
+            _put_on_timeline(obj, len(shapes), extend=suffix_of(job.input) == BLEND)
+            save_blend(job.output)
+        else:
+            write_final_shape(obj, shapes[-1])
+            export_mesh(
+                obj,
+                job.output,
+                alone=is_copy or suffix_of(job.input) == BLEND,
+                keep_axes=keeps_axes(job.input, job.output),
+            )
+
+    def report(self, error: str | None) -> dict[str, Any]:
+        job, last = self.job, self.last
+        return build_report(
+            settings=job.settings,
+            program=_versions(),
+            files={"input": job.input, "output": job.output, "object": self.object_name},
+            mesh=self.mesh,
+            initial=None if last is None else last.initial,
+            steps=self.records,
+            stop_reason=None if last is None else last.stop_reason,
+            error=error,
+        )
+
+
+def _not_converged(step: FairingStep) -> SolverError:
+    return SolverError(
+        f"step {step.index} did not converge: residual {step.solve.residual:.3g} after "
+        f"{step.solve.iterations} iterations; choose a smaller tau"
+    )
+
+
+def _put_on_timeline(obj: bpy.types.Object, n_steps: int, *, extend: bool) -> None:
+    """Animate the keys from the scene's first frame on and show the last step.
+
+    Parameters
+    ----------
+    obj
+        Object with absolute keys.
+    n_steps
+        Number of steps.
+    extend
+        Only lengthen the scene's frame range, which other animation may need; otherwise fit it.
+    """
+    scene = obj.users_scene[0]
+    first = scene.frame_start
+    last = first + FRAMES_PER_STEP * n_steps
+    animate_evolution(obj, first, last)
+    scene.frame_end = max(scene.frame_end, last) if extend else last
+    scene.frame_current = last
+
+
+def _versions() -> dict[str, str]:
+    return {
+        "name": "adaptive-fairing",
+        "version": program_version(),
+        "blender": bpy.app.version_string,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+    }

@@ -1,0 +1,233 @@
+"""The command line of the program, of ``python -m`` and of ``blender -c adaptive_fairing``.
+
+Exit status: 0 done; 1 could not (file, mesh or solver); 2 wrong arguments. Errors are one line on
+standard error that says what to do; standard output stays empty.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from .formats import BLEND, SUFFIXES, is_supported
+from .version import program_version
+
+if TYPE_CHECKING:
+    from .core import FairingSettings
+
+PROGRAM = "adaptive-fairing"
+DONE, COULD_NOT, WRONG_ARGUMENTS, INTERRUPTED = 0, 1, 2, 130
+
+METHODS = {
+    "uniform": "uniform",
+    "timestep": "adaptive_timestep",
+    "tensor": "adaptive_tensor",
+}
+DENSITIES = {"edge": "edge_length", "area": "area"}
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the program.
+
+    Parameters
+    ----------
+    argv
+        Arguments without the program's name; None takes those of the process.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
+    try:
+        arguments = parse(argv)
+    except SystemExit as request:  # argparse ends the process after --help and after an error
+        return int(request.code or DONE)
+    try:
+        return _run(arguments)
+    except ModuleNotFoundError as error:
+        if error.name not in _MISSING:
+            raise
+        return _fail(_MISSING[error.name])
+    except KeyboardInterrupt:
+        _fail("interrupted: no output was written")
+        return INTERRUPTED
+
+
+_MISSING = {
+    "bpy": "Blender is missing: pip install bpy, for a Python version that it exists for",
+    "numpy": "numpy is missing: pip install numpy",
+    "scipy": "scipy is missing: pip install scipy, or install the extension with its wheels",
+}
+
+
+def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
+    """Parse and check the arguments; an error ends the process with status 2, as argparse does."""
+    parser = build_parser()
+    arguments = parser.parse_args(argv)
+    if arguments.output is None:
+        arguments.output = default_output(arguments.input)
+    for path in (arguments.input, arguments.output):
+        if not is_supported(path):
+            parser.error(f"{path}: unknown kind of file; use one of {' '.join(SUFFIXES)}")
+    return arguments
+
+
+def default_output(source: Path) -> Path:
+    """Where the result goes if nobody says: a .blend file beside the input."""
+    return source.with_name(f"{source.stem}_faired{BLEND}")
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(WRONG_ARGUMENTS, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Make the parser."""
+    parser = _Parser(
+        prog=PROGRAM,
+        description="Remove noise from a surface mesh by geometric diffusion that follows the "
+        "mesh density.",
+        epilog="Exit status: 0 done, 1 could not (file, mesh or solver), 2 wrong arguments. "
+        "If a later step fails, the steps before it are written and the status is 1.",
+    )
+    parser.add_argument(
+        "input", type=Path, metavar="INPUT", help=f"file with a mesh: {' '.join(SUFFIXES)}"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="OUTPUT",
+        help="result: .blend (every step as a shape key, animated) or a mesh format (the last "
+        "step); default: INPUT's name with _faired.blend, beside it",
+    )
+    parser.add_argument(
+        "--object", metavar="NAME", help="mesh object to fair, if INPUT holds several"
+    )
+    parser.add_argument(
+        "--method",
+        choices=tuple(METHODS),
+        default="timestep",
+        help="what follows the density: the timestep, the diffusion tensor, or nothing "
+        "(default: %(default)s)",
+    )
+    parser.add_argument(
+        "--tau",
+        type=float,
+        default=0.016,
+        metavar="T",
+        help="time of a step, in the frame where the mesh fits [-3, 3]^3 (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--steps", type=int, default=4, metavar="N", help="number of steps (default: %(default)s)"
+    )
+    parser.add_argument(
+        "--density",
+        choices=tuple(DENSITIES),
+        default="edge",
+        help="measure of the density: mean edge length or area around a vertex "
+        "(default: %(default)s)",
+    )
+    parser.add_argument(
+        "--density-passes",
+        type=int,
+        default=3,
+        metavar="N",
+        help="smoothing passes over the density (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--boundary",
+        choices=("fixed", "free"),
+        default="fixed",
+        help="whether the rims of an open mesh stay or move along (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--stop-curvature",
+        type=float,
+        metavar="X",
+        help="stop once the curvature energy is at most X times that of the input",
+    )
+    parser.add_argument(
+        "--stop-rate",
+        type=float,
+        metavar="X",
+        help="stop once the curvature energy, relative to that of the input, changes by at most X "
+        "per unit of time",
+    )
+    parser.add_argument(
+        "--report", type=Path, metavar="FILE.json", help="write settings and measures as JSON"
+    )
+    parser.add_argument("--quiet", action="store_true", help="show errors only")
+    parser.add_argument("--version", action="version", version=f"%(prog)s {program_version()}")
+    return parser
+
+
+def settings_of(arguments: argparse.Namespace) -> FairingSettings:
+    """Translate the arguments into settings of the solver.
+
+    Raises
+    ------
+    SettingsError
+        A value makes no sense.
+    """
+    from .core import FairingSettings
+
+    return FairingSettings(
+        method=METHODS[arguments.method],
+        tau=arguments.tau,
+        steps=arguments.steps,
+        density=DENSITIES[arguments.density],
+        density_passes=arguments.density_passes,
+        boundary=arguments.boundary,
+        stop_curvature=arguments.stop_curvature,
+        stop_rate=arguments.stop_rate,
+    )
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    # Imported late: numpy, scipy and Blender take a second, which --help and typos need not wait.
+    from .core import FairingError, SettingsError
+
+    try:
+        settings = settings_of(arguments)
+    except SettingsError as error:
+        return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
+
+    from .blender.job import FairingJob, run_job
+    from .progress import step_progress
+
+    job = FairingJob(
+        arguments.input, arguments.output, settings, arguments.object, arguments.report
+    )
+    show = not arguments.quiet and sys.stderr.isatty()
+    try:
+        with step_progress(settings.steps, enabled=show) as on_step:
+            report = run_job(job, on_step)
+    except (FairingError, OSError) as error:
+        return _fail(str(error))
+    except MemoryError:
+        return _fail("not enough memory for this mesh: reduce it, or use a larger machine")
+    if not arguments.quiet:
+        print(_summary(report), file=sys.stderr)
+    return DONE
+
+
+def _summary(report: dict[str, Any]) -> str:
+    last = report["steps"][-1]
+    return (
+        f"{PROGRAM}: {report['mesh']['vertices']} vertices, {last['step']} steps (stopped by "
+        f"{report['stop_reason']}), curvature energy {last['curvature_ratio']:.1%} of the input's, "
+        f"largest displacement {last['largest_displacement']:.3g}; wrote {report['output']}"
+    )
+
+
+def _fail(message: str, status: int = COULD_NOT) -> int:
+    print(f"{PROGRAM}: error: {' '.join(message.split())}", file=sys.stderr)
+    return status

@@ -1,0 +1,148 @@
+"""The mesh files that a run can read and write: which of Blender's operators, with which options.
+
+Only data, no bpy: the command line checks names of files before it starts Blender.
+
+The options serve one aim: what the input holds is in the output, and vertices that did not move
+have the same coordinates there. So nothing is merged, validated away or evaluated on the way
+except where the format itself demands it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+BLEND = ".blend"
+
+
+@dataclass(frozen=True)
+class MeshFormat:
+    """How Blender reads and writes one kind of mesh file.
+
+    Attributes
+    ----------
+    importer, exporter
+        Operators, as in ``bpy.ops``. The options are keyword arguments for them; those that a
+        version of Blender does not know are left out.
+    keeps_axes
+        Whether coordinates can go in and out as they stand in the file, without a turn between
+        "Y up" and "Z up".
+    holds_scene
+        Whether the file can hold several objects; otherwise only the faired one is written.
+    """
+
+    importer: str
+    exporter: str
+    import_options: Mapping[str, Any] = field(default_factory=dict)
+    export_options: Mapping[str, Any] = field(default_factory=dict)
+    keeps_axes: bool = False
+    holds_scene: bool = True
+
+
+OBJ = MeshFormat(
+    importer="wm.obj_import",
+    exporter="wm.obj_export",
+    import_options={
+        # Objects that share vertices stay one surface; the groups are kept as vertex groups.
+        "use_split_objects": False,
+        "import_vertex_groups": True,
+        # Blender's validation turns coordinates that are not numbers into 0 without a word.
+        "validate_meshes": False,
+    },
+    export_options={
+        "apply_modifiers": False,
+        "export_colors": True,
+        "export_vertex_groups": True,
+    },
+    keeps_axes=True,
+)
+
+PLY = MeshFormat(
+    importer="wm.ply_import",
+    exporter="wm.ply_export",
+    export_options={"apply_modifiers": False},
+    keeps_axes=True,
+    holds_scene=False,
+)
+
+STL = MeshFormat(
+    importer="wm.stl_import",
+    exporter="wm.stl_export",
+    import_options={"use_mesh_validate": False},
+    export_options={"apply_modifiers": False},
+    keeps_axes=True,
+    holds_scene=False,
+)
+
+_GLTF_EXPORT: dict[str, Any] = {
+    "export_apply": False,
+    "export_attributes": True,
+    "export_extras": True,
+    "export_vertex_color": "ACTIVE",
+    "export_all_vertex_colors": True,
+}
+# glTF splits vertices at seams and sharp edges; merged again they are one surface to fair.
+_GLTF_IMPORT = {"merge_vertices": True}
+
+GLB = MeshFormat(
+    importer="import_scene.gltf",
+    exporter="export_scene.gltf",
+    import_options=_GLTF_IMPORT,
+    export_options={**_GLTF_EXPORT, "export_format": "GLB"},
+)
+
+GLTF = MeshFormat(
+    importer="import_scene.gltf",
+    exporter="export_scene.gltf",
+    import_options=_GLTF_IMPORT,
+    export_options={**_GLTF_EXPORT, "export_format": "GLTF_SEPARATE"},
+)
+
+FBX = MeshFormat(
+    importer="import_scene.fbx",
+    exporter="export_scene.fbx",
+    export_options={"use_mesh_modifiers": False, "use_custom_props": True},
+)
+
+USD = MeshFormat(importer="wm.usd_import", exporter="wm.usd_export")
+
+ALEMBIC = MeshFormat(
+    importer="wm.alembic_import",
+    exporter="wm.alembic_export",
+    import_options={"as_background_job": False},
+    export_options={"as_background_job": False},
+)
+
+MESH_FORMATS: Mapping[str, MeshFormat] = {
+    ".obj": OBJ,
+    ".ply": PLY,
+    ".stl": STL,
+    ".glb": GLB,
+    ".gltf": GLTF,
+    ".fbx": FBX,
+    ".usd": USD,
+    ".usda": USD,
+    ".usdc": USD,
+    ".usdz": USD,
+    ".abc": ALEMBIC,
+}
+
+SUFFIXES = (BLEND, *MESH_FORMATS)
+
+
+def suffix_of(path: Path) -> str:
+    """Suffix that decides the format, in lower case."""
+    return path.suffix.lower()
+
+
+def is_supported(path: Path) -> bool:
+    """Whether the name of the file says that it can be read and written."""
+    return suffix_of(path) in SUFFIXES
+
+
+def keeps_axes(source: Path, destination: Path) -> bool:
+    """Whether coordinates can go from one file to the other as they stand."""
+    formats = [MESH_FORMATS.get(suffix_of(path)) for path in (source, destination)]
+    return all(each is not None and each.keeps_axes for each in formats)
