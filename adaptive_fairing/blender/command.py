@@ -17,13 +17,10 @@ _registered: list[object] = []
 
 def run(arguments: list[str]) -> int:
     """Run the command line with `arguments`; return the exit code that Blender passes on."""
-    # Enabling the add-on must not load scipy.
+    # Imported late, because enabling the add-on must cost nothing.
     from .. import cli
 
-    try:
-        return cli.main(arguments)
-    except SystemExit as stop:  # argparse leaves this way, and must not end Blender
-        return stop.code if isinstance(stop.code, int) else 0
+    return cli.main(arguments)
 
 
 def register() -> None:

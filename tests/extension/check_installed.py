@@ -91,6 +91,7 @@ def main() -> int:
     given = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else sys.argv[1:]
     options = parser.parse_args(given)
 
+    write_ply(options.work / "noisy.ply")
     result = {
         "blender": bpy.app.version_string,
         "python": ".".join(map(str, sys.version_info[:3])),
@@ -167,7 +168,6 @@ def check_command(options: argparse.Namespace) -> str:
     """Run the registered command's function: output, and the exit codes 0, 1 and 2."""
     command = importlib.import_module(f"{MODULE}.{EXTENSION}.blender.command")
     source, output = options.work / "noisy.ply", options.work / "command.ply"
-    write_ply(source)
     status = command.run([str(source), "-o", str(output), "--steps", str(STEPS), "--quiet"])
     assert status == 0, f"exit code {status} for a good mesh"
     assert output.stat().st_size > 0
@@ -231,7 +231,6 @@ def check_message(options: argparse.Namespace) -> str:
         raise AssertionError("the operator ran without scipy")
     assert "scipy" in message, message
     command = importlib.import_module(f"{MODULE}.{EXTENSION}.blender.command")
-    write_ply(options.work / "noisy.ply")
     status = command.run([str(options.work / "noisy.ply"), "-o", str(options.work / "none.ply")])
     assert status == 1, f"exit code {status}"
     return message.splitlines()[0]

@@ -1,0 +1,117 @@
+"""Virtual environments with Blender's bpy module, one for each supported Blender.
+
+Each has the numpy of that official Blender and no scipy, because official Blenders have none. They
+are kept in a cache directory, about 1 GB each, and made when missing.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from fetch_wheels import WHEELS
+
+DEFAULT_CACHE = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"), "adaptive-fairing")
+TEST_REQUIREMENTS = ("pytest>=8", "hypothesis>=6.100", "tqdm>=4.60")
+
+
+@dataclass(frozen=True)
+class BlenderModule:
+    """A bpy wheel: its version, its Python, and the numpy that the official Blender has."""
+
+    version: str
+    python: str
+    numpy: str
+
+
+BLENDERS = (
+    BlenderModule("4.2.23", "3.11", "numpy==1.24.3"),
+    BlenderModule("4.5.15", "3.11", "numpy==1.26.4"),
+    BlenderModule("5.0.1", "3.11", "numpy==1.26.4"),
+    BlenderModule("5.2.3", "3.13", "numpy>=2.2,<2.7"),
+)
+
+
+class PythonNotFoundError(Exception):
+    """The Python that a Blender needs is not on this machine; the message says which."""
+
+
+def find_python(version: str) -> Path:
+    """Return an interpreter of `version`, such as "3.11", that starts.
+
+    It is looked for in this process, on the PATH and among pyenv's versions: a shim of pyenv on
+    the PATH is there even when the version it stands for is not selected.
+
+    Raises
+    ------
+    PythonNotFoundError
+        If there is none.
+    """
+    for candidate in _python_candidates(version):
+        probe = [str(candidate), "-c", "import sys, venv; print('%d.%d' % sys.version_info[:2])"]
+        done = subprocess.run(probe, capture_output=True, text=True, check=False)
+        if done.returncode == 0 and done.stdout.strip() == version:
+            return candidate
+    raise PythonNotFoundError(f"no Python {version} on this machine")
+
+
+def make_environment(module: BlenderModule, cache: Path) -> Path:
+    """Return the Python of the environment of `module`, which is made when missing.
+
+    Raises
+    ------
+    PythonNotFoundError
+        If its Python is not on this machine.
+    subprocess.CalledProcessError
+        If pip fails; its output has gone to the terminal.
+    """
+    directory = cache / "blenders" / module.version
+    python = directory / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+    complete = directory / "complete"
+    if not complete.exists():
+        base = find_python(module.python)
+        shutil.rmtree(directory, ignore_errors=True)
+        subprocess.run([str(base), "-m", "venv", str(directory)], check=True)
+        _pip_install(python, [f"bpy=={module.version}", module.numpy])
+        complete.touch()
+    return python
+
+
+def make_test_packages(module: BlenderModule, cache: Path) -> Path:
+    """Return a folder with pytest and scipy for `module`, to be put on the PYTHONPATH.
+
+    It is apart from the environment, which stays as bare as the official Blender. scipy has the
+    version that the extension carries for this Python.
+    """
+    directory = cache / "test-packages" / module.version
+    complete = directory / "complete"
+    if not complete.exists():
+        python = make_environment(module, cache)
+        shutil.rmtree(directory, ignore_errors=True)
+        abi = "cp" + module.python.replace(".", "")
+        scipy = next(wheel for wheel in WHEELS["linux-x64"] if wheel.abi == abi)
+        target = ["--target", str(directory)]
+        _pip_install(python, [*target, *TEST_REQUIREMENTS])
+        # Without its requirements: numpy has to be the environment's own.
+        _pip_install(python, [*target, "--no-deps", scipy.requirement])
+        complete.touch()
+    return directory
+
+
+def _python_candidates(version: str) -> Iterator[Path]:
+    if "{}.{}".format(*sys.version_info) == version:
+        yield Path(sys.executable)
+    if on_path := shutil.which(f"python{version}"):
+        yield Path(on_path)
+    pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv"))
+    yield from sorted(pyenv.glob(f"versions/{version}.*/bin/python"), reverse=True)
+
+
+def _pip_install(python: Path, arguments: Sequence[str]) -> None:
+    pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
+    subprocess.run([*pip, *arguments], check=True)

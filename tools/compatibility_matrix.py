@@ -1,0 +1,264 @@
+"""Install the built extension in every supported Blender and print a table of what ran.
+
+The Blenders are the bpy modules of the supported versions (tools/bpy_environments.py), and real
+Blender programs when some are named. In each of them tests/extension/check_installed.py runs in
+fresh processes; under the bpy modules the test suite of the add-on runs as well.
+
+Usage: python tools/compatibility_matrix.py [--only VERSION ...] [--blender COMMAND ...]
+       [--cache DIR] [--no-tests]
+
+The exit status is 1 if anything failed. A Blender whose Python is not on this machine has a row
+that says so.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import build_extension
+from bpy_environments import (
+    BLENDERS,
+    DEFAULT_CACHE,
+    BlenderModule,
+    PythonNotFoundError,
+    make_environment,
+    make_test_packages,
+)
+
+ROOT = Path(__file__).resolve().parent.parent
+CHECK = ROOT / "tests" / "extension" / "check_installed.py"
+MODULE = "bl_ext.user_default.adaptive_fairing"
+# Named as the checks are, apart from the last three.
+COLUMNS = (
+    "python",
+    "numpy",
+    "install",
+    "first enable",
+    "cold enable",
+    "operator",
+    "scipy origin",
+    "command",
+    "disable",
+    "enable again",
+    "uninstall",
+    "same bytes",
+    "without scipy",
+    "tests",
+)
+
+
+@dataclass
+class Row:
+    """What one Blender did: a short text per column, and every failure in full."""
+
+    name: str
+    cells: dict[str, str] = field(default_factory=dict)
+    failures: list[str] = field(default_factory=list)
+
+    def fail(self, column: str, details: str) -> None:
+        """Record a failure."""
+        self.cells[column] = "FAILED"
+        self.failures.append(f"{self.name}, {column}: {details.strip()}")
+
+
+def run_isolated(
+    command: Sequence[str], work: Path, **environment: str
+) -> subprocess.CompletedProcess[str]:
+    """Run a command with a user directory of its own, ``work/user``.
+
+    Nothing of the caller's PYTHONPATH gets through: it could stand in for what the extension
+    should bring.
+    """
+    user = work / "user"
+    user.mkdir(parents=True, exist_ok=True)
+    variables = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
+    variables |= {"BLENDER_USER_RESOURCES": str(user), **environment}
+    return subprocess.run(
+        list(command), cwd=work, env=variables, capture_output=True, text=True, check=False
+    )
+
+
+def run_phase(start: Sequence[str], phase: str, work: Path, archive: Path | None = None) -> dict:
+    """Run one phase of check_installed.py in a fresh process and return its result.
+
+    Parameters
+    ----------
+    start
+        The command up to the arguments of check_installed.py.
+    phase
+        Its name, see check_installed.py.
+    work
+        Folder of this Blender, for its user directory and the meshes.
+    archive
+        The zip, for the phases that install.
+    """
+    result = work / f"{phase}.json"
+    result.unlink(missing_ok=True)
+    command = [*start, phase, "--work", str(work), "--result", str(result)]
+    if archive is not None:
+        command += ["--zip", str(archive)]
+    done = run_isolated(command, work)
+    if result.exists():
+        return json.loads(result.read_text("utf-8"))
+    error = f"exit status {done.returncode} and no result\n{done.stdout}{done.stderr}"
+    return {"checks": {}, "failed": {"check": phase, "error": error}}
+
+
+def check_blender(
+    row: Row,
+    start: Sequence[str],
+    program: Sequence[str],
+    work: Path,
+    *,
+    archive: Path,
+    plain: Path,
+    **environment: str,
+) -> None:
+    """Fill a row: install, use and uninstall; the same file from `program`; life without scipy.
+
+    Parameters
+    ----------
+    row
+        The row to fill.
+    start
+        The command up to the arguments of check_installed.py.
+    program
+        The command line program whose output must be the one of the command run inside Blender.
+    work
+        An empty folder.
+    archive, plain
+        The zip for this Blender, and the one without wheels.
+    **environment
+        Variables for `program`.
+    """
+    installed = run_phase(start, "install", work, archive)
+    _take(row, installed)
+    if installed["failed"] is None:
+        # The program comes first: "use" ends with uninstalling, and with that goes the scipy.
+        arguments = [str(work / "noisy.ply"), "-o", str(work / "program.ply"), "--steps", "2"]
+        done = run_isolated([*program, *arguments, "--quiet"], work, **environment)
+        _take(row, run_phase(start, "use", work))
+        written = [work / "program.ply", work / "command.ply"]
+        if done.returncode != 0:
+            row.fail("same bytes", f"exit status {done.returncode}\n{done.stdout}{done.stderr}")
+        elif not all(path.exists() for path in written):
+            row.fail("same bytes", "one of the two wrote no file")
+        elif written[0].read_bytes() != written[1].read_bytes():
+            row.fail("same bytes", "the program and the command in Blender differ")
+        else:
+            row.cells["same bytes"] = "yes"
+    bare = run_phase(start, "without-scipy", work, plain)
+    if bare["failed"] is None:
+        row.cells["without scipy"] = "says so"
+    else:
+        row.fail("without scipy", f"{bare['failed']['check']}\n{bare['failed']['error']}")
+
+
+def check_module(module: BlenderModule, archives: dict[str, Path], cache: Path, tests: bool) -> Row:
+    """Return the row of a bpy module."""
+    row = Row(f"bpy {module.version}")
+    try:
+        python = make_environment(module, cache)
+    except PythonNotFoundError as error:
+        row.cells["python"] = f"not run: {error}"
+        return row
+    with tempfile.TemporaryDirectory() as scratch:
+        work = Path(scratch)
+        packages = work / "user/extensions/.local/lib" / f"python{module.python}" / "site-packages"
+        check_blender(
+            row,
+            [str(python), str(CHECK)],
+            [str(python), "-m", "adaptive_fairing"],
+            work,
+            archive=archives["linux-x64"],
+            plain=archives[build_extension.NO_WHEELS],
+            PYTHONPATH=os.pathsep.join([str(ROOT), str(packages)]),
+        )
+        if tests:
+            _run_tests(row, python, make_test_packages(module, cache), work)
+    return row
+
+
+def check_program(command: Sequence[str], archives: dict[str, Path]) -> Row:
+    """Return the row of a real Blender, which has a scipy of its own."""
+    row = Row("real Blender")
+    plain = archives[build_extension.NO_WHEELS]
+    start = [*command, "-b", "--factory-startup", "--python", str(CHECK), "--"]
+    program = [*command, "--factory-startup", "--addons", MODULE, "-c", "adaptive_fairing"]
+    with tempfile.TemporaryDirectory() as scratch:
+        check_blender(row, start, program, Path(scratch), archive=plain, plain=plain)
+    return row
+
+
+def table(rows: Sequence[Row]) -> str:
+    """Return the rows as a Markdown table."""
+    lines = [("Blender", *COLUMNS)]
+    lines += [(row.name, *(row.cells.get(name, "-") for name in COLUMNS)) for row in rows]
+    widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    lines.insert(1, tuple("-" * width for width in widths))
+    padded = (map(str.ljust, line, widths) for line in lines)
+    return "\n".join(f"| {' | '.join(cells)} |" for cells in padded)
+
+
+def _take(row: Row, result: dict) -> None:
+    """Put a phase's result into the row."""
+    row.cells |= result["checks"]
+    if "blender" in result:
+        row.name = row.name.replace("real Blender", f"Blender {result['blender']}")
+        row.cells |= {"python": result["python"], "numpy": result["numpy"]}
+    if result["failed"] is not None:
+        row.fail(result["failed"]["check"], result["failed"]["error"])
+
+
+def _run_tests(row: Row, python: Path, packages: Path, work: Path) -> None:
+    """Run the fast tests of core and add-on under a bpy module; keep pytest's summary."""
+    command = [str(python), "-m", "pytest", "--quiet", "-p", "no:cacheprovider"]
+    command += ["--rootdir", str(ROOT), "--config-file", str(ROOT / "pyproject.toml")]
+    command += [str(ROOT / "tests" / "core"), str(ROOT / "tests" / "blender")]
+    done = run_isolated(command, work, PYTHONPATH=str(packages))
+    if done.returncode == 0:
+        row.cells["tests"] = done.stdout.strip().splitlines()[-1].partition(" in ")[0]
+    else:
+        row.fail("tests", f"{done.stdout[-6000:]}{done.stderr[-2000:]}")
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Build the zips, fill the rows, print the table and the failures."""
+    versions = [module.version for module in BLENDERS]
+    parser = argparse.ArgumentParser(description="Try the extension in every supported Blender.")
+    parser.add_argument("--only", nargs="+", choices=versions, default=versions)
+    parser.add_argument(
+        "--blender", action="append", default=[], type=shlex.split, help="a real Blender's command"
+    )
+    parser.add_argument("--cache", type=Path, default=DEFAULT_CACHE)
+    parser.add_argument("--no-tests", action="store_true", help="leave the test suite out")
+    options = parser.parse_args(arguments)
+
+    rows: list[Row] = []
+    with tempfile.TemporaryDirectory() as scratch:
+        archives = {
+            name: build_extension.build([name], Path(scratch), wheels=options.cache / "wheels")[0]
+            for name in (build_extension.NO_WHEELS, "linux-x64")
+        }
+        for module in BLENDERS:
+            if module.version in options.only:
+                rows.append(check_module(module, archives, options.cache, not options.no_tests))
+        rows += [check_program(command, archives) for command in options.blender]
+    print(table(rows))
+    failures = [failure for row in rows for failure in row.failures]
+    for failure in failures:
+        print(f"\n{failure}", file=sys.stderr)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
