@@ -215,6 +215,8 @@ def _run(arguments: argparse.Namespace) -> int:
     except MemoryError:
         return _fail("not enough memory for this mesh: reduce it, or use a larger machine")
     if not arguments.quiet:
+        for note in report["notes"]:
+            print(f"{PROGRAM}: note: {note}", file=sys.stderr)
         print(_summary(report), file=sys.stderr)
     return DONE
 

@@ -31,6 +31,9 @@ class MeshFormat:
         "Y up" and "Z up".
     holds_scene
         Whether the file can hold several objects; otherwise only the faired one is written.
+    splits_vertices
+        Whether a vertex is stored once for each of its normals and UVs, which tears the surface
+        apart at seams and sharp edges.
     """
 
     importer: str
@@ -39,6 +42,7 @@ class MeshFormat:
     export_options: Mapping[str, Any] = field(default_factory=dict)
     keeps_axes: bool = False
     holds_scene: bool = True
+    splits_vertices: bool = False
 
 
 OBJ = MeshFormat(
@@ -83,21 +87,19 @@ _GLTF_EXPORT: dict[str, Any] = {
     "export_vertex_color": "ACTIVE",
     "export_all_vertex_colors": True,
 }
-# glTF splits vertices at seams and sharp edges; merged again they are one surface to fair.
-_GLTF_IMPORT = {"merge_vertices": True}
 
 GLB = MeshFormat(
     importer="import_scene.gltf",
     exporter="export_scene.gltf",
-    import_options=_GLTF_IMPORT,
     export_options={**_GLTF_EXPORT, "export_format": "GLB"},
+    splits_vertices=True,
 )
 
 GLTF = MeshFormat(
     importer="import_scene.gltf",
     exporter="export_scene.gltf",
-    import_options=_GLTF_IMPORT,
     export_options={**_GLTF_EXPORT, "export_format": "GLTF_SEPARATE"},
+    splits_vertices=True,
 )
 
 FBX = MeshFormat(
@@ -140,6 +142,12 @@ def suffix_of(path: Path) -> str:
 def is_supported(path: Path) -> bool:
     """Whether the name of the file says that it can be read and written."""
     return suffix_of(path) in SUFFIXES
+
+
+def splits_vertices(path: Path) -> bool:
+    """Whether a file of this format holds split vertices."""
+    file_format = MESH_FORMATS.get(suffix_of(path))
+    return file_format is not None and file_format.splits_vertices
 
 
 def keeps_axes(source: Path, destination: Path) -> bool:

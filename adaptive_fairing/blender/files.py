@@ -12,9 +12,10 @@ import numpy as np
 from ..core import FairingError, InputError
 from ..core.atomic_files import replaced_file, replaced_files
 from ..core.errors import listed
-from ..formats import BLEND, MESH_FORMATS, suffix_of
+from ..formats import BLEND, MESH_FORMATS, OBJ, PLY, suffix_of
 from .compatibility import known_options
 from .mesh_data import read_positions
+from .obj_precision import restore_precision
 from .silence import silent_stdout
 from .target import find_mesh_object
 
@@ -63,7 +64,9 @@ def import_mesh(
     return obj
 
 
-def export_mesh(obj: bpy.types.Object, path: Path, *, alone: bool, keep_axes: bool = False) -> None:
+def export_mesh(
+    obj: bpy.types.Object, path: Path, *, alone: bool, keep_axes: bool = False
+) -> list[str]:
     """Write a mesh file; modifiers and shape keys are not applied where the format allows it.
 
     Parameters
@@ -77,6 +80,11 @@ def export_mesh(obj: bpy.types.Object, path: Path, *, alone: bool, keep_axes: bo
     keep_axes
         As in `import_mesh`.
 
+    Returns
+    -------
+    list of str
+        What the format could not hold, one sentence each.
+
     Raises
     ------
     FileError
@@ -86,14 +94,25 @@ def export_mesh(obj: bpy.types.Object, path: Path, *, alone: bool, keep_axes: bo
     """
     file_format = MESH_FORMATS[suffix_of(path)]
     options = dict(file_format.export_options)
+    notes = []
     if file_format.keeps_axes and keep_axes:
         options |= _AXES_AS_IN_FILE
+    if file_format in (OBJ, PLY):
+        # Without normals of its own a mesh stays one whose readers compute them.
+        options["export_normals"] = obj.data.has_custom_normals
+    if file_format is PLY and not _has_uv_per_vertex(obj.data):
+        # Blender would cut the surface open along the seams.
+        options["export_uv"] = False
+        notes.append("UVs are left out: .ply has one UV per vertex, the mesh has seams")
     if alone or not file_format.holds_scene:
         _show_alone(obj)
     with replaced_files(path) as draft:
         _call(path, file_format.exporter, {**options, "filepath": str(draft)})
         if not draft.is_file():
             raise FileError(f"cannot write {path}: Blender wrote nothing")
+        if file_format is OBJ:
+            restore_precision(draft, keep_axes=keep_axes)
+    return notes
 
 
 def save_blend(path: Path) -> None:
@@ -140,13 +159,30 @@ def _require_finite(mesh: bpy.types.Mesh) -> None:
         )
 
 
+def _has_uv_per_vertex(mesh: bpy.types.Mesh) -> bool:
+    """Whether all corners at a vertex have the same UV, in the layer that is exported."""
+    layer = mesh.uv_layers.active
+    if layer is None:
+        return True
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    uv = np.empty(2 * len(mesh.loops), dtype=np.float32)
+    layer.uv.foreach_get("vector", uv)
+    uv = uv.reshape(-1, 2)
+    one_of_each = np.zeros((len(mesh.vertices), 2), dtype=np.float32)
+    one_of_each[corners] = uv
+    return np.array_equal(one_of_each[corners], uv)
+
+
 def _show_alone(obj: bpy.types.Object) -> None:
-    """Switch to a new scene that holds this object only, whatever hides it elsewhere."""
+    """Replace all scenes by one that holds this object only, whatever hid it before."""
     scene = bpy.data.scenes.new(obj.name)
     scene.collection.objects.link(obj)
     if obj.library is None:
         obj.hide_viewport = False
     bpy.context.window.scene = scene
+    # Some exporters write every scene of the file.
+    bpy.data.batch_remove([each for each in bpy.data.scenes if each != scene])
 
 
 def _call(path: Path, name: str, options: Mapping[str, Any]) -> None:

@@ -16,11 +16,11 @@ import scipy
 from ..core import FairingError, FairingSettings, FairingStep, SolverError, fair_steps
 from ..core.atomic_files import writable_place
 from ..core.report import build_report, step_record, write_report
-from ..formats import BLEND, keeps_axes, suffix_of
+from ..formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ..version import program_version
 from .attributes import write_density
 from .files import export_mesh, import_mesh, save_blend
-from .mesh_data import read_mesh
+from .mesh_data import read_mesh, welded
 from .shape_keys import animate_evolution, write_absolute_keys, write_final_shape
 from .target import needs_copy, writable_object
 
@@ -104,6 +104,7 @@ class _Run:
         self.mesh: Mapping[str, int] = {}
         self.records: list[dict[str, Any]] = []
         self.last: FairingStep | None = None
+        self.notes: list[str] = []
 
     def execute(self, on_step: OnStep) -> None:
         job = self.job
@@ -127,20 +128,23 @@ class _Run:
             "polygons": len(obj.data.polygons),
             "triangles": len(data.triangles),
         }
+        surface, surface_vertex = data, slice(None)
+        if splits_vertices(self.job.input):
+            surface, surface_vertex = welded(data)
         shapes: list[np.ndarray] = []
         density = None
         started = time.perf_counter()
         try:
-            for step in fair_steps(data.vertices, data.triangles, self.job.settings):
+            for step in fair_steps(surface.vertices, surface.triangles, self.job.settings):
                 now = time.perf_counter()
-                self.records.append(step_record(step, data.vertices, now - started))
+                self.records.append(step_record(step, surface.vertices, now - started))
                 self.last = step
                 on_step(step)
                 if not step.solve.converged:
                     return shapes, density, _not_converged(step)
                 # Blender keeps float32: half the memory for the same result.
-                shapes.append(step.positions.astype(np.float32))
-                density = step.density
+                shapes.append(step.positions[surface_vertex].astype(np.float32))
+                density = step.density[surface_vertex]
                 started = time.perf_counter()
         except SolverError as error:
             return shapes, density, SolverError(f"step {len(shapes) + 1}: {error}")
@@ -157,7 +161,7 @@ class _Run:
             save_blend(job.output)
         else:
             write_final_shape(obj, shapes[-1])
-            export_mesh(
+            self.notes = export_mesh(
                 obj,
                 job.output,
                 alone=is_copy or suffix_of(job.input) == BLEND,
@@ -174,6 +178,7 @@ class _Run:
             initial=None if last is None else last.initial,
             steps=self.records,
             stop_reason=None if last is None else last.stop_reason,
+            notes=self.notes,
             error=error,
         )
 

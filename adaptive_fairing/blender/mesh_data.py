@@ -43,6 +43,23 @@ def read_mesh(mesh: bpy.types.Mesh) -> MeshData:
     return MeshData(vertices=read_positions(mesh), triangles=read_triangles(mesh))
 
 
+def welded(data: MeshData) -> tuple[MeshData, NDArray[np.intp]]:
+    """Join vertices at the same place, for files that split them at seams and sharp edges.
+
+    Returns
+    -------
+    MeshData
+        The connected surface.
+    (n,) array
+        Its vertex for every vertex of `data`: positions of the surface, indexed with this, are
+        positions of the mesh as it was, with split vertices still together.
+    """
+    vertices, surface_vertex = np.unique(data.vertices, axis=0, return_inverse=True)
+    surface_vertex = surface_vertex.reshape(-1)  # numpy 2.0 gives it a second axis
+    triangles = surface_vertex[data.triangles].astype(np.int32)
+    return MeshData(vertices, triangles), surface_vertex
+
+
 def read_positions(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
     """Read the undeformed positions, (n, 3): the Basis key if there are shape keys."""
     # Blender converts element by element if the buffer is not float32, which is 200 times slower.

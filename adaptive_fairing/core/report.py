@@ -63,6 +63,7 @@ def build_report(
     initial: SurfaceMeasures | None,
     steps: Sequence[Json],
     stop_reason: str | None,
+    notes: Sequence[str],
     error: str | None,
 ) -> Json:
     """Put the report of a run together.
@@ -83,6 +84,8 @@ def build_report(
         One `step_record` each.
     stop_reason
         Why the run ended, as in `FairingStep`; None if an error ended it.
+    notes
+        What the output could not hold, one sentence each.
     error
         The error message; None if all went well.
     """
@@ -94,6 +97,7 @@ def build_report(
         "initial": None if initial is None else asdict(initial),
         "steps": list(steps),
         "stop_reason": stop_reason,
+        "notes": list(notes),
         "error": error,
     }
 
