@@ -1,0 +1,97 @@
+"""Make the project's sample meshes: clean and noisy, feature-adaptive, closed manifolds.
+
+Run `python tools/make_samples.py [NAME ...] [-o FOLDER]` with the `bpy` wheel installed. The
+result is the same on every run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from samples import head
+from samples.adaptive import corner_angles, decimate, density_ratio, improve
+from samples.implicit import Array, Solid
+from samples.meshing import Faces, dense_mesh
+from samples.noise import add_noise
+from samples.ply import write_ply
+
+ASSETS = Path(__file__).resolve().parent.parent / "assets"
+
+
+@dataclass(frozen=True)
+class Sample:
+    """How one sample is made.
+
+    Attributes
+    ----------
+    solid, detail
+        The shape, and how densely it is to be meshed at given points (0 to 1).
+    cell
+        Lattice spacing of the dense mesh, in the shape's units.
+    n_triangles
+        Size of the result.
+    contrast
+        How much the detailed parts are kept against the smooth ones.
+    noise
+        Standard deviation over the local mean edge length.
+    seed
+        Seed of the noise.
+    """
+
+    solid: Callable[[], Solid]
+    detail: Callable[[Array], Array]
+    cell: float
+    n_triangles: int
+    contrast: float
+    noise: float
+    seed: int
+
+
+SAMPLES = {
+    "head": Sample(head.solid, head.detail, 0.13, 10_000, 10.0, 0.17, 11),
+}
+"""Every sample by name; each gives NAME.ply and NAME_noisy.ply."""
+
+
+def make(sample: Sample) -> tuple[Array, Array, Faces]:
+    """Return clean positions, noisy positions (both (n, 3)) and triangles (m, 3)."""
+    solid = sample.solid()
+    dense, faces = dense_mesh(solid, sample.cell)
+    coarse, faces = decimate(
+        dense, faces, sample.detail(dense), sample.n_triangles, sample.contrast
+    )
+    clean, triangles = improve(solid, coarse, faces, rounds=4)
+    return clean, add_noise(clean, triangles, sample.noise, sample.seed), triangles
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Make the samples named on the command line, or all of them."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", metavar="NAME", help=", ".join(SAMPLES))
+    parser.add_argument("-o", "--output", type=Path, default=ASSETS, metavar="FOLDER")
+    options = parser.parse_args(arguments)
+    unknown = sorted(set(options.names) - set(SAMPLES))
+    if unknown:
+        parser.error(f"unknown sample {', '.join(unknown)}; there are {', '.join(SAMPLES)}")
+    options.output.mkdir(parents=True, exist_ok=True)
+    for name in options.names or SAMPLES:
+        clean, noisy, triangles = make(SAMPLES[name])
+        comment = "adaptive_fairing sample, CC0-1.0, made by tools/make_samples.py"
+        write_ply(options.output / f"{name}.ply", clean, triangles, comment)
+        write_ply(options.output / f"{name}_noisy.ply", noisy, triangles, comment)
+        sys.stdout.write(
+            f"{name}: {len(clean)} vertices, {len(triangles)} triangles, "
+            f"density ratio {density_ratio(clean, triangles):.1f}, "
+            f"smallest angle {np.min(corner_angles(clean, triangles)):.1f} degrees\n"
+        )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,194 @@
+"""From a dense mesh to a feature-adaptive one: Blender's Decimate, then better triangles."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from .implicit import Array, Primitive, project
+from .meshing import Faces
+
+FLAT = 0.5
+"""Smallest cosine between the normals of two triangles whose common edge may be flipped."""
+
+
+def decimate(vertices: Array, triangles: Faces, weights: Array, n_triangles: int,
+             contrast: float) -> tuple[Array, Faces]:
+    """Collapse edges by quadric error until `n_triangles` are left.
+
+    Parameters
+    ----------
+    vertices, triangles
+        The dense mesh, (n, 3) and (m, 3).
+    weights
+        (n,) in [0, 1]; edges between vertices of weight one are collapsed last.
+    n_triangles
+        How many triangles to keep.
+    contrast
+        How strongly the weights count against the quadric error.
+    """
+    mesh = bpy.data.meshes.new("dense")
+    mesh.from_pydata(vertices, [], triangles)
+    item = bpy.data.objects.new("dense", mesh)
+    bpy.context.scene.collection.objects.link(item)
+    group = item.vertex_groups.new(name="detail")
+    # The modifier collapses vertices of weight one first and never those of weight zero.
+    levels = np.round(np.clip(1.0 - weights, 0.05, 1.0), 2)
+    for level in np.unique(levels):
+        group.add(np.flatnonzero(levels == level).tolist(), float(level), "REPLACE")
+    modifier = item.modifiers.new("decimate", "DECIMATE")
+    modifier.ratio = n_triangles / len(triangles)
+    modifier.use_collapse_triangulate = True
+    modifier.vertex_group = group.name
+    modifier.vertex_group_factor = contrast
+    evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    positions = np.empty(3 * len(evaluated.vertices), dtype=np.float32)
+    evaluated.vertices.foreach_get("co", positions)
+    corners = np.empty(3 * len(evaluated.polygons), dtype=np.int32)
+    evaluated.polygons.foreach_get("vertices", corners)
+    bpy.data.objects.remove(item)
+    bpy.data.meshes.remove(mesh)
+    return positions.reshape(-1, 3).astype(float), corners.reshape(-1, 3)
+
+
+def improve(solid: Primitive, vertices: Array, triangles: Faces, rounds: int
+            ) -> tuple[Array, Faces]:
+    """Flip edges and move vertices within the surface, so that no triangle stays a sliver."""
+    for _ in range(rounds):
+        triangles = flip_edges(vertices, triangles)
+        vertices = _relax(vertices, triangles)
+        step = 0.5 * float(np.median(edge_lengths(vertices, triangles)))
+        vertices = project(solid, vertices, step, rounds=2)
+    return vertices, flip_edges(vertices, triangles)
+
+
+def edges_of(triangles: Faces) -> NDArray[np.int32]:
+    """Return the edges (k, 2) of a closed mesh, each once, smaller index first."""
+    pairs = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    return np.unique(np.sort(pairs, axis=1), axis=0)
+
+
+def edge_lengths(vertices: Array, triangles: Faces) -> Array:
+    """Return the length of every edge."""
+    ends = vertices[edges_of(triangles)]
+    return np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1)
+
+
+def mean_edge_lengths(vertices: Array, triangles: Faces) -> Array:
+    """Return the mean length (n,) of the edges at every vertex."""
+    edges = edges_of(triangles)
+    length = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
+    ends = edges.ravel()
+    total = np.bincount(ends, np.repeat(length, 2), minlength=len(vertices))
+    return total / np.bincount(ends, minlength=len(vertices))
+
+
+def density_ratio(vertices: Array, triangles: Faces) -> float:
+    """Return the 99th over the 1st percentile of the vertices' mean edge lengths."""
+    low, high = np.percentile(mean_edge_lengths(vertices, triangles), [1, 99])
+    return float(high / low)
+
+
+def corner_angles(vertices: Array, triangles: Faces) -> Array:
+    """Return the angles (m, 3) in degrees."""
+    corners = vertices[triangles]
+    after = np.roll(corners, -1, axis=1) - corners
+    before = np.roll(corners, 1, axis=1) - corners
+    sine = np.linalg.norm(np.cross(after, before), axis=2)
+    return np.degrees(np.arctan2(sine, np.einsum("mcd,mcd->mc", after, before)))
+
+
+def normals(vertices: Array, triangles: Faces) -> Array:
+    """Return unit normals (m, 3)."""
+    corners = vertices[triangles]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), 1e-30)
+
+
+def vertex_normals(vertices: Array, triangles: Faces) -> Array:
+    """Return unit vertex normals (n, 3), triangles weighted by area."""
+    corners = vertices[triangles]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    total = np.zeros_like(vertices)
+    for k in range(3):
+        np.add.at(total, triangles[:, k], cross)
+    return total / np.linalg.norm(total, axis=1, keepdims=True)
+
+
+def flip_edges(vertices: Array, triangles: Faces, rounds: int = 30) -> Faces:
+    """Flip edges while that makes the smallest angle of the two triangles larger.
+
+    An edge stays where the surface bends sharply across it, where the flipped edge exists
+    already, and where an end would be left with fewer than four triangles.
+    """
+    triangles = triangles.copy()
+    for _ in range(rounds):
+        chosen = _best_flips(vertices, triangles)
+        if not len(chosen):
+            break
+        first, second, (a, b, c, d) = chosen[:, 0], chosen[:, 1], chosen[:, 2:].T
+        triangles[first] = np.stack([c, a, d], axis=1)
+        triangles[second] = np.stack([d, b, c], axis=1)
+    return triangles
+
+
+def _best_flips(vertices: Array, triangles: Faces) -> NDArray[np.int64]:
+    """Return rows (triangle, triangle, a, b, c, d): edges ab to become cd, no triangle twice."""
+    n_vertices = len(vertices)
+    half = np.concatenate([triangles[:, [0, 1, 2]], triangles[:, [1, 2, 0]],
+                           triangles[:, [2, 0, 1]]]).astype(np.int64)
+    owner = np.tile(np.arange(len(triangles)), 3)
+    key = half[:, 0] * n_vertices + half[:, 1]
+    order = np.argsort(key)
+    twin_key = half[:, 1] * n_vertices + half[:, 0]
+    twin = order[np.searchsorted(key[order], twin_key)]
+    once = half[:, 0] < half[:, 1]
+    half_edge, twin = np.flatnonzero(once), twin[once]
+    a, b, c = half[half_edge].T
+    d = half[twin, 2]
+    before = [np.stack([a, b, c], 1), np.stack([b, a, d], 1)]
+    after = [np.stack([c, a, d], 1), np.stack([d, b, c], 1)]
+    smallest = [np.minimum(*(corner_angles(vertices, pair).min(axis=1) for pair in pairs))
+                for pairs in (before, after)]
+    gain = smallest[1] - smallest[0]
+    normal = [normals(vertices, pair) for pair in before + after]
+    average = normal[0] + normal[1]
+    is_flat = np.einsum("kd,kd->k", normal[0], normal[1]) > FLAT
+    keeps_side = np.all([np.einsum("kd,kd->k", item, average) > 1.2 for item in normal[2:]], 0)
+    valence = np.bincount(triangles.ravel(), minlength=n_vertices)
+    has_valence = (valence[a] > 4) & (valence[b] > 4) & (valence[c] < 11) & (valence[d] < 11)
+    new_key = np.minimum(c, d) * n_vertices + np.maximum(c, d)
+    exists = np.isin(new_key, key[once])
+    wanted = np.flatnonzero(is_flat & keeps_side & has_valence & ~exists & (gain > 1e-6))
+    wanted = wanted[np.argsort(-gain[wanted], kind="stable")]
+    rows = np.stack([owner[half_edge], owner[twin], a, b, c, d], axis=1)[wanted]
+    # Two flips must share neither triangles nor corners, or valences and edges could go wrong.
+    used = np.zeros(n_vertices, dtype=bool)
+    keep = []
+    for position, row in enumerate(rows[:, 2:]):
+        if not used[row].any():
+            used[row] = True
+            keep.append(position)
+    return rows[keep]
+
+
+def _relax(vertices: Array, triangles: Faces) -> Array:
+    """Move vertices half-way to the area-weighted centre of their triangles, tangentially.
+
+    A triangle counts by its area over the local mean square edge, so that the gradation from
+    coarse to dense stays as it is.
+    """
+    local = mean_edge_lengths(vertices, triangles)
+    corners = vertices[triangles]
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    weight = np.linalg.norm(cross, axis=1) / local[triangles].mean(axis=1) ** 2
+    centre = corners.mean(axis=1)
+    total, share = np.zeros_like(vertices), np.zeros(len(vertices))
+    for k in range(3):
+        np.add.at(total, triangles[:, k], weight[:, None] * centre)
+        np.add.at(share, triangles[:, k], weight)
+    move = 0.5 * (total / share[:, None] - vertices)
+    normal = vertex_normals(vertices, triangles)
+    move -= np.einsum("nd,nd->n", move, normal)[:, None] * normal
+    return vertices + move

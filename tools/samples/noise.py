@@ -1,0 +1,20 @@
+"""Noise along the vertex normals, as strong as the mesh is coarse."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .adaptive import mean_edge_lengths, vertex_normals
+from .implicit import Array
+from .meshing import Faces
+
+
+def add_noise(vertices: Array, triangles: Faces, strength: float, seed: int) -> Array:
+    """Return the vertices (n, 3) moved along their normals by seeded Gaussian noise.
+
+    The standard deviation is `strength` times the mean length of the vertex's edges; moves
+    beyond 2.5 standard deviations are cut, so that no triangle turns over.
+    """
+    amount = np.random.default_rng(seed).standard_normal(len(vertices)).clip(-2.5, 2.5)
+    height = strength * mean_edge_lengths(vertices, triangles) * amount
+    return vertices + height[:, None] * vertex_normals(vertices, triangles)
