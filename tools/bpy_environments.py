@@ -41,6 +41,10 @@ class PythonNotFoundError(Exception):
     """The Python that a Blender needs is not on this machine; the message says which."""
 
 
+class InstallError(Exception):
+    """pip could not install what was asked for; the message has its output."""
+
+
 def find_python(version: str) -> Path:
     """Return an interpreter of `version`, such as "3.11", that starts.
 
@@ -67,8 +71,8 @@ def make_environment(module: BlenderModule, cache: Path) -> Path:
     ------
     PythonNotFoundError
         If its Python is not on this machine.
-    subprocess.CalledProcessError
-        If pip fails; its output has gone to the terminal.
+    InstallError
+        If pip fails.
     """
     directory = cache / "blenders" / module.version
     python = directory / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
@@ -114,4 +118,6 @@ def _python_candidates(version: str) -> Iterator[Path]:
 
 def _pip_install(python: Path, arguments: Sequence[str]) -> None:
     pip = [str(python), "-m", "pip", "install", "--quiet", "--disable-pip-version-check"]
-    subprocess.run([*pip, *arguments], check=True)
+    done = subprocess.run([*pip, *arguments], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise InstallError(f"pip install {' '.join(arguments)} failed\n{done.stderr.strip()}")

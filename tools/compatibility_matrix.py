@@ -1,11 +1,12 @@
 """Install the built extension in every supported Blender and print a table of what ran.
 
 The Blenders are the bpy modules of the supported versions (tools/bpy_environments.py), and real
-Blender programs when some are named. In each of them tests/extension/check_installed.py runs in
-fresh processes; under the bpy modules the test suite of the add-on runs as well.
+programs when some are named: a Blender on this machine, or one of a Debian release in a chroot
+(tools/real_blender.py, needs root). In each of them tests/extension/check_installed.py runs in
+fresh processes; under the bpy modules the fast tests run as well.
 
-Usage: python tools/compatibility_matrix.py [--only VERSION ...] [--blender COMMAND ...]
-       [--cache DIR] [--no-tests]
+Usage: python tools/compatibility_matrix.py [--only [VERSION ...]] [--blender COMMAND ...]
+       [--debian RELEASE ...] [--cache DIR] [--no-tests]
 
 The exit status is 1 if anything failed. A Blender whose Python is not on this machine has a row
 that says so.
@@ -29,6 +30,7 @@ from bpy_environments import (
     BLENDERS,
     DEFAULT_CACHE,
     BlenderModule,
+    InstallError,
     PythonNotFoundError,
     make_environment,
     make_test_packages,
@@ -171,6 +173,9 @@ def check_module(module: BlenderModule, archives: dict[str, Path], cache: Path, 
     except PythonNotFoundError as error:
         row.cells["python"] = f"not run: {error}"
         return row
+    except InstallError as error:
+        row.fail("python", str(error))
+        return row
     with tempfile.TemporaryDirectory() as scratch:
         work = Path(scratch)
         packages = work / "user/extensions/.local/lib" / f"python{module.python}" / "site-packages"
@@ -184,19 +189,39 @@ def check_module(module: BlenderModule, archives: dict[str, Path], cache: Path, 
             PYTHONPATH=os.pathsep.join([str(ROOT), str(packages)]),
         )
         if tests:
-            _run_tests(row, python, make_test_packages(module, cache), work)
+            try:
+                _run_tests(row, python, make_test_packages(module, cache), work)
+            except InstallError as error:
+                row.fail("tests", str(error))
     return row
 
 
-def check_program(command: Sequence[str], archives: dict[str, Path]) -> Row:
-    """Return the row of a real Blender, which has a scipy of its own."""
-    row = Row("real Blender")
-    plain = archives[build_extension.NO_WHEELS]
+def check_program(name: str, command: Sequence[str], plain: Path, work: Path) -> Row:
+    """Return the row of a real Blender; its scipy is its own, so the zip without wheels is used.
+
+    Parameters
+    ----------
+    name
+        What to call it while it has not told its version.
+    command
+        Starts this Blender.
+    plain, work
+        See `check_blender`.
+    """
+    row = Row(name)
     start = [*command, "-b", "--factory-startup", "--python", str(CHECK), "--"]
     program = [*command, "--factory-startup", "--addons", MODULE, "-c", "adaptive_fairing"]
-    with tempfile.TemporaryDirectory() as scratch:
-        check_blender(row, start, program, Path(scratch), archive=plain, plain=plain)
+    check_blender(row, start, program, work, archive=plain, plain=plain)
     return row
+
+
+def check_debian(release: str, plain: Path) -> Row:
+    """Return the row of the Blender of a Debian release, in a chroot made when missing."""
+    with tempfile.TemporaryDirectory() as scratch:
+        command = [sys.executable, str(ROOT / "tools" / "real_blender.py"), "--suite", release]
+        command += ["run", "--bind", scratch, "--bind", str(plain.parent)]
+        command += ["--env", f"BLENDER_USER_RESOURCES={scratch}/user", "--"]
+        return check_program(f"Debian {release}", command, plain, Path(scratch))
 
 
 def table(rows: Sequence[Row]) -> str:
@@ -213,7 +238,8 @@ def _take(row: Row, result: dict) -> None:
     """Put a phase's result into the row."""
     row.cells |= result["checks"]
     if "blender" in result:
-        row.name = row.name.replace("real Blender", f"Blender {result['blender']}")
+        if result["blender"] not in row.name:
+            row.name += f" (Blender {result['blender']})"
         row.cells |= {"python": result["python"], "numpy": result["numpy"]}
     if result["failed"] is not None:
         row.fail(result["failed"]["check"], result["failed"]["error"])
@@ -235,13 +261,20 @@ def main(arguments: list[str] | None = None) -> int:
     """Build the zips, fill the rows, print the table and the failures."""
     versions = [module.version for module in BLENDERS]
     parser = argparse.ArgumentParser(description="Try the extension in every supported Blender.")
-    parser.add_argument("--only", nargs="+", choices=versions, default=versions)
     parser.add_argument(
-        "--blender", action="append", default=[], type=shlex.split, help="a real Blender's command"
+        "--only", nargs="*", default=versions, metavar="VERSION", help=f"out of {versions}"
+    )
+    parser.add_argument(
+        "--blender", nargs="+", default=[], metavar="COMMAND", help="a Blender of this machine"
+    )
+    parser.add_argument(
+        "--debian", nargs="+", default=[], metavar="RELEASE", help="the Blender of this Debian"
     )
     parser.add_argument("--cache", type=Path, default=DEFAULT_CACHE)
     parser.add_argument("--no-tests", action="store_true", help="leave the test suite out")
     options = parser.parse_args(arguments)
+    if unknown := set(options.only) - set(versions):
+        parser.error(f"unknown version {', '.join(sorted(unknown))}; known: {', '.join(versions)}")
 
     rows: list[Row] = []
     with tempfile.TemporaryDirectory() as scratch:
@@ -252,7 +285,11 @@ def main(arguments: list[str] | None = None) -> int:
         for module in BLENDERS:
             if module.version in options.only:
                 rows.append(check_module(module, archives, options.cache, not options.no_tests))
-        rows += [check_program(command, archives) for command in options.blender]
+        plain = archives[build_extension.NO_WHEELS]
+        for command in options.blender:
+            work = Path(tempfile.mkdtemp(dir=scratch))
+            rows.append(check_program(command, shlex.split(command), plain, work))
+        rows += [check_debian(release, plain) for release in options.debian]
     print(table(rows))
     failures = [failure for row in rows for failure in row.failures]
     for failure in failures:

@@ -8,8 +8,9 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-import build_extension
 import pytest
+
+import build_extension
 from compatibility_matrix import CHECK, ROOT, Row, check_blender
 
 pytest.importorskip("bpy", reason="needs the bpy module")

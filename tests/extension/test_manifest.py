@@ -7,10 +7,10 @@ import subprocess
 import tomllib
 from pathlib import Path
 
-import build_extension
-import fetch_wheels
 import pytest
 
+import build_extension
+import fetch_wheels
 from adaptive_fairing.version import program_version
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -8,9 +8,10 @@ import tomllib
 import zipfile
 from pathlib import Path
 
+import pytest
+
 import build_extension
 import fetch_wheels
-import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 
