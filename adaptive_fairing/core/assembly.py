@@ -15,9 +15,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
+from .class_tables import ClassTables
 from .errors import InputError
 from .geometry import Metric, SurfaceMeasures, mean_curvature, metric_at
-from .loop_basis import BasisTable, basis_table
+from .loop_basis import basis_table
 from .patches import PatchSet, Segment
 from .quadrature import quadrature_choice
 from .sparsity import SymmetricPattern
@@ -27,42 +28,6 @@ FloatArray = NDArray[np.float64]
 
 # Points handled at once: large enough to hide the cost of a numpy call, small enough for the cache.
 POINTS_PER_BLOCK = 8192
-
-
-class ClassTables:
-    """Dense tables of one patch class for assembly.
-
-    Attributes
-    ----------
-    values : (q, K), gradients : (2, 1, q, K), second_derivatives : (3, 1, q, K)
-    weights : (q,)
-    weighted_values : (K, q)
-        Transposed values times the weights.
-    products : (K (K + 1) / 2, 4 q)
-        Weighted products of basis functions a ≤ b: φa φb, ∂1φa ∂1φb, ∂1φa ∂2φb + ∂2φa ∂1φb,
-        ∂2φa ∂2φb.
-    """
-
-    def __init__(self, table: BasisTable) -> None:
-        basis, self.weights = table
-        self.n_points, self.n_control_points = basis.shape[1:]
-        self.values = np.ascontiguousarray(basis[0])
-        self.gradients = np.ascontiguousarray(basis[1:3, None])
-        self.second_derivatives = np.ascontiguousarray(basis[3:6, None])
-        self.weighted_values = np.ascontiguousarray(basis[0].T * self.weights)
-        self.pairs = np.triu_indices(self.n_control_points)
-        a, b = self.pairs
-        phi, d1, d2 = basis[:3]
-        products = np.stack(
-            [
-                phi[:, a] * phi[:, b],
-                d1[:, a] * d1[:, b],
-                d1[:, a] * d2[:, b] + d2[:, a] * d1[:, b],
-                d2[:, a] * d2[:, b],
-            ]
-        )
-        products *= self.weights[:, None]
-        self.products = np.ascontiguousarray(products.reshape(-1, len(a)).T)
 
 
 class Part(NamedTuple):
@@ -231,10 +196,9 @@ class LoopSpace:
                 for part in parts:
                     tables = part.tables
                     n = part.control_points.shape[1]
-                    span = len(tables.products) * n
-                    np.matmul(
-                        tables.products,
-                        coefficients[:, part.points].reshape(-1, n),
+                    span = len(tables.pairs[0]) * n
+                    tables.local_matrices(
+                        coefficients[:, part.points].reshape(4, -1, n),
                         out=local[n_done : n_done + span].reshape(-1, n),
                     )
                     n_done += span
