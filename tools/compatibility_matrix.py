@@ -238,7 +238,7 @@ def _take(row: Row, result: dict) -> None:
     """Put a phase's result into the row."""
     row.cells |= result["checks"]
     if "blender" in result:
-        if result["blender"] not in row.name:
+        if result["blender"].split()[0] not in row.name:
             row.name += f" (Blender {result['blender']})"
         row.cells |= {"python": result["python"], "numpy": result["numpy"]}
     if result["failed"] is not None:
