@@ -10,12 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from .assembly import LoopSpace, StepSystem
 from .density import mesh_density
-from .errors import InputError, listed
+from .errors import InputError, TopologyError, listed
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport, conjugate_gradients
+from .manifold import cut_to_manifold
 from .ordering import local_order
 from .settings import FairingSettings
-from .topology import TriangleTopology
+from .topology import TriangleTopology, checked_triangles
 
 FloatArray = NDArray[np.float64]
 
@@ -44,6 +45,8 @@ class FairingStep:
     stop_reason : str or None
         None while the run goes on; otherwise "steps" (all done), "curvature" (3.11), "rate"
         (3.10), or "not_converged" (the linear solve of this step missed its tolerance).
+    notes : tuple of str
+        What had to be done to the input to make it solvable, one line each; the same in all steps.
     """
 
     index: int
@@ -56,6 +59,7 @@ class FairingStep:
     solve: SolveReport
     initial: SurfaceMeasures
     stop_reason: str | None = None
+    notes: tuple[str, ...] = ()
 
     @property
     def curvature_ratio(self) -> float:
@@ -86,6 +90,11 @@ class FairingResult:
     def positions(self) -> FloatArray:
         """Final positions, (n, 3)."""
         return self.steps[-1].positions
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What had to be done to the input to make it solvable, one line each."""
+        return self.steps[-1].notes
 
 
 def fair(
@@ -119,7 +128,8 @@ def fair_steps(
     vertices : (n, 3) float
         Control points of the Loop surface.  Vertices without a triangle stay where they are.
     faces : (m, 3) int
-        Consistently oriented triangles of one or several pieces, open or closed.
+        Triangles of one or several pieces, open or closed.  Where they are not an oriented
+        manifold, the solve cuts them apart and holds the vertices there, see `manifold`.
     settings : FairingSettings
     weights : (n,) float, optional
         Share of the local timestep (or diffusivity) that a vertex gets, in [0, 1]; a vertex of
@@ -128,9 +138,8 @@ def fair_steps(
     Raises
     ------
     InputError
-        Arrays of the wrong shape or type, coordinates that are not finite, weights out of range.
-    TopologyError
-        Triangles that are not an oriented manifold; raised with the first step.
+        Arrays of the wrong shape or type, coordinates that are not finite, indices or weights out
+        of range, no triangle at all.
     SolverError
         A linear system that is not positive definite or not finite; raised by its step.
 
@@ -139,24 +148,22 @@ def fair_steps(
     settings = settings or FairingSettings()
     points = _checked_vertices(vertices)
     shares = _checked_weights(weights, len(points))
-    topology_faces = np.array(faces)  # a copy: the caller may change the array between two steps
-    return _run(points, topology_faces, settings, shares)
+    # Copies: the caller may change the arrays between two steps.
+    triangles = checked_triangles(np.array(faces), len(points))
+    if len(triangles) == 0:
+        raise InputError("the mesh has no triangles: there is no surface to fair")
+    return _run(points, triangles, settings, shares)
 
 
 def _run(
-    points: FloatArray, faces: NDArray[np.int32], settings: FairingSettings, weights: FloatArray
+    points: FloatArray, triangles: NDArray[np.int32], settings: FairingSettings, weights: FloatArray
 ) -> Iterator[FairingStep]:
-    # Built once in the caller's numbers, so that errors name the caller's vertices.
-    topology = TriangleTopology(faces, len(points))
-    if topology.n_triangles == 0:
-        raise InputError("the mesh has no triangles: there is no surface to fair")
-    order = local_order(topology.triangles, len(points))
-    topology = TriangleTopology(order.triangles, len(points))
+    surface = _solvable_surface(triangles, len(points))
+    topology = surface.topology
     space = LoopSpace(topology, settings.quadrature_tolerance)
-
-    frame = _Frame.of(points, topology, order.vertices, settings.normalize)
-    weights = weights[order.vertices]
-    is_held = (weights == 0) | topology.is_loose
+    frame = _Frame.of(points, surface, settings.normalize)
+    weights = weights[surface.vertex_of]
+    is_held = (weights == 0) | topology.is_loose | surface.is_cut
     if settings.boundary == "fixed":
         is_held |= topology.on_boundary
 
@@ -240,30 +247,49 @@ def _ratio(energy: float, initial: float) -> float:
 
 
 @dataclass(frozen=True)
+class _Surface:
+    """The manifold that is solved on: renumbered, and cut where the caller's mesh is not one."""
+
+    topology: TriangleTopology
+    vertex_of: NDArray[np.intp]
+    is_cut: NDArray[np.bool_]
+    notes: tuple[str, ...] = ()
+
+
+def _solvable_surface(triangles: NDArray[np.int32], n_vertices: int) -> _Surface:
+    try:
+        order = local_order(triangles, n_vertices)
+        topology = TriangleTopology(order.triangles, n_vertices)
+        return _Surface(topology, order.vertices, np.zeros(n_vertices, dtype=bool))
+    except TopologyError:
+        mesh = cut_to_manifold(triangles, n_vertices)
+    n_copies = len(mesh.vertex_of)
+    order = local_order(mesh.triangles, n_copies)
+    topology = TriangleTopology(order.triangles, n_copies)
+    return _Surface(
+        topology, mesh.vertex_of[order.vertices], mesh.is_held[order.vertices], mesh.notes
+    )
+
+
+@dataclass(frozen=True)
 class _Frame:
-    """The solve's own coordinates and vertex numbers."""
+    """The solve's own coordinates, and the way back to the caller's."""
 
     centre: FloatArray
     scale: float
-    vertices: NDArray[np.intp]
+    surface: _Surface
 
     @classmethod
-    def of(
-        cls,
-        points: FloatArray,
-        topology: TriangleTopology,
-        vertices: NDArray[np.intp],
-        normalize: bool,
-    ) -> _Frame:
-        surface = points[vertices[~topology.is_loose]]
-        low, high = surface.min(axis=0), surface.max(axis=0)
+    def of(cls, points: FloatArray, surface: _Surface, normalize: bool) -> _Frame:
+        used = points[surface.vertex_of[~surface.topology.is_loose]]
+        low, high = used.min(axis=0), used.max(axis=0)
         size = float((high - low).max())
         scale = FRAME_SIZE / size if normalize and size > 0 else 1.0
         # Centred in any case: far from the origin the coordinates would lose digits.
-        return cls(low + (high - low) / 2, scale, vertices)
+        return cls(low + (high - low) / 2, scale, surface)
 
     def inward(self, points: FloatArray) -> FloatArray:
-        return (points[self.vertices] - self.centre) * self.scale
+        return (points[self.surface.vertex_of] - self.centre) * self.scale
 
     def step(
         self,
@@ -280,9 +306,10 @@ class _Frame:
     ) -> FairingStep:
         positions = points.copy()
         moving = ~is_held
-        positions[self.vertices[moving]] = current[moving] / self.scale + self.centre
-        caller_density = np.empty_like(density)
-        caller_density[self.vertices] = density
+        vertex_of = self.surface.vertex_of
+        positions[vertex_of[moving]] = current[moving] / self.scale + self.centre
+        caller_density = np.zeros(len(points))
+        caller_density[vertex_of] = density
         outer = measures.scaled(1 / self.scale)
         return FairingStep(
             index=index,
@@ -295,6 +322,7 @@ class _Frame:
             solve=solve,
             initial=initial.scaled(1 / self.scale),
             stop_reason=reason,
+            notes=self.surface.notes,
         )
 
 

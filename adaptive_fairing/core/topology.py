@@ -55,7 +55,8 @@ class TriangleTopology:
     """
 
     def __init__(self, faces: ArrayLike, n_vertices: int) -> None:
-        self.triangles = _checked_triangles(faces, n_vertices)
+        self.triangles = checked_triangles(faces, n_vertices)
+        _require_distinct_corners(self.triangles)
         self.n_vertices = int(n_vertices)
         self.n_triangles = len(self.triangles)
         self.twin = _twins(self.triangles, self.n_vertices)
@@ -142,7 +143,8 @@ class TriangleTopology:
             )
 
 
-def _checked_triangles(faces: ArrayLike, n_vertices: int) -> IntArray:
+def checked_triangles(faces: ArrayLike, n_vertices: int) -> IntArray:
+    """Return `faces` as (m, 3) int32, or raise InputError if they cannot be vertex indices."""
     array = np.asarray(faces)
     if array.size == 0:
         return np.empty((0, 3), dtype=np.int32)
@@ -156,7 +158,10 @@ def _checked_triangles(faces: ArrayLike, n_vertices: int) -> IntArray:
             f"{len(outside)} triangles use vertices outside 0 … {n_vertices - 1}: "
             f"triangles {listed(outside)}"
         )
-    triangles = np.ascontiguousarray(array, dtype=np.int32)
+    return np.ascontiguousarray(array, dtype=np.int32)
+
+
+def _require_distinct_corners(triangles: IntArray) -> None:
     repeated = np.flatnonzero(
         (triangles[:, 0] == triangles[:, 1])
         | (triangles[:, 1] == triangles[:, 2])
@@ -168,7 +173,6 @@ def _checked_triangles(faces: ArrayLike, n_vertices: int) -> IntArray:
             "delete them",
             triangles=repeated,
         )
-    return triangles
 
 
 def _twins(triangles: IntArray, n_vertices: int) -> IntArray:
