@@ -348,7 +348,8 @@ def _integrate_measures(parts: list[Part], block: Block) -> FloatArray:
     """Curvature energy, area and volume of a block, (3,)."""
     metric = block.metric
     integrands = np.empty((3, len(metric.area_element)))
-    np.multiply(metric.area_element, np.square(block.curvature), out=integrands[0])
+    if block.curvature is not None:
+        np.multiply(metric.area_element, np.square(block.curvature), out=integrands[0])
     integrands[1] = metric.area_element
     integrands[2] = np.einsum("dp,dp->p", block.values[:3], metric.normal) / 3
     totals = np.zeros(3)

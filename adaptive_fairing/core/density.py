@@ -97,4 +97,5 @@ def _ring_area(topology: TriangleTopology, points: FloatArray) -> FloatArray:
     corner = points[topology.triangles]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     area = np.linalg.norm(normal, axis=1) / 2
-    return np.bincount(topology.origins, np.repeat(area, 3), minlength=topology.n_vertices)
+    around = np.bincount(topology.origins, np.repeat(area, 3), minlength=topology.n_vertices)
+    return around.astype(np.float64)  # integer zeros if there is no triangle at all

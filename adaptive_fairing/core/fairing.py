@@ -10,17 +10,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from .assembly import LoopSpace, StepSystem
 from .density import mesh_density
-from .errors import InputError, TopologyError, listed
+from .errors import InputError, listed
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport, conjugate_gradients
-from .manifold import cut_to_manifold
-from .ordering import local_order
 from .settings import FairingSettings
-from .topology import TriangleTopology, checked_triangles
+from .solver_frame import SolverFrame, solvable_surface
+from .topology import checked_triangles
 
 FloatArray = NDArray[np.float64]
-
-FRAME_SIZE = 6.0  # the paper resizes the mesh into the box [-3, 3]³
 
 
 @dataclass(frozen=True)
@@ -158,10 +155,10 @@ def fair_steps(
 def _run(
     points: FloatArray, triangles: NDArray[np.int32], settings: FairingSettings, weights: FloatArray
 ) -> Iterator[FairingStep]:
-    surface = _solvable_surface(triangles, len(points))
+    surface = solvable_surface(triangles, len(points))
     topology = surface.topology
     space = LoopSpace(topology, settings.quadrature_tolerance)
-    frame = _Frame.of(points, surface, settings.normalize)
+    frame = SolverFrame.of(points, surface, settings.normalize)
     weights = weights[surface.vertex_of]
     is_held = (weights == 0) | topology.is_loose | surface.is_cut
     if settings.boundary == "fixed":
@@ -187,17 +184,19 @@ def _run(
         else:
             measures = space.measures(current)
         reason = _stop_reason(index, settings, solve, initial, previous, measures)
-        yield frame.step(
-            index,
-            current,
-            used_density,
-            is_held,
-            points,
-            settings,
-            solve,
-            initial,
-            measures,
-            reason,
+        outer = measures.scaled(1 / frame.scale)
+        yield FairingStep(
+            index=index,
+            time=index * settings.tau,
+            positions=frame.outward(current, points, is_held),
+            density=frame.to_caller(used_density),
+            curvature_energy=outer.curvature_energy,
+            area=outer.area,
+            volume=outer.volume,
+            solve=solve,
+            initial=initial.scaled(1 / frame.scale),
+            stop_reason=reason,
+            notes=surface.notes,
         )
         if reason is not None:
             return
@@ -244,86 +243,6 @@ def _stop_reason(
 def _ratio(energy: float, initial: float) -> float:
     """H(t)/H(0); a surface that was flat from the start has nothing left to lose."""
     return energy / initial if initial > 0 else 0.0
-
-
-@dataclass(frozen=True)
-class _Surface:
-    """The manifold that is solved on: renumbered, and cut where the caller's mesh is not one."""
-
-    topology: TriangleTopology
-    vertex_of: NDArray[np.intp]
-    is_cut: NDArray[np.bool_]
-    notes: tuple[str, ...] = ()
-
-
-def _solvable_surface(triangles: NDArray[np.int32], n_vertices: int) -> _Surface:
-    try:
-        order = local_order(triangles, n_vertices)
-        topology = TriangleTopology(order.triangles, n_vertices)
-        return _Surface(topology, order.vertices, np.zeros(n_vertices, dtype=bool))
-    except TopologyError:
-        mesh = cut_to_manifold(triangles, n_vertices)
-    n_copies = len(mesh.vertex_of)
-    order = local_order(mesh.triangles, n_copies)
-    topology = TriangleTopology(order.triangles, n_copies)
-    return _Surface(
-        topology, mesh.vertex_of[order.vertices], mesh.is_held[order.vertices], mesh.notes
-    )
-
-
-@dataclass(frozen=True)
-class _Frame:
-    """The solve's own coordinates, and the way back to the caller's."""
-
-    centre: FloatArray
-    scale: float
-    surface: _Surface
-
-    @classmethod
-    def of(cls, points: FloatArray, surface: _Surface, normalize: bool) -> _Frame:
-        used = points[surface.vertex_of[~surface.topology.is_loose]]
-        low, high = used.min(axis=0), used.max(axis=0)
-        size = float((high - low).max())
-        scale = FRAME_SIZE / size if normalize and size > 0 else 1.0
-        # Centred in any case: far from the origin the coordinates would lose digits.
-        return cls(low + (high - low) / 2, scale, surface)
-
-    def inward(self, points: FloatArray) -> FloatArray:
-        return (points[self.surface.vertex_of] - self.centre) * self.scale
-
-    def step(
-        self,
-        index: int,
-        current: FloatArray,
-        density: FloatArray,
-        is_held: NDArray[np.bool_],
-        points: FloatArray,
-        settings: FairingSettings,
-        solve: SolveReport,
-        initial: SurfaceMeasures,
-        measures: SurfaceMeasures,
-        reason: str | None,
-    ) -> FairingStep:
-        positions = points.copy()
-        moving = ~is_held
-        vertex_of = self.surface.vertex_of
-        positions[vertex_of[moving]] = current[moving] / self.scale + self.centre
-        caller_density = np.zeros(len(points))
-        caller_density[vertex_of] = density
-        outer = measures.scaled(1 / self.scale)
-        return FairingStep(
-            index=index,
-            time=index * settings.tau,
-            positions=positions,
-            density=caller_density,
-            curvature_energy=outer.curvature_energy,
-            area=outer.area,
-            volume=outer.volume,
-            solve=solve,
-            initial=initial.scaled(1 / self.scale),
-            stop_reason=reason,
-            notes=self.surface.notes,
-        )
 
 
 def _checked_vertices(vertices: ArrayLike) -> FloatArray:

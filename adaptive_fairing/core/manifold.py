@@ -45,7 +45,7 @@ class ManifoldMesh:
     notes: tuple[str, ...]
 
 
-def cut_to_manifold(faces: NDArray[np.integer], n_vertices: int) -> ManifoldMesh:
+def cut_to_manifold(faces: NDArray[np.int32], n_vertices: int) -> ManifoldMesh:
     """Cut triangles apart until they form an oriented manifold.
 
     Parameters
@@ -204,7 +204,7 @@ def _orientation_from_seed(
 def _fans(
     edges: _PairedEdges, joined: NDArray[np.bool_], triangles: IntArray
 ) -> tuple[IntArray, int]:
-    """Number the fans of triangles around the vertices: the fan of each corner, and how many."""
+    """Find the fans of triangles around the vertices: the fan of each corner, and how many."""
     first, second = edges.first[joined], edges.second[joined]
 
     def following(half_edge: IntArray) -> IntArray:

@@ -25,7 +25,7 @@ class LocalOrder(NamedTuple):
     triangles: NDArray[np.int32]
 
 
-def local_order(triangles: NDArray[np.integer], n_vertices: int) -> LocalOrder:
+def local_order(triangles: NDArray[np.int32] | NDArray[np.int64], n_vertices: int) -> LocalOrder:
     """Renumber vertices along fronts (reverse Cuthill-McKee) and sort triangles to match."""
     edges = sparse.csr_array(
         sparse.coo_array(

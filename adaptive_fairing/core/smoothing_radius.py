@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .density import mesh_density
 from .errors import InputError
-from .fairing import FRAME_SIZE
 from .settings import FairingSettings
+from .solver_frame import FRAME_SIZE
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
