@@ -275,7 +275,10 @@ def _run_operator() -> np.ndarray:
 
 
 def _footprint() -> dict[str, set[str]]:
-    """Return everything an add-on registers and must take back."""
+    """Return everything an add-on registers and must take back.
+
+    A menu that was once extended lists Blender's own entry too, for good; that one is left out.
+    """
     owners = (bpy.types.Scene, bpy.types.Object, bpy.types.Mesh, bpy.types.WindowManager)
     handlers = bpy.app.handlers
     lists = {name: getattr(handlers, name) for name in dir(handlers) if not name.startswith("_")}
@@ -293,6 +296,7 @@ def _footprint() -> dict[str, set[str]]:
             f"{name}: {function.__module__}.{function.__name__}"
             for name, draw in drawn
             for function in getattr(draw, "_draw_funcs", ())
+            if not function.__module__.startswith("bl_ui.")
         },
     }
 
