@@ -34,6 +34,8 @@ class MeshFormat:
     splits_vertices
         Whether a vertex is stored once for each of its normals and UVs, which tears the surface
         apart at seams and sharp edges.
+    dies_without_space
+        Whether Blender ends the process when the disk is full while it writes.
     """
 
     importer: str
@@ -43,6 +45,7 @@ class MeshFormat:
     keeps_axes: bool = False
     holds_scene: bool = True
     splits_vertices: bool = False
+    dies_without_space: bool = False
 
 
 OBJ = MeshFormat(
@@ -115,6 +118,7 @@ ALEMBIC = MeshFormat(
     exporter="wm.alembic_export",
     import_options={"as_background_job": False},
     export_options={"as_background_job": False},
+    dies_without_space=True,
 )
 
 MESH_FORMATS: Mapping[str, MeshFormat] = {

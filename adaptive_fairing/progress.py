@@ -35,7 +35,8 @@ def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[FairingSte
     elif tqdm is None:
         yield lambda step: _show_line(step, total)
     else:
-        with tqdm(total=total, desc="fairing", unit="step", file=sys.stderr, leave=False) as bar:
+        options = {"desc": "fairing", "unit": "step", "leave": False, "mininterval": 0}
+        with tqdm(total=total, file=sys.stderr, **options) as bar:
 
             def advance(step: FairingStep) -> None:
                 bar.set_postfix_str(f"{step.solve.iterations} CG iterations", refresh=False)

@@ -10,12 +10,13 @@ import bpy
 import numpy as np
 
 from ..core import FairingError, InputError
-from ..core.atomic_files import replaced_file, replaced_files
+from ..core.atomic_files import replaced_file, replaced_files, require_space
 from ..core.errors import listed
 from ..formats import BLEND, MESH_FORMATS, OBJ, PLY, suffix_of
 from .compatibility import known_options
 from .mesh_data import read_positions
 from .obj_precision import restore_precision
+from .ply_export import prepare_for_ply
 from .silence import silent_stdout
 from .target import find_mesh_object
 
@@ -43,7 +44,7 @@ def import_mesh(
     Raises
     ------
     FileError
-        The file cannot be read.
+        The file cannot be read, or the mesh has no faces.
     FairingError
         No mesh, several meshes without a name, or no mesh of that name.
     InputError
@@ -57,6 +58,8 @@ def import_mesh(
     else:
         _import_into_empty_scene(path, split=object_name is not None, keep_axes=keep_axes)
     obj = find_mesh_object(path.name, object_name)
+    if len(obj.data.polygons) == 0:
+        raise FileError(f"{obj.name!r} in {path.name} has no faces: there is no surface to fair")
     if obj.mode != "OBJECT":
         # The mesh of an object in Edit Mode or Sculpt Mode is not up to date.
         with bpy.context.temp_override(object=obj, active_object=obj):
@@ -72,7 +75,7 @@ def export_mesh(
     Parameters
     ----------
     obj
-        The faired object.
+        The faired object; for .ply its colours and attributes are adapted to the exporter.
     path
         Output; its suffix chooses the format.
     alone
@@ -100,13 +103,15 @@ def export_mesh(
     if file_format in (OBJ, PLY):
         # Without normals of its own a mesh stays one whose readers compute them.
         options["export_normals"] = obj.data.has_custom_normals
-    if file_format is PLY and not _has_uv_per_vertex(obj.data):
-        # Blender would cut the surface open along the seams.
+    if file_format is PLY:
+        # Blender's own export of UVs cuts the surface open at seams and renumbers all vertices.
         options["export_uv"] = False
-        notes.append("UVs are left out: .ply has one UV per vertex, the mesh has seams")
+        notes += prepare_for_ply(obj.data)
     if alone or not file_format.holds_scene:
         _show_alone(obj)
     with replaced_files(path) as draft:
+        if file_format.dies_without_space:
+            require_space(draft.parent, _size_bound())
         _call(path, file_format.exporter, {**options, "filepath": str(draft)})
         if not draft.is_file():
             raise FileError(f"cannot write {path}: Blender wrote nothing")
@@ -159,19 +164,15 @@ def _require_finite(mesh: bpy.types.Mesh) -> None:
         )
 
 
-def _has_uv_per_vertex(mesh: bpy.types.Mesh) -> bool:
-    """Whether all corners at a vertex have the same UV, in the layer that is exported."""
-    layer = mesh.uv_layers.active
-    if layer is None:
-        return True
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    uv = np.empty(2 * len(mesh.loops), dtype=np.float32)
-    layer.uv.foreach_get("vector", uv)
-    uv = uv.reshape(-1, 2)
-    one_of_each = np.zeros((len(mesh.vertices), 2), dtype=np.float32)
-    one_of_each[corners] = uv
-    return np.array_equal(one_of_each[corners], uv)
+def _size_bound() -> int:
+    """Bytes that the meshes of the scene take at most in a file, if no modifier enlarges them."""
+    elements = sum(
+        len(obj.data.vertices) + len(obj.data.loops)
+        for obj in bpy.context.scene.objects
+        if obj.type == "MESH"
+    )
+    # Position, index, normal and UV of an element are 36 bytes; the rest is for their frame.
+    return 64 * elements + (1 << 16)
 
 
 def _show_alone(obj: bpy.types.Object) -> None:

@@ -49,7 +49,7 @@ def welded(data: MeshData) -> tuple[MeshData, NDArray[np.intp]]:
     Returns
     -------
     MeshData
-        The connected surface.
+        The connected surface, without the triangles that lose a corner.
     (n,) array
         Its vertex for every vertex of `data`: positions of the surface, indexed with this, are
         positions of the mesh as it was, with split vertices still together.
@@ -57,7 +57,8 @@ def welded(data: MeshData) -> tuple[MeshData, NDArray[np.intp]]:
     vertices, surface_vertex = np.unique(data.vertices, axis=0, return_inverse=True)
     surface_vertex = surface_vertex.reshape(-1)  # numpy 2.0 gives it a second axis
     triangles = surface_vertex[data.triangles].astype(np.int32)
-    return MeshData(vertices, triangles), surface_vertex
+    has_three_corners = (triangles != np.roll(triangles, 1, axis=1)).all(axis=1)
+    return MeshData(vertices, triangles[has_three_corners]), surface_vertex
 
 
 def read_positions(mesh: bpy.types.Mesh) -> NDArray[np.float64]:

@@ -6,27 +6,28 @@ import ctypes
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 
 
 @contextmanager
 def silent_stdout() -> Iterator[None]:
     """Send whatever is written to standard output to nowhere, by C code as well as by Python.
 
-    Importers and exporters print notes such as "OBJ import took 3 ms" through C, past
-    ``sys.stdout``; so the file descriptor itself is turned round for a while. Errors are not lost:
-    Blender's operators raise them, and standard error stays as it is.
+    Some notes of importers and exporters go through ``sys.stdout``; others, such as "OBJ import
+    took 3 ms", are printed by C, so the file descriptor itself is turned round for a while. Errors
+    are not lost: Blender's operators raise them, and standard error stays as it is.
     """
     _flush()
     kept = os.dup(1)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
     try:
-        os.dup2(nowhere, 1)
-        yield
+        with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere):
+            os.dup2(nowhere.fileno(), 1)
+            try:
+                yield
+            finally:
+                _flush()
+                os.dup2(kept, 1)
     finally:
-        _flush()
-        os.dup2(kept, 1)
-        os.close(nowhere)
         os.close(kept)
 
 

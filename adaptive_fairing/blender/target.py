@@ -77,8 +77,10 @@ def writable_object(obj: bpy.types.Object) -> bpy.types.Object:
 def _copy_in_place(obj: bpy.types.Object) -> bpy.types.Object:
     basis = read_positions(obj.data)
     copy = obj.copy()
+    copy.make_local(clear_liboverride=True)
     copy.name = f"{obj.name} faired"
     copy.data = obj.data.copy()
+    copy.data.make_local(clear_liboverride=True)
     if copy.data.shape_keys is not None:
         copy.shape_key_clear()
         write_positions(copy.data, basis)

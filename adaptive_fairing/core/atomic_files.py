@@ -6,6 +6,7 @@ because both names are in one folder, hence on one file system.
 
 from __future__ import annotations
 
+import errno
 import os
 import secrets
 import shutil
@@ -36,8 +37,10 @@ def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     final = writable_place(path)
     draft = final.with_name(f".{final.stem[:100]}.{secrets.token_hex(6)}{final.suffix}")
     try:
-        yield draft
-        os.replace(draft, final)
+        with _named_errors(final):
+            yield draft
+            _require_whole(draft)
+            os.replace(draft, final)
     finally:
         draft.unlink(missing_ok=True)
 
@@ -53,15 +56,18 @@ def replaced_files(path: str | os.PathLike[str]) -> Iterator[Path]:
     """
     final = writable_place(path)
     folder = final.with_name(f".{final.stem[:100]}.{secrets.token_hex(6)}")
-    folder.mkdir()
     draft = folder / final.name
     try:
-        yield draft
-        companions = [file for file in folder.rglob("*") if file.is_file() and file != draft]
-        for file in [*companions, draft]:
-            place = final.parent / file.relative_to(folder)
-            place.parent.mkdir(parents=True, exist_ok=True)
-            os.replace(file, place)
+        with _named_errors(final):
+            folder.mkdir()
+            yield draft
+            companions = [file for file in folder.rglob("*") if file.is_file() and file != draft]
+            for file in [*companions, draft]:
+                _require_whole(file)
+            for file in [*companions, draft]:
+                place = final.parent / file.relative_to(folder)
+                place.parent.mkdir(parents=True, exist_ok=True)
+                os.replace(file, place)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -89,3 +95,56 @@ def writable_place(path: str | os.PathLike[str]) -> Path:
     if not os.access(final.parent, os.W_OK):
         raise PermissionError(f"cannot write {final}: no permission to write into its folder")
     return final
+
+
+def require_space(folder: Path, n_bytes: int) -> None:
+    """Check that a folder has room, by filling it for a moment.
+
+    For writers that do not survive a full disk. Free space as the system counts it would not do:
+    quotas and limits of the process are not in it.
+
+    Raises
+    ------
+    OSError
+        There is no room.
+    """
+    probe = folder / f".{secrets.token_hex(6)}"
+    try:
+        _append_zeros(probe, n_bytes)
+    finally:
+        probe.unlink(missing_ok=True)
+
+
+def _require_whole(file: Path) -> None:
+    """Find out whether the disk was full when the file was written.
+
+    Blender's writers do not notice: they leave a truncated file and report success. A file that
+    was cut off cannot grow; one that can be made longer was written to its end.
+    """
+    size = file.stat().st_size
+    if size == 0:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    _append_zeros(file, _PROBE_SIZE)
+    os.truncate(file, size)
+
+
+# More than the block of a file system: the last block of a file that was cut off may have room.
+_PROBE_SIZE = 1 << 16
+
+
+def _append_zeros(file: Path, n_bytes: int) -> None:
+    piece = bytes(min(n_bytes, 1 << 20))
+    with file.open("ab") as stream:
+        for start in range(0, n_bytes, len(piece)):
+            stream.write(piece[: n_bytes - start])
+        stream.flush()
+        os.fsync(stream.fileno())
+
+
+@contextmanager
+def _named_errors(final: Path) -> Iterator[None]:
+    """Name the file and the reason, not the draft, in errors of the operating system."""
+    try:
+        yield
+    except OSError as error:
+        raise OSError(f"cannot write {final}: {error.strerror or error}") from error

@@ -1,0 +1,18 @@
+"""Tests with Blender as a Python module: every test starts and ends with an empty scene."""
+
+import importlib.util
+
+import pytest
+
+HAS_BPY = importlib.util.find_spec("bpy") is not None
+# bpy exists for one Python version per Blender; on others the core is all there is to test.
+collect_ignore_glob = [] if HAS_BPY else ["test_*.py"]
+
+
+@pytest.fixture(autouse=True)
+def _empty_scene():
+    from adaptive_fairing.blender.files import empty_scene
+
+    empty_scene()
+    yield
+    empty_scene()
