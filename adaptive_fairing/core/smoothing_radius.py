@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike, NDArray
 from .density import mesh_density
 from .errors import InputError
 from .settings import FairingSettings
-from .solver_frame import FRAME_SIZE
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
@@ -62,13 +61,6 @@ class RadiusScale:
         return self.densest * root, self.typical * root, self.coarsest * root
 
 
-def frame_scale(positions: ArrayLike, topology: TriangleTopology) -> float:
-    """Factor that takes a surface into the solver's box [-3, 3]³; 1 if it is a single point."""
-    surface = np.asarray(positions, dtype=np.float64)[~topology.is_loose]
-    size = float(np.ptp(surface, axis=0).max()) if len(surface) else 0.0
-    return FRAME_SIZE / size if size > 0 else 1.0
-
-
 def radius_scale(vertices: ArrayLike, faces: ArrayLike, settings: FairingSettings) -> RadiusScale:
     """Measure how far a unit of time smooths in the densest and coarsest parts of a mesh.
 
@@ -77,39 +69,48 @@ def radius_scale(vertices: ArrayLike, faces: ArrayLike, settings: FairingSetting
     vertices : (n, 3)
         Positions in object units.
     faces : (m, 3)
-        Oriented triangles.
+        Triangles, as for `fair_steps`.
     settings : FairingSettings
         The method, the density and the frame; τ and the number of steps play no part.
 
     Raises
     ------
-    TopologyError
-        As `TriangleTopology`.
     InputError
-        If no edge has a positive length, so that there is nothing to measure against.
+        Faces that are no triangles, or no edge of positive length to measure against.
 
     Source: T(x) = τ D(x) of section 3.2 of the paper; the radius sqrt(2T) from the heat kernel.
     """
-    points = np.asarray(vertices, dtype=np.float64)
-    topology = TriangleTopology(faces, len(points))
-    edges = mesh_density(topology, points, "edge_length", smoothing_passes=0)
+    topology, positions, scale = _in_frame(vertices, faces, settings)
+    edges = mesh_density(topology, positions, "edge_length", smoothing_passes=0)
     used = np.flatnonzero(edges > 0)
     if not len(used):
         raise InputError("no edge of the mesh has a length: there is nothing to smooth")
-    scale = frame_scale(points, topology) if settings.normalize else 1.0
-    density = np.ones(len(points))
-    if settings.method != "uniform":
-        density = mesh_density(topology, points * scale, settings.density, settings.density_passes)
-
     edges = edges[used]
-    radii = np.sqrt(2 * density[used]) / (edges * scale)
+    radii = np.sqrt(2 * _timestep_per_tau(topology, positions, settings)[used]) / edges
     by_length = np.argsort(edges)
     share = max(round(EXTREME_SHARE * len(by_length)), 1)
     parts = by_length[:share], by_length, by_length[-share:]
     return RadiusScale(
         *(float(np.median(radii[part])) for part in parts),
-        *(float(np.median(edges[part])) for part in parts),
+        *(float(np.median(edges[part]) / scale) for part in parts),
     )
+
+
+def equivalent_uniform_tau(
+    vertices: ArrayLike, faces: ArrayLike, settings: FairingSettings
+) -> float:
+    """Find the τ with which the uniform method spends as much time as an adaptive one.
+
+    Returns
+    -------
+    float
+        Mean of τ d_i over the vertices that have a triangle.
+
+    Parameters, errors: as in `radius_scale`, but τ counts.
+    """
+    topology, positions, _ = _in_frame(vertices, faces, settings)
+    per_tau = _timestep_per_tau(topology, positions, settings)
+    return settings.tau * float(per_tau[~topology.is_loose].mean())
 
 
 def suggest_tau(scale: RadiusScale, radius: float, steps: int) -> float:
@@ -123,3 +124,25 @@ def suggest_tau(scale: RadiusScale, radius: float, steps: int) -> float:
     steps : int
     """
     return (radius / scale.typical) ** 2 / steps
+
+
+def _in_frame(
+    vertices: ArrayLike, faces: ArrayLike, settings: FairingSettings
+) -> tuple[TriangleTopology, FloatArray, float]:
+    """Give the mesh as the solver sees it: topology, positions in its frame, the frame's scale."""
+    points = np.asarray(vertices, dtype=np.float64)
+    triangles = checked_triangles(np.asarray(faces), len(points))
+    if not len(triangles):
+        raise InputError("the mesh has no triangles: there is no surface to fair")
+    surface = solvable_surface(triangles, len(points))
+    frame = SolverFrame.of(points, surface, settings.normalize)
+    return surface.topology, frame.inward(points), frame.scale
+
+
+def _timestep_per_tau(
+    topology: TriangleTopology, positions: FloatArray, settings: FairingSettings
+) -> FloatArray:
+    """Local time that one unit of τ makes: d_i, or 1 for the uniform method."""
+    if settings.method == "uniform":
+        return np.ones(topology.n_vertices)
+    return mesh_density(topology, positions, settings.density, settings.density_passes)

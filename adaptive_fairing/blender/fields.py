@@ -1,0 +1,140 @@
+"""Numbers per vertex worth looking at: density, displacement, mean curvature."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core import FairingSettings, InputError, LoopSpace, TriangleTopology, mesh_density
+from ..core.solver_frame import SolverFrame, solvable_surface
+from .mesh_data import read_mesh
+
+FloatArray = NDArray[np.float64]
+
+RANGE_PERCENTILES = (1.0, 99.0)
+"""Ends of the colour range: a few extreme vertices must not leave the rest in one colour."""
+
+
+def field_values(obj: bpy.types.Object, field: str, settings: FairingSettings) -> FloatArray:
+    """Compute a field on the shape that an object shows, modifiers aside.
+
+    Parameters
+    ----------
+    obj
+        Mesh object in Object Mode.
+    field
+        "DENSITY", "DISPLACEMENT" or "CURVATURE".
+    settings
+        Say how the density is measured.
+
+    Returns
+    -------
+    (n,) array
+        Density d_i in the solver's frame; displacement from the undeformed mesh in object units;
+        mean curvature in 1 / object units. NaN where the field has no value.
+
+    Raises
+    ------
+    InputError
+        The mesh has no faces, which density and curvature need.
+    """
+    data = read_mesh(obj.data)
+    shown = shown_positions(obj, data.vertices)
+    if field == "DISPLACEMENT":
+        return np.linalg.norm(shown - data.vertices, axis=1)
+    if not len(data.triangles):
+        raise InputError("the mesh has no faces: there is no surface to look at")
+    surface = solvable_surface(data.triangles, len(data.vertices))
+    frame = SolverFrame.of(data.vertices, surface, settings.normalize)
+    topology = surface.topology
+    if field == "CURVATURE":
+        positions = shown[surface.vertex_of]
+        return frame.to_caller(mean_curvature(topology, positions, settings.quadrature_tolerance))
+    density = mesh_density(topology, frame.inward(shown), settings.density, settings.density_passes)
+    return frame.to_caller(np.where(topology.is_loose, np.nan, density))
+
+
+def shown_positions(obj: bpy.types.Object, undeformed: FloatArray) -> FloatArray:
+    """Mix the shape keys of an object as Blender does, (n, 3); without keys its positions.
+
+    Relative keys are taken at their values, without vertex groups and muting; absolute keys
+    straight between the two neighbours of the evaluation time.
+    """
+    keys = obj.data.shape_keys
+    if keys is None:
+        return undeformed
+    blocks = keys.key_blocks
+    if not keys.use_relative:
+        frames = np.array([block.frame for block in blocks])
+        after = int(np.clip(np.searchsorted(frames, keys.eval_time), 1, len(frames) - 1))
+        span = frames[after] - frames[after - 1]
+        share = np.clip((keys.eval_time - frames[after - 1]) / span, 0.0, 1.0)
+        before = _key_positions(blocks[after - 1])
+        return before + share * (_key_positions(blocks[after]) - before)
+    shown = undeformed.copy()
+    for block in blocks[1:]:
+        if block.value:
+            relative_to = _key_positions(block.relative_key)
+            shown += block.value * (_key_positions(block) - relative_to)
+    return shown
+
+
+def mean_curvature(
+    topology: TriangleTopology, positions: FloatArray, quadrature_tolerance: float
+) -> FloatArray:
+    """Estimate the mean curvature at the vertices, positive where the surface bulges outward.
+
+    Parameters
+    ----------
+    topology
+        Connectivity.
+    positions
+        (n, 3) control points.
+    quadrature_tolerance
+        As in `FairingSettings`.
+
+    Returns
+    -------
+    (n,) array
+        1/r on a sphere of radius r; NaN on the boundary, where a boundary term is missing, and at
+        loose vertices.
+
+    Source: Δx = 2 H n, tested with the basis functions: L X = −∫ φi Δx, and the row sums of M for
+    ∫ φi; H = (L X)_i · n_i / (2 ∫ φi) with the outward normal n.
+    """
+    space = LoopSpace(topology, quadrature_tolerance)
+    lumped = space.mass_matrix(positions) @ np.ones(len(positions))
+    flow = space.stiffness_matrix(positions) @ positions
+    has_value = ~topology.on_boundary & ~topology.is_loose & (lumped > 0)
+    curvature = np.full(len(positions), np.nan)
+    normals = _vertex_normals(topology, positions)
+    along = np.einsum("id,id->i", flow[has_value], normals[has_value])
+    curvature[has_value] = along / (2.0 * lumped[has_value])
+    return curvature
+
+
+def color_range(values: FloatArray) -> tuple[float, float]:
+    """Choose the values of the darkest and the brightest colour."""
+    finite = values[np.isfinite(values)]
+    if not len(finite):
+        return 0.0, 0.0
+    low, high = np.percentile(finite, RANGE_PERCENTILES)
+    return float(low), float(high)
+
+
+def _vertex_normals(topology: TriangleTopology, positions: FloatArray) -> FloatArray:
+    """Average the normals of the triangles around by area; unit vectors, (n, 3)."""
+    corners = positions[topology.triangles]
+    by_area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = np.zeros_like(positions)
+    for corner in range(3):
+        np.add.at(normals, topology.triangles[:, corner], by_area)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
+
+
+def _key_positions(block: bpy.types.ShapeKey) -> FloatArray:
+    buffer = np.empty(3 * len(block.points), dtype=np.float32)
+    block.points.foreach_get("co", buffer)
+    return buffer.reshape(-1, 3).astype(np.float64)

@@ -1,0 +1,166 @@
+"""The operator that fairs copies with and without adaptivity and lays them side by side."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+from bpy.app.translations import pgettext_data as data_
+from bpy.app.translations import pgettext_rpt as rpt_
+from mathutils import Vector
+
+from .modal_run import ModalRun, progress
+from .object_mode import object_mode
+from .properties import SolverProperties, solver_settings
+from .regions import refusal
+from .requirements import scipy_problem
+
+GAP = 0.25
+"""Space between two copies, as a share of the object's size."""
+
+LABEL_SIZE = 0.11
+"""Height of the labels, as a share of the object's size."""
+
+
+class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_compare"
+    bl_label = "Compare with Uniform"
+    bl_description = (
+        "Fair two copies of the active mesh, one uniformly and one adaptively, and lay them side "
+        "by side with labels"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    uniform_tau: bpy.props.FloatProperty(
+        name="Uniform τ",
+        description="τ of the uniform copy; 0 takes the mean of τ times density of the other",
+        default=0.0,
+        min=0.0,
+        precision=5,
+    )
+
+    @classmethod
+    def poll(cls, context):
+        obj = context.active_object
+        message = scipy_problem() or refusal(context)
+        if obj is None or obj.type != "MESH":
+            message = message or "Make a mesh object active"
+        if progress() is not None:
+            message = "A run is going on: wait for it, or stop it with Esc"
+        if message is not None:
+            cls.poll_message_set(message)
+        return message is None
+
+    def prepare(self, context):
+        from dataclasses import replace
+
+        from ..core.smoothing_radius import equivalent_uniform_tau
+        from .mesh_data import read_mesh
+        from .run import FairingTask
+
+        adaptive = solver_settings(self)
+        if adaptive.method == "uniform":
+            adaptive = replace(adaptive, method="adaptive_timestep")
+        obj = context.active_object
+        with object_mode(context):
+            data = read_mesh(obj.data)
+        tau = self.uniform_tau or equivalent_uniform_tau(data.vertices, data.triangles, adaptive)
+        uniform = replace(adaptive, method="uniform", tau=float(f"{tau:.3g}"))
+        library = obj.library.filepath if obj.library is not None else None
+        return [
+            FairingTask(obj.name, data.vertices, data.triangles, None, settings, library)
+            for settings in (uniform, adaptive)
+        ]
+
+    def conclude(self, context, tasks, *, is_stopped):
+        from ..core import FairingError
+        from .store_result import find_object
+
+        failed = [task.error for task in tasks if task.error is not None]
+        unfinished = not all(task.steps for task in tasks)
+        if failed or unfinished:
+            message = failed[0] if failed else rpt_("Stopped before both copies were done")
+            self.report({"ERROR"} if failed else {"INFO"}, message)
+            return {"CANCELLED"}
+        if context.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        try:
+            source = find_object(tasks[0])
+        except FairingError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        made = _lay_out(context, source, tasks)
+        for obj in context.selected_objects:
+            obj.select_set(False)
+        for obj in made:
+            obj.select_set(True)
+        context.view_layer.objects.active = made[-1]
+        return {"FINISHED"}
+
+
+def _lay_out(context, source, tasks) -> list[bpy.types.Object]:
+    """Put labelled copies to the right of the source, in a collection of their own."""
+    from .store_result import write_steps
+
+    low, high = _world_box(source)
+    size = max(high - low)
+    stride = (high.x - low.x) + GAP * size
+    collection = bpy.data.collections.new(data_("Fairing Comparison"))
+    context.scene.collection.children.link(collection)
+
+    label_at = Vector(((low.x + high.x) / 2, low.y, low.z - 0.06 * size))
+    _add_label(collection, data_("Before"), label_at, LABEL_SIZE * size)
+    made = []
+    for place, task in enumerate(tasks, start=1):
+        offset = Vector((place * stride, 0.0, 0.0))
+        title = data_("Uniform") if task.settings.method == "uniform" else data_("Adaptive")
+        copy = _plain_copy(source, f"{source.name} {title.lower()}", task)
+        collection.objects.link(copy)
+        copy.matrix_world.translation += offset
+        write_steps(copy, task, output="ABSOLUTE_KEYS", store_density=False)
+        left = 100 * task.steps[-1].curvature_ratio
+        label = f"{title}\nτ = {task.settings.tau:.3g}\nH {left:.0f} %"
+        _add_label(collection, label, label_at + offset, LABEL_SIZE * size)
+        made.append(copy)
+    return made
+
+
+def _plain_copy(source, name, task) -> bpy.types.Object:
+    """Copy an object with a mesh of its own, without shape keys and parent."""
+    from .mesh_data import write_positions
+
+    copy = source.copy()
+    copy.name = name
+    copy.data = source.data.copy()
+    copy.data.name = name
+    if copy.data.shape_keys is not None:
+        copy.shape_key_clear()
+        write_positions(copy.data, task.vertices)
+    copy.parent = None
+    copy.matrix_world = source.matrix_world.copy()
+    return copy
+
+
+def _add_label(collection, text, location, size) -> bpy.types.Object:
+    """Add a text that stands upright and faces the front view."""
+    curve = bpy.data.curves.new(text.split("\n")[0], "FONT")
+    curve.body = text
+    curve.align_x = "CENTER"
+    curve.align_y = "TOP"
+    curve.size = size
+    label = bpy.data.objects.new(curve.name, curve)
+    label.location = location
+    label.rotation_euler = (math.pi / 2, 0.0, 0.0)
+    collection.objects.link(label)
+    return label
+
+
+def _world_box(obj) -> tuple[Vector, Vector]:
+    """Return the lowest and the highest corner of an object's box in the world."""
+    corners = [obj.matrix_world @ Vector(corner) for corner in obj.bound_box]
+    low = Vector(min(corner[axis] for corner in corners) for axis in range(3))
+    high = Vector(max(corner[axis] for corner in corners) for axis in range(3))
+    return low, high
+
+
+register, unregister = bpy.utils.register_classes_factory((OBJECT_OT_adaptive_fairing_compare,))

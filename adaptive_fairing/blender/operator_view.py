@@ -1,0 +1,101 @@
+"""Operators that colour meshes by density, displacement or curvature, and that end it."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import viewport
+from .object_mode import object_mode
+from .properties import solver_settings
+from .regions import refusal, target_objects
+from .requirements import scipy_problem
+
+ATTRIBUTES = {
+    "DENSITY": "fairing_density",
+    "DISPLACEMENT": "fairing_displacement",
+    "CURVATURE": "fairing_mean_curvature",
+}
+
+
+class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_view"
+    bl_label = "Show Fairing Field"
+    bl_description = "Colour the selected meshes, as they are shown now, by a field"
+    bl_options = {"REGISTER", "UNDO"}
+
+    field: bpy.props.EnumProperty(
+        name="Field",
+        description="What the colours mean",
+        items=(
+            (
+                "DENSITY",
+                "Density",
+                "How coarse the mesh is: where it is bright, the adaptive methods smooth more",
+            ),
+            ("DISPLACEMENT", "Displacement", "How far the smoothing has moved each vertex"),
+            ("CURVATURE", "Curvature", "Mean curvature: bright where the surface bulges outward"),
+        ),
+        default="DENSITY",
+    )
+
+    @classmethod
+    def description(cls, context, properties):
+        items = cls.bl_rna.properties["field"].enum_items
+        return bpy.app.translations.pgettext_tip(items[properties.field].description)
+
+    @classmethod
+    def poll(cls, context):
+        message = scipy_problem() or refusal(context)
+        if message is not None:
+            cls.poll_message_set(message)
+        return message is None
+
+    def execute(self, context):
+        from ..core import FairingError
+
+        shown = 0
+        objects = target_objects(context)
+        with object_mode(context):
+            for obj in objects:
+                try:
+                    self._color(obj, solver_settings(context.scene.adaptive_fairing))
+                    shown += 1
+                except FairingError as error:
+                    self.report({"WARNING"}, f"{obj.name}: {error}")
+        if not shown:
+            return {"CANCELLED"}
+        viewport.show_colors(context)
+        return {"FINISHED"}
+
+    def _color(self, obj, settings):
+        from ..core import InputError
+        from .attributes import write_color, write_scalar
+        from .fields import color_range, field_values
+
+        if obj.data.library is not None:
+            raise InputError("the mesh is linked from another file: make it local to colour it")
+        values = field_values(obj, self.field, settings)
+        low, high = color_range(values)
+        name = ATTRIBUTES[self.field]
+        write_scalar(obj.data, name, values)
+        write_color(obj.data, f"{name}_color", values, low, high)
+        obj.adaptive_fairing.view = self.field
+        obj.adaptive_fairing.view_range = low, high
+
+
+class OBJECT_OT_adaptive_fairing_view_end(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_view_end"
+    bl_label = "Back to Shading"
+    bl_description = "Show the 3D view as it was before the colours"
+
+    def execute(self, context):
+        viewport.show_as_before(context)
+        for obj in context.scene.objects:
+            if obj.adaptive_fairing.view and obj.library is None:
+                obj.adaptive_fairing.view = ""
+        return {"FINISHED"}
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (OBJECT_OT_adaptive_fairing_view, OBJECT_OT_adaptive_fairing_view_end)
+)

@@ -1,0 +1,170 @@
+"""Panels for what a run has done: evolution, measures, the course of H; colours; comparison."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_
+
+from . import pictures
+from .operator_animate import (
+    OBJECT_OT_adaptive_fairing_animate,
+    OBJECT_OT_adaptive_fairing_animate_clear,
+    is_animated,
+)
+from .operator_compare import OBJECT_OT_adaptive_fairing_compare
+from .operator_view import OBJECT_OT_adaptive_fairing_view, OBJECT_OT_adaptive_fairing_view_end
+from .panel_settings import FairingPanel
+from .properties import SOLVER_NAMES, copy_settings
+from .record import evolution_keys
+
+STOP_REASONS = {
+    "steps": "All steps done",
+    "curvature": "Curvature low enough",
+    "rate": "Hardly any change left",
+    "stopped": "Stopped by hand",
+}
+
+VIEW_TITLES = {
+    "DENSITY": "Density",
+    "DISPLACEMENT": "Displacement",
+    "CURVATURE": "Mean curvature",
+}
+
+N_LEGEND_VALUES = 5
+
+
+class VIEW3D_PT_adaptive_fairing_results(FairingPanel, bpy.types.Panel):
+    bl_label = "Evolution"
+
+    @classmethod
+    def poll(cls, context):
+        obj = context.active_object
+        return obj is not None and obj.type == "MESH" and bool(obj.adaptive_fairing.steps)
+
+    def draw(self, context):
+        layout = self.layout
+        obj = context.active_object
+        record = obj.adaptive_fairing
+        if evolution_keys(obj) is not None:
+            _draw_evolution(context, layout, obj)
+        _draw_course(layout, record)
+        _draw_measures(layout, record)
+        for note in record.notes.splitlines():
+            draw_lines(context, layout, note, icon="INFO")
+
+
+class VIEW3D_PT_adaptive_fairing_view(FairingPanel, bpy.types.Panel):
+    bl_label = "Colors"
+
+    def draw(self, context):
+        layout = self.layout
+        obj = context.active_object
+        shown = obj.adaptive_fairing.view if obj is not None else ""
+        row = layout.row(align=True)
+        items = OBJECT_OT_adaptive_fairing_view.bl_rna.properties["field"].enum_items
+        for item in items:
+            button = row.operator(
+                OBJECT_OT_adaptive_fairing_view.bl_idname,
+                text=item.name,
+                depress=shown == item.identifier,
+            )
+            button.field = item.identifier
+        layout.operator(OBJECT_OT_adaptive_fairing_view_end.bl_idname, icon="LOOP_BACK")
+        if shown:
+            _draw_legend(layout, obj.adaptive_fairing)
+
+
+class VIEW3D_PT_adaptive_fairing_compare(FairingPanel, bpy.types.Panel):
+    bl_label = "Comparison"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        operator = self.layout.operator(
+            OBJECT_OT_adaptive_fairing_compare.bl_idname, icon="MOD_ARRAY"
+        )
+        copy_settings(context.scene.adaptive_fairing, operator, SOLVER_NAMES)
+
+
+def _draw_evolution(context, layout, obj) -> None:
+    record = obj.adaptive_fairing
+    n_steps = len(record.steps) - 1
+    row = layout.row()
+    row.scale_y = 1.3
+    row.prop(record, "evolution", slider=True)
+    shown = iface_("Step {:.1f} of {:d}").format(record.evolution * n_steps, n_steps)
+    row = layout.row()
+    row.label(text=shown, translate=False)
+    row.prop(evolution_keys(obj), "eval_time", text=iface_("Time"))
+
+    settings = context.scene.adaptive_fairing
+    row = layout.row(align=True)
+    row.prop(settings, "frame_start", text=iface_("From"))
+    row.prop(settings, "frame_end", text=iface_("To"))
+    row = layout.row(align=True)
+    animate = row.operator(
+        OBJECT_OT_adaptive_fairing_animate.bl_idname,
+        text=iface_("Animate over Frames"),
+        icon="KEYFRAME_HLT" if is_animated(obj) else "KEYFRAME",
+    )
+    copy_settings(settings, animate, ("frame_start", "frame_end"))
+    if is_animated(obj):
+        row.operator(OBJECT_OT_adaptive_fairing_animate_clear.bl_idname, text="", icon="X")
+
+
+def _draw_course(layout, record) -> None:
+    """Draw H over the steps, with its first and last value beside it."""
+    energies = [step.curvature_energy for step in record.steps]
+    split = layout.box().split(factor=0.55)
+    split.template_icon(icon_value=pictures.plot_icon(energies), scale=6.5)
+    column = split.column(align=True)
+    column.label(text="Curvature H")
+    column.label(text=iface_("Before  {:.4g}").format(energies[0]), translate=False)
+    column.label(text=iface_("After  {:.4g}").format(energies[-1]), translate=False)
+    if energies[0] > 0:
+        share = 100 * energies[-1] / energies[0]
+        column.label(text=iface_("{:.1f} % left").format(share), translate=False)
+
+
+def _draw_measures(layout, record) -> None:
+    first, last = record.steps[0], record.steps[-1]
+    iterations = sum(step.iterations for step in record.steps)
+    rows = [
+        ("Steps", f"{len(record.steps) - 1}  ·  τ = {record.tau:.4g}"),
+        ("Ended by", iface_(STOP_REASONS.get(record.stop_reason, record.stop_reason))),
+        ("Time", iface_("{:.2f} s, {:d} iterations").format(record.seconds, iterations)),
+        ("Volume", _change(first.volume, last.volume)),
+        ("Area", _change(first.area, last.area)),
+        ("Largest move", f"{last.displacement:.4g}"),
+    ]
+    split = layout.split(factor=0.4)
+    titles, values = split.column(align=True), split.column(align=True)
+    titles.alignment = "RIGHT"
+    for title, value in rows:
+        titles.label(text=title)
+        values.label(text=value, translate=False)
+
+
+def _change(before: float, after: float) -> str:
+    """Write a relative change; an open surface has no volume, which is stored as NaN."""
+    if before != before or before == 0:
+        return "–"
+    return f"{100 * (after - before) / abs(before):+.2f} %"
+
+
+def _draw_legend(layout, record) -> None:
+    low, high = record.view_range
+    split = layout.box().split(factor=0.25)
+    split.template_icon(icon_value=pictures.scale_icon(), scale=N_LEGEND_VALUES)
+    column = split.column(align=True)
+    for index in reversed(range(N_LEGEND_VALUES)):
+        value = low + (high - low) * index / (N_LEGEND_VALUES - 1)
+        column.label(text=f"{value:.4g}", translate=False)
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (
+        VIEW3D_PT_adaptive_fairing_results,
+        VIEW3D_PT_adaptive_fairing_view,
+        VIEW3D_PT_adaptive_fairing_compare,
+    )
+)

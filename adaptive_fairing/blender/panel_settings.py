@@ -1,0 +1,226 @@
+"""Panels with the settings of a run, its progress, and what τ means on the mesh at hand."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_
+
+from . import mesh_scale, modal_run
+from .layouts import draw_lines
+from .operator_fair import OBJECT_OT_adaptive_fairing
+from .operator_tau import OBJECT_OT_adaptive_fairing_measure, OBJECT_OT_adaptive_fairing_suggest_tau
+from .presets import VIEW3D_PT_adaptive_fairing_presets
+from .properties import OUTPUT_NAMES, SOLVER_NAMES, copy_settings
+from .regions import refusal, target_objects
+from .requirements import scipy_problem
+
+NAMES = SOLVER_NAMES + OUTPUT_NAMES
+
+
+class FairingPanel:
+    """Mix-in: a panel in the sidebar of the 3D view, tab "Fairing"."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Fairing"
+
+
+class VIEW3D_PT_adaptive_fairing(FairingPanel, bpy.types.Panel):
+    bl_label = "Adaptive Fairing"
+
+    def draw_header_preset(self, context):
+        VIEW3D_PT_adaptive_fairing_presets.draw_panel_header(self.layout)
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        settings = context.scene.adaptive_fairing
+        problem = scipy_problem()
+        if problem is not None:
+            draw_lines(context, layout, problem, icon="ERROR")
+        column = layout.column()
+        column.active = modal_run.progress() is None
+        column.prop(settings, "method")
+        column.prop(settings, "tau")
+        column.prop(settings, "steps")
+        if problem is None:
+            _draw_radius(context, layout, settings)
+        current = modal_run.progress()
+        if current is None:
+            _draw_run(context, layout, settings)
+        else:
+            _draw_progress(layout, current)
+
+
+class _SettingsPanel(FairingPanel):
+    """Mix-in: a part of the settings, closed at first."""
+
+    bl_parent_id = "VIEW3D_PT_adaptive_fairing"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        layout.active = modal_run.progress() is None
+        self.draw_settings(context, layout, context.scene.adaptive_fairing)
+
+
+class VIEW3D_PT_adaptive_fairing_density(_SettingsPanel, bpy.types.Panel):
+    bl_label = "Density"
+
+    def draw_settings(self, context, layout, settings):
+        draw_density(layout, settings)
+
+
+class VIEW3D_PT_adaptive_fairing_region(_SettingsPanel, bpy.types.Panel):
+    bl_label = "Region and Boundary"
+
+    def draw_settings(self, context, layout, settings):
+        draw_region(layout, settings, context.active_object)
+
+
+class VIEW3D_PT_adaptive_fairing_output(_SettingsPanel, bpy.types.Panel):
+    bl_label = "Result"
+
+    def draw_settings(self, context, layout, settings):
+        draw_output(layout, settings)
+
+
+class VIEW3D_PT_adaptive_fairing_accuracy(_SettingsPanel, bpy.types.Panel):
+    bl_label = "Stopping and Accuracy"
+
+    def draw_settings(self, context, layout, settings):
+        draw_accuracy(layout, settings)
+
+
+def draw_operator(layout, operator, obj) -> None:
+    """Draw all properties of the operator, for the redo panel."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    column = layout.column()
+    for name in ("method", "tau", "steps"):
+        column.prop(operator, name)
+    for draw_part in (draw_density, draw_output, draw_accuracy):
+        layout.separator()
+        draw_part(layout, operator)
+    layout.separator()
+    draw_region(layout, operator, obj)
+
+
+def draw_density(layout, properties) -> None:
+    """Draw how the density is measured."""
+    column = layout.column()
+    column.active = properties.method != "uniform"
+    column.prop(properties, "density")
+    column.prop(properties, "density_passes")
+
+
+def draw_region(layout, properties, obj) -> None:
+    """Draw where the smoothing works."""
+    layout.prop(properties, "use_region")
+    row = layout.row(align=True)
+    if obj is not None and obj.type == "MESH":
+        row.prop_search(properties, "vertex_group", obj, "vertex_groups")
+    else:
+        row.prop(properties, "vertex_group")
+    row.prop(properties, "invert_vertex_group", text="", icon="ARROW_LEFTRIGHT")
+    layout.prop(properties, "boundary")
+
+
+def draw_output(layout, properties) -> None:
+    """Draw what becomes of the result."""
+    column = layout.column()
+    column.prop(properties, "output")
+    column.prop(properties, "existing_keys")
+    column.prop(properties, "store_density")
+
+
+def draw_accuracy(layout, properties) -> None:
+    """Draw when to stop and how exactly to solve."""
+    column = layout.column(align=True)
+    column.prop(properties, "stop_curvature", text=iface_("Stop at Curvature"))
+    column.prop(properties, "stop_rate")
+    column = layout.column(align=True)
+    column.prop(properties, "cg_tolerance")
+    column.prop(properties, "cg_max_iterations", text=iface_("Iterations"))
+    column.prop(properties, "quadrature_tolerance", text=iface_("Integration"))
+    layout.prop(properties, "normalize")
+
+
+def _draw_radius(context, layout, settings) -> None:
+    """Draw what τ means: smoothing radii in edges, and the way back from a radius to τ."""
+    box = layout.box()
+    obj = context.active_object
+    head = box.row(align=True)
+    head.label(text="Smoothing Radius", icon="PROP_ON")
+    measure = OBJECT_OT_adaptive_fairing_measure.bl_idname
+    head.operator(measure, text="", icon="FILE_REFRESH", emboss=False)
+    if obj is None or obj.type != "MESH":
+        box.label(text="Make a mesh object active")
+        return
+    scale = mesh_scale.known_scale(obj, settings)
+    if scale is None:
+        is_coming = mesh_scale.measure_soon(obj, settings)
+        box.label(text="Measuring…" if is_coming else "Not measured yet")
+    elif isinstance(scale, str):
+        draw_lines(context, box, scale, icon="ERROR")
+    else:
+        _draw_radii(box, scale, settings)
+    row = box.row(align=True)
+    row.use_property_split = False
+    row.prop(settings, "radius", text=iface_("Edges"))
+    row.operator(OBJECT_OT_adaptive_fairing_suggest_tau.bl_idname)
+
+
+def _draw_radii(layout, scale, settings) -> None:
+    """Draw a table: densest and coarsest part, one step and all of them."""
+    one = scale.radii(settings.tau)
+    total = scale.radii(settings.tau * settings.steps)
+    grid = layout.grid_flow(row_major=True, columns=4, even_columns=False, align=True)
+    for text in ("", "Densest", "Typical", "Coarsest"):
+        grid.label(text=text)
+    for title, radii in (("One step", one), ("All steps", total)):
+        grid.label(text=title)
+        for radius in radii:
+            grid.label(text=iface_("{:.2f} e").format(radius), translate=False)
+
+
+def _draw_run(context, layout, settings) -> None:
+    message = refusal(context)
+    n_objects = len(target_objects(context)) if message is None else 0
+    text = iface_("Fair") if n_objects < 2 else iface_("Fair {:d} Objects").format(n_objects)
+    row = layout.row()
+    row.scale_y = 1.6
+    draw_run_button(row, settings, text=text, icon="MOD_SMOOTH")
+
+
+def draw_run_button(layout, settings, **appearance) -> None:
+    """Draw a button that runs with the settings of the scene."""
+    operator = layout.operator(OBJECT_OT_adaptive_fairing.bl_idname, **appearance)
+    copy_settings(settings, operator, NAMES)
+
+
+def _draw_progress(layout, current) -> None:
+    column = layout.column(align=True)
+    column.progress(factor=current.factor, text=current.describe_step())
+    details = current.solver_details()
+    if details:
+        column.label(text=details, translate=False)
+    row = layout.row()
+    row.scale_y = 1.6
+    row.enabled = not current.worker.is_stopping
+    text = iface_("Stopping…") if current.worker.is_stopping else iface_("Stop, Keep Steps")
+    row.operator("object.adaptive_fairing_stop", text=text, icon="CANCEL")
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (
+        VIEW3D_PT_adaptive_fairing,
+        VIEW3D_PT_adaptive_fairing_density,
+        VIEW3D_PT_adaptive_fairing_region,
+        VIEW3D_PT_adaptive_fairing_output,
+        VIEW3D_PT_adaptive_fairing_accuracy,
+    )
+)

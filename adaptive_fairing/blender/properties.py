@@ -1,0 +1,273 @@
+"""Settings of a run as Blender properties: the same for the operator and for the panel.
+
+`SolverProperties` and `OutputProperties` are mix-ins. The operator has them as its own properties,
+so that scripts, the redo panel and undo work; the scene keeps another set that the panel edits,
+presets store and the file saves.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+if TYPE_CHECKING:
+    from ..core import FairingSettings
+
+
+class SolverProperties:
+    """The fields of the core's `FairingSettings`, under the same names."""
+
+    method: EnumProperty(
+        name="Method",
+        description="How the smoothing follows the density of the mesh",
+        items=(
+            (
+                "adaptive_timestep",
+                "Adaptive Timestep",
+                "Coarse parts run through more time than dense ones: details in dense parts stay",
+            ),
+            (
+                "adaptive_tensor",
+                "Adaptive Tensor",
+                "The same time everywhere, but dense parts conduct less",
+            ),
+            (
+                "uniform",
+                "Uniform",
+                "The same smoothing everywhere, whatever the density; needs a much smaller τ",
+            ),
+        ),
+        default="adaptive_timestep",
+    )
+    tau: FloatProperty(
+        name="τ",
+        description=(
+            "Time of one step, with the mesh scaled to the box [-3, 3]³: "
+            "larger values smooth over larger distances"
+        ),
+        default=0.016,
+        min=0.0,
+        soft_min=0.0001,
+        soft_max=0.5,
+        step=0.1,
+        precision=4,
+    )
+    steps: IntProperty(
+        name="Steps",
+        description="How many steps to take; each one is kept",
+        default=4,
+        min=1,
+        soft_max=20,
+        max=1000,
+    )
+    density: EnumProperty(
+        name="Measure",
+        description="What the density of the mesh is measured by",
+        items=(
+            ("edge_length", "Edge Length", "Mean length of the edges at a vertex"),
+            (
+                "area",
+                "Area",
+                "Area of the triangles around a vertex; the smoothing radius is then the same "
+                "number of edges everywhere",
+            ),
+        ),
+        default="edge_length",
+    )
+    density_passes: IntProperty(
+        name="Smoothing Passes",
+        description="How often the measured density is smoothed before it is used",
+        default=3,
+        min=0,
+        soft_max=10,
+        max=100,
+    )
+    boundary: EnumProperty(
+        name="Boundary",
+        description="What happens to the rim of an open mesh",
+        items=(
+            ("fixed", "Fixed", "Boundary vertices stay exactly where they are"),
+            ("free", "Free", "The boundary is smoothed along with the surface, and may shrink"),
+        ),
+        default="fixed",
+    )
+    stop_curvature: FloatProperty(
+        name="Curvature Left",
+        description=(
+            "Stop once this share of the bending (curvature energy H) is left; 0 takes every step"
+        ),
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        precision=3,
+    )
+    stop_rate: FloatProperty(
+        name="Rate",
+        description=(
+            "Stop once the share of the bending changes by less than this per unit of time; "
+            "0 takes every step"
+        ),
+        default=0.0,
+        min=0.0,
+        soft_max=10.0,
+        precision=3,
+    )
+    cg_tolerance: FloatProperty(
+        name="Solver Tolerance",
+        description="Relative residual at which the linear system of a step counts as solved",
+        default=1e-6,
+        min=1e-12,
+        max=0.1,
+        precision=7,
+        step=0.0001,
+    )
+    cg_max_iterations: IntProperty(
+        name="Solver Iterations",
+        description="Give up a step after this many iterations of the linear solver",
+        default=5000,
+        min=1,
+        soft_max=10000,
+    )
+    quadrature_tolerance: FloatProperty(
+        name="Integration Tolerance",
+        description="Error of the integrals over the surface, relative to the largest",
+        default=1e-3,
+        min=1e-6,
+        max=0.1,
+        precision=6,
+        step=0.01,
+    )
+    normalize: BoolProperty(
+        name="Scale to Box",
+        description=(
+            "Scale the mesh to the box [-3, 3]³ for the solver, so that τ does not depend on its "
+            "size; otherwise τ is in squared object units"
+        ),
+        default=True,
+    )
+
+
+class OutputProperties:
+    """Where the smoothing works and what becomes of the result."""
+
+    use_region: BoolProperty(
+        name="Selection or Mask",
+        description=(
+            "In Edit Mode smooth the selected vertices only, if any are selected; "
+            "in Sculpt Mode spare the masked ones"
+        ),
+        default=True,
+    )
+    vertex_group: StringProperty(
+        name="Vertex Group",
+        description="Smooth by the weights of this group; empty for the whole mesh",
+    )
+    invert_vertex_group: BoolProperty(
+        name="Invert",
+        description="Smooth where the weights of the group are small instead",
+        default=False,
+    )
+    output: EnumProperty(
+        name="Result",
+        description="What the object gets",
+        items=(
+            (
+                "ABSOLUTE_KEYS",
+                "Evolution",
+                "Every step as an absolute shape key: one slider runs through the smoothing",
+            ),
+            (
+                "RELATIVE_KEYS",
+                "Relative Shape Keys",
+                "Every step as a relative shape key, which exporters understand",
+            ),
+            ("FINAL_SHAPE", "Final Shape Only", "Move the vertices; no shape keys"),
+        ),
+        default="ABSOLUTE_KEYS",
+    )
+    existing_keys: EnumProperty(
+        name="Other Shape Keys",
+        description="What to do with an object that has shape keys of its own",
+        items=(
+            ("COPY", "Work on a Copy", "Leave the object as it is, hide it, and fair a copy"),
+            ("REFUSE", "Refuse", "Leave the object as it is and say so"),
+        ),
+        default="COPY",
+    )
+    store_density: BoolProperty(
+        name="Density Attribute",
+        description=(
+            "Store the density of the last step as fairing_density and fairing_density_color"
+        ),
+        default=True,
+    )
+
+
+class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.PropertyGroup):
+    """What the panel shows, one set per scene."""
+
+    radius: FloatProperty(
+        name="Radius",
+        description=(
+            "Wanted smoothing radius in local edge lengths, all steps together: about 1 takes "
+            "noise only, 3 and more takes shapes of that size as well"
+        ),
+        default=1.5,
+        min=0.01,
+        soft_min=0.2,
+        soft_max=10.0,
+        precision=2,
+    )
+    frame_start: IntProperty(
+        name="From Frame", description="Frame that shows the mesh before the first step", default=1
+    )
+    frame_end: IntProperty(
+        name="To Frame", description="Frame that shows the last step", default=100
+    )
+
+
+SOLVER_NAMES = tuple(SolverProperties.__annotations__)
+OUTPUT_NAMES = tuple(OutputProperties.__annotations__)
+
+
+def solver_settings(properties: SolverProperties) -> FairingSettings:
+    """Make the core's settings.
+
+    Raises
+    ------
+    SettingsError
+        A value makes no sense, such as τ = 0.
+    """
+    from ..core import FairingSettings
+
+    values = {name: getattr(properties, name) for name in SOLVER_NAMES}
+    for name, value in values.items():
+        if isinstance(value, float):
+            # Blender keeps float32; seven digits give back the number that was typed.
+            values[name] = float(f"{value:.7g}")
+    for name in ("stop_curvature", "stop_rate"):
+        values[name] = values[name] or None
+    return FairingSettings(**values)
+
+
+def copy_settings(source: object, target: object, names: tuple[str, ...]) -> None:
+    """Hand the named properties on, as from the scene to a button of the panel."""
+    for name in names:
+        setattr(target, name, getattr(source, name))
+
+
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory((FairingSceneSettings,))
+
+
+def register() -> None:
+    """Give every scene a set of settings."""
+    _register_classes()
+    bpy.types.Scene.adaptive_fairing = bpy.props.PointerProperty(type=FairingSceneSettings)
+
+
+def unregister() -> None:
+    """Take the settings back."""
+    del bpy.types.Scene.adaptive_fairing
+    _unregister_classes()

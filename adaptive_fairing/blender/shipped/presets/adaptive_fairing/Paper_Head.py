@@ -1,0 +1,11 @@
+"""The paper's values for figure 1.1."""
+
+import bpy
+
+settings = bpy.context.scene.adaptive_fairing
+
+settings.method = "adaptive_timestep"
+settings.tau = 0.016
+settings.steps = 4
+settings.density = "edge_length"
+settings.density_passes = 3
