@@ -18,7 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 from .density import mesh_density
 from .errors import InputError
 from .settings import FairingSettings
-from .topology import TriangleTopology
+from .solver_frame import SolverFrame, solvable_surface
+from .topology import TriangleTopology, checked_triangles
 
 FloatArray = NDArray[np.float64]
 
