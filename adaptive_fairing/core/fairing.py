@@ -155,7 +155,7 @@ def fair_steps(
 def _run(
     points: FloatArray, triangles: NDArray[np.int32], settings: FairingSettings, weights: FloatArray
 ) -> Iterator[FairingStep]:
-    surface = solvable_surface(triangles, len(points))
+    surface = solvable_surface(points, triangles)
     topology = surface.topology
     space = LoopSpace(topology, settings.quadrature_tolerance)
     frame = SolverFrame.of(points, surface, settings.normalize)

@@ -6,8 +6,6 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
-from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 
 class LocalOrder(NamedTuple):
@@ -25,19 +23,17 @@ class LocalOrder(NamedTuple):
     triangles: NDArray[np.int32]
 
 
-def local_order(triangles: NDArray[np.int32] | NDArray[np.int64], n_vertices: int) -> LocalOrder:
-    """Renumber vertices along fronts (reverse Cuthill-McKee) and sort triangles to match."""
-    edges = sparse.csr_array(
-        sparse.coo_array(
-            (
-                np.ones(triangles.size, dtype=np.int8),
-                (triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)),
-            ),
-            shape=(n_vertices, n_vertices),
-        )
-    )
-    # Boundary edges are stored in one direction only: not symmetric as it stands.
-    vertices = reverse_cuthill_mckee(edges, symmetric_mode=False).astype(np.intp)
+def sweep_order(
+    positions: NDArray[np.float64], triangles: NDArray[np.int32] | NDArray[np.int64]
+) -> LocalOrder:
+    """Renumber vertices in a sweep along the longest axis, and sort triangles to match.
+
+    Matrix bandwidth and cache use come close to those of reverse Cuthill-McKee (the fronts are
+    plane sections), at the cost of a sort.
+    """
+    n_vertices = len(positions)
+    axis = int(np.ptp(positions, axis=0).argmax())
+    vertices = np.argsort(positions[:, axis], kind="stable")
     new_number = np.empty(n_vertices, dtype=np.int32)
     new_number[vertices] = np.arange(n_vertices, dtype=np.int32)
     renumbered = new_number[triangles]

@@ -135,7 +135,7 @@ def _in_frame(
     triangles = checked_triangles(np.asarray(faces), len(points))
     if not len(triangles):
         raise InputError("the mesh has no triangles: there is no surface to fair")
-    surface = solvable_surface(triangles, len(points))
+    surface = solvable_surface(points, triangles)
     frame = SolverFrame.of(points, surface, settings.normalize)
     return surface.topology, frame.inward(points), frame.scale
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from .errors import TopologyError
 from .manifold import cut_to_manifold
-from .ordering import local_order
+from .ordering import sweep_order
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
@@ -42,17 +42,16 @@ class SolverSurface:
     notes: tuple[str, ...] = ()
 
 
-def solvable_surface(triangles: NDArray[np.int32], n_vertices: int) -> SolverSurface:
+def solvable_surface(points: FloatArray, triangles: NDArray[np.int32]) -> SolverSurface:
     """Renumber the caller's triangles; cut them only if they are no oriented manifold."""
     try:
-        order = local_order(triangles, n_vertices)
-        topology = TriangleTopology(order.triangles, n_vertices)
-        return SolverSurface(topology, order.vertices, np.zeros(n_vertices, dtype=bool))
+        order = sweep_order(points, triangles)
+        topology = TriangleTopology(order.triangles, len(points))
+        return SolverSurface(topology, order.vertices, np.zeros(len(points), dtype=bool))
     except TopologyError:
-        mesh = cut_to_manifold(triangles, n_vertices)
-    n_copies = len(mesh.vertex_of)
-    order = local_order(mesh.triangles, n_copies)
-    topology = TriangleTopology(order.triangles, n_copies)
+        mesh = cut_to_manifold(triangles, len(points))
+    order = sweep_order(points[mesh.vertex_of], mesh.triangles)
+    topology = TriangleTopology(order.triangles, len(mesh.vertex_of))
     return SolverSurface(
         topology, mesh.vertex_of[order.vertices], mesh.is_held[order.vertices], mesh.notes
     )
