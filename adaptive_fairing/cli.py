@@ -200,8 +200,11 @@ def _run(arguments: argparse.Namespace) -> int:
     except SettingsError as error:
         return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
 
-    from .blender.job import FairingJob, run_job
     from .progress import step_progress
+    from .silence import silent_stdout
+
+    with silent_stdout():  # Blender logs from its very first moment
+        from .blender.job import FairingJob, run_job
 
     job = FairingJob(
         arguments.input, arguments.output, settings, arguments.object, arguments.report

@@ -13,11 +13,11 @@ from ..core import FairingError, InputError
 from ..core.atomic_files import replaced_file, replaced_files, require_space
 from ..core.errors import listed
 from ..formats import BLEND, MESH_FORMATS, OBJ, PLY, suffix_of
+from ..silence import silent_stdout
 from .compatibility import known_options
 from .mesh_data import read_positions
 from .obj_precision import restore_precision
 from .ply_export import prepare_for_ply
-from .silence import silent_stdout
 from .target import find_mesh_object
 
 _AXES_AS_IN_FILE = {"forward_axis": "Y", "up_axis": "Z"}
