@@ -45,7 +45,7 @@ def field_values(obj: bpy.types.Object, field: str, settings: FairingSettings) -
         return np.linalg.norm(shown - data.vertices, axis=1)
     if not len(data.triangles):
         raise InputError("the mesh has no faces: there is no surface to look at")
-    surface = solvable_surface(data.triangles, len(data.vertices))
+    surface = solvable_surface(data.vertices, data.triangles)
     frame = SolverFrame.of(data.vertices, surface, settings.normalize)
     topology = surface.topology
     if field == "CURVATURE":

@@ -18,6 +18,9 @@ from .requirements import scipy_problem
 GAP = 0.25
 """Space between two copies, as a share of the object's size."""
 
+LABEL_GAP = 0.06
+"""Space between a copy and its label, as a share of the object's size."""
+
 LABEL_SIZE = 0.11
 """Height of the labels, as a share of the object's size."""
 
@@ -99,7 +102,10 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
 
 
 def _lay_out(context, source, tasks) -> list[bpy.types.Object]:
-    """Put labelled copies to the right of the source, in a collection of their own."""
+    """Put labelled copies to the right of the source, in a collection of their own.
+
+    The source itself stands for the mesh before, unless shape keys make it show something else.
+    """
     from .store_result import write_steps
 
     low, high = _world_box(source)
@@ -108,24 +114,36 @@ def _lay_out(context, source, tasks) -> list[bpy.types.Object]:
     collection = bpy.data.collections.new(data_("Fairing Comparison"))
     context.scene.collection.children.link(collection)
 
-    label_at = Vector(((low.x + high.x) / 2, low.y, low.z - 0.06 * size))
-    _add_label(collection, data_("Before"), label_at, LABEL_SIZE * size)
-    made = []
-    for place, task in enumerate(tasks, start=1):
-        offset = Vector((place * stride, 0.0, 0.0))
-        title = data_("Uniform") if task.settings.method == "uniform" else data_("Adaptive")
-        copy = _plain_copy(source, f"{source.name} {title.lower()}", task)
+    def add(title, label, place):
+        copy = _plain_copy(source, f"{source.name} {title.lower()}", tasks[0].vertices)
+        copy.matrix_world.translation.x += place * stride
         collection.objects.link(copy)
-        copy.matrix_world.translation += offset
-        write_steps(copy, task, output="ABSOLUTE_KEYS", store_density=False)
+        add_label(label, place)
+        return copy
+
+    def add_label(text, place):
+        at = Vector(((low.x + high.x) / 2 + place * stride, low.y, low.z - LABEL_GAP * size))
+        collection.objects.link(_label(text, at, LABEL_SIZE * size))
+
+    before = data_("Before")
+    if source.data.shape_keys is None:
+        place = 0
+        add_label(before, place)
+    else:
+        place = 1
+        add(before, before, place)
+    made = []
+    for task in tasks:
+        place += 1
+        title = data_("Uniform") if task.settings.method == "uniform" else data_("Adaptive")
         left = 100 * task.steps[-1].curvature_ratio
-        label = f"{title}\nτ = {task.settings.tau:.3g}\nH {left:.0f} %"
-        _add_label(collection, label, label_at + offset, LABEL_SIZE * size)
+        copy = add(title, f"{title}\nτ = {task.settings.tau:.3g}\nH {left:.0f} %", place)
+        write_steps(copy, task, output="ABSOLUTE_KEYS", store_density=False)
         made.append(copy)
     return made
 
 
-def _plain_copy(source, name, task) -> bpy.types.Object:
+def _plain_copy(source, name, vertices) -> bpy.types.Object:
     """Copy an object with a mesh of its own, without shape keys and parent."""
     from .mesh_data import write_positions
 
@@ -135,14 +153,14 @@ def _plain_copy(source, name, task) -> bpy.types.Object:
     copy.data.name = name
     if copy.data.shape_keys is not None:
         copy.shape_key_clear()
-        write_positions(copy.data, task.vertices)
+        write_positions(copy.data, vertices)
     copy.parent = None
     copy.matrix_world = source.matrix_world.copy()
     return copy
 
 
-def _add_label(collection, text, location, size) -> bpy.types.Object:
-    """Add a text that stands upright and faces the front view."""
+def _label(text, location, size) -> bpy.types.Object:
+    """Make a text that stands upright and faces the front view."""
     curve = bpy.data.curves.new(text.split("\n")[0], "FONT")
     curve.body = text
     curve.align_x = "CENTER"
@@ -151,7 +169,6 @@ def _add_label(collection, text, location, size) -> bpy.types.Object:
     label = bpy.data.objects.new(curve.name, curve)
     label.location = location
     label.rotation_euler = (math.pi / 2, 0.0, 0.0)
-    collection.objects.link(label)
     return label
 
 

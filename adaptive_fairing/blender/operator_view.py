@@ -3,12 +3,23 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_tip as tip_
 
 from . import viewport
 from .object_mode import object_mode
 from .properties import solver_settings
 from .regions import refusal, target_objects
 from .requirements import scipy_problem
+
+FIELDS = (
+    (
+        "DENSITY",
+        "Density",
+        "How coarse the mesh is: where it is bright, the adaptive methods smooth more",
+    ),
+    ("DISPLACEMENT", "Displacement", "How far the smoothing has moved each vertex"),
+    ("CURVATURE", "Curvature", "Mean curvature: bright where the surface bulges outward"),
+)
 
 ATTRIBUTES = {
     "DENSITY": "fairing_density",
@@ -26,22 +37,14 @@ class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
     field: bpy.props.EnumProperty(
         name="Field",
         description="What the colours mean",
-        items=(
-            (
-                "DENSITY",
-                "Density",
-                "How coarse the mesh is: where it is bright, the adaptive methods smooth more",
-            ),
-            ("DISPLACEMENT", "Displacement", "How far the smoothing has moved each vertex"),
-            ("CURVATURE", "Curvature", "Mean curvature: bright where the surface bulges outward"),
-        ),
+        items=FIELDS,
         default="DENSITY",
     )
 
     @classmethod
     def description(cls, context, properties):
-        items = cls.bl_rna.properties["field"].enum_items
-        return bpy.app.translations.pgettext_tip(items[properties.field].description)
+        texts = {identifier: text for identifier, _, text in FIELDS}
+        return tip_(texts[properties.field])
 
     @classmethod
     def poll(cls, context):

@@ -12,7 +12,11 @@ from .operator_animate import (
     is_animated,
 )
 from .operator_compare import OBJECT_OT_adaptive_fairing_compare
-from .operator_view import OBJECT_OT_adaptive_fairing_view, OBJECT_OT_adaptive_fairing_view_end
+from .operator_view import (
+    FIELDS,
+    OBJECT_OT_adaptive_fairing_view,
+    OBJECT_OT_adaptive_fairing_view_end,
+)
 from .panel_settings import FairingPanel
 from .properties import SOLVER_NAMES, copy_settings
 from .record import evolution_keys
@@ -24,17 +28,9 @@ STOP_REASONS = {
     "stopped": "Stopped by hand",
 }
 
-VIEW_TITLES = {
-    "DENSITY": "Density",
-    "DISPLACEMENT": "Displacement",
-    "CURVATURE": "Mean curvature",
-}
-
-N_LEGEND_VALUES = 5
-
 
 class VIEW3D_PT_adaptive_fairing_results(FairingPanel, bpy.types.Panel):
-    bl_label = "Evolution"
+    bl_label = "Results"
 
     @classmethod
     def poll(cls, context):
@@ -61,14 +57,13 @@ class VIEW3D_PT_adaptive_fairing_view(FairingPanel, bpy.types.Panel):
         obj = context.active_object
         shown = obj.adaptive_fairing.view if obj is not None else ""
         row = layout.row(align=True)
-        items = OBJECT_OT_adaptive_fairing_view.bl_rna.properties["field"].enum_items
-        for item in items:
+        for field, title, _ in FIELDS:
             button = row.operator(
                 OBJECT_OT_adaptive_fairing_view.bl_idname,
-                text=item.name,
-                depress=shown == item.identifier,
+                text=iface_(title),
+                depress=shown == field,
             )
-            button.field = item.identifier
+            button.field = field
         layout.operator(OBJECT_OT_adaptive_fairing_view_end.bl_idname, icon="LOOP_BACK")
         if shown:
             _draw_legend(layout, obj.adaptive_fairing)
@@ -121,8 +116,9 @@ def _draw_course(layout, record) -> None:
     column.label(text=iface_("Before  {:.4g}").format(energies[0]), translate=False)
     column.label(text=iface_("After  {:.4g}").format(energies[-1]), translate=False)
     if energies[0] > 0:
-        share = 100 * energies[-1] / energies[0]
-        column.label(text=iface_("{:.1f} % left").format(share), translate=False)
+        share = energies[-1] / energies[0]
+        left = iface_("{:.1f} % left").format(100 * share) if share < 10 else f"× {share:.3g}"
+        column.label(text=left, translate=False)
 
 
 def _draw_measures(layout, record) -> None:
@@ -153,11 +149,11 @@ def _change(before: float, after: float) -> str:
 
 def _draw_legend(layout, record) -> None:
     low, high = record.view_range
-    split = layout.box().split(factor=0.25)
-    split.template_icon(icon_value=pictures.scale_icon(), scale=N_LEGEND_VALUES)
+    split = layout.box().split(factor=0.48)
+    split.template_icon(icon_value=pictures.scale_icon(), scale=pictures.SCALE_TICKS)
     column = split.column(align=True)
-    for index in reversed(range(N_LEGEND_VALUES)):
-        value = low + (high - low) * index / (N_LEGEND_VALUES - 1)
+    for index in reversed(range(pictures.SCALE_TICKS)):
+        value = low + (high - low) * index / (pictures.SCALE_TICKS - 1)
         column.label(text=f"{value:.4g}", translate=False)
 
 

@@ -154,7 +154,7 @@ def _draw_radius(context, layout, settings) -> None:
     box = layout.box()
     obj = context.active_object
     head = box.row(align=True)
-    head.label(text="Smoothing Radius", icon="PROP_ON")
+    head.label(text="Smoothing Radius in Edges", icon="PROP_ON")
     measure = OBJECT_OT_adaptive_fairing_measure.bl_idname
     head.operator(measure, text="", icon="FILE_REFRESH", emboss=False)
     if obj is None or obj.type != "MESH":
@@ -170,7 +170,7 @@ def _draw_radius(context, layout, settings) -> None:
         _draw_radii(box, scale, settings)
     row = box.row(align=True)
     row.use_property_split = False
-    row.prop(settings, "radius", text=iface_("Edges"))
+    row.prop(settings, "radius")
     row.operator(OBJECT_OT_adaptive_fairing_suggest_tau.bl_idname)
 
 
@@ -178,13 +178,17 @@ def _draw_radii(layout, scale, settings) -> None:
     """Draw a table: densest and coarsest part, one step and all of them."""
     one = scale.radii(settings.tau)
     total = scale.radii(settings.tau * settings.steps)
-    grid = layout.grid_flow(row_major=True, columns=4, even_columns=False, align=True)
-    for text in ("", "Densest", "Typical", "Coarsest"):
-        grid.label(text=text)
-    for title, radii in (("One step", one), ("All steps", total)):
-        grid.label(text=title)
-        for radius in radii:
-            grid.label(text=iface_("{:.2f} e").format(radius), translate=False)
+    titles = [iface_(text) for text in ("Densest", "Typical", "Coarsest")]
+    rows = [("", titles)]
+    for name, radii in ((iface_("Step"), one), (iface_("Run"), total)):
+        rows.append((name, [f"{radius:.2f}" for radius in radii]))
+    column = layout.column(align=True)
+    for name, cells in rows:
+        split = column.split(factor=0.19)
+        split.label(text=name, translate=False)
+        row = split.row()
+        for cell in cells:
+            row.label(text=cell, translate=False)
 
 
 def _draw_run(context, layout, settings) -> None:

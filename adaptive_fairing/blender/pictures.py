@@ -15,7 +15,10 @@ Image = NDArray[np.float64]
 PLOT_SIZE = 192
 LINE_COLOR = (0.98, 0.62, 0.22)
 GRID_COLOR = (0.5, 0.5, 0.5)
-SCALE_SHAPE = (160, 40)
+SCALE_SIZE = 160
+SCALE_BAR = slice(96, 140)
+SCALE_TICKS = 5
+TICK_LENGTH = 12
 REMEMBERED = 16
 
 _collections: list[previews.ImagePreviewCollection] = []
@@ -43,7 +46,7 @@ def draw_plot(values: Sequence[float]) -> Image:
     Returns
     -------
     (PLOT_SIZE, PLOT_SIZE, 4) array
-        RGBA, the first row at the bottom, transparent where there is nothing.
+        RGBA, premultiplied as Blender's previews want it; the first row is at the bottom.
     """
     heights = np.nan_to_num(np.asarray(values, dtype=np.float64))
     margin, thickness, dot = 10.0, 1.8, 4.5
@@ -71,10 +74,15 @@ def draw_plot(values: Sequence[float]) -> Image:
 
 
 def draw_scale() -> Image:
-    """Draw the colour map as an upright bar, (*SCALE_SHAPE, 4)."""
-    height, width = SCALE_SHAPE
-    image = np.ones((height, width, 4))
-    image[:, :, :3] = colors_srgb(np.linspace(0.0, 1.0, height))[:, None, :]
+    """Draw the colour map as an upright bar with ticks at its right, RGBA as `draw_plot`."""
+    image = np.zeros((SCALE_SIZE, SCALE_SIZE, 4))
+    colors = colors_srgb(np.linspace(0.0, 1.0, SCALE_SIZE))
+    image[:, SCALE_BAR, :3] = colors[:, None, :]
+    image[:, SCALE_BAR, 3] = 1.0
+    ticks = np.zeros((SCALE_SIZE, SCALE_SIZE))
+    for at in np.linspace(0, SCALE_SIZE - 2, SCALE_TICKS).astype(int):
+        ticks[at : at + 2, SCALE_BAR.stop : SCALE_BAR.stop + TICK_LENGTH] = 1.0
+    _blend(image, ticks, GRID_COLOR, 1.0)
     return image
 
 
@@ -92,13 +100,10 @@ def _icon(name: str, draw: Callable[[], Image]) -> int:
 
 
 def _blend(image: Image, coverage: Image, color: Sequence[float], opacity: float) -> None:
-    """Lay a colour over the image where it covers a pixel ("over" of straight alpha)."""
-    alpha = np.asarray(coverage, dtype=np.float64) * opacity
-    below = image[:, :, 3] * (1.0 - alpha)
-    total = alpha + below
-    mixed = alpha[:, :, None] * np.asarray(color) + below[:, :, None] * image[:, :, :3]
-    np.divide(mixed, total[:, :, None], out=image[:, :, :3], where=total[:, :, None] > 0)
-    image[:, :, 3] = total
+    """Lay a colour over the image where it covers a pixel ("over" of premultiplied alpha)."""
+    alpha = np.asarray(coverage, dtype=np.float64)[:, :, None] * opacity
+    image *= 1.0 - alpha
+    image += alpha * np.array([*color, 1.0])
 
 
 def _distance_to_segment(column: Image, row: Image, start: Image, end: Image) -> Image:
