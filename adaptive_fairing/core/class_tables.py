@@ -16,6 +16,10 @@ FloatArray = NDArray[np.float64]
 # high valence have tens of thousands of pairs of control points, and few triangles.
 LARGEST_PRODUCT_TABLE = 4_000_000
 
+# Multiplications per matrix product.  Products of this size stay below the limit at which OpenBLAS
+# starts threads of its own, which would compete with those that work on other chunks.
+LARGEST_PRODUCT = 250_000
+
 
 class ClassTables:
     """Tables of a patch class with K control points and q quadrature points.
@@ -54,7 +58,14 @@ class ClassTables:
         """
         n_triangles = coefficients.shape[2]
         if self._products is not None:
-            np.matmul(self._products, coefficients.reshape(-1, n_triangles), out=out)
+            stacked = coefficients.reshape(-1, n_triangles)
+            width = max(LARGEST_PRODUCT // self._products.size, 1)
+            whole = n_triangles - n_triangles % width
+            if whole:
+                slabs = _slabs(stacked[:, :whole], width)
+                np.matmul(self._products, slabs, out=_slabs(out[:, :whole], width))
+            if whole < n_triangles:
+                np.matmul(self._products, stacked[:, whole:], out=out[:, whole:])
             return
         phi, d1, d2 = self.values, self.gradients[0, 0], self.gradients[1, 0]
         for triangle in range(n_triangles):
@@ -78,3 +89,8 @@ class ClassTables:
         )
         products *= self.weights[:, None]
         return np.ascontiguousarray(products.reshape(-1, len(a)).T)
+
+
+def _slabs(matrix: FloatArray, width: int) -> FloatArray:
+    """View a matrix as a stack of slabs of `width` columns each."""
+    return matrix.reshape(len(matrix), -1, width).transpose(1, 0, 2)

@@ -3,18 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
 from .errors import SolverError
+from .parallel import n_threads, ordered_map
 
 FloatArray = NDArray[np.float64]
 
 # Rounding alone leaves a residual of some machine epsilons of the terms that cancel in A x; asking
 # for less would never end.
 ATTAINABLE = 64 * np.finfo(np.float64).eps
+
+# Below this number of entries starting threads costs more than it saves.
+SMALLEST_SHARED_PRODUCT = 500_000
 
 
 @dataclass(frozen=True)
@@ -81,8 +86,9 @@ def conjugate_gradients(
     inverse = np.zeros(len(diagonal))
     inverse[free] = 1 / diagonal[free]
 
+    blocks = _RowBlocks(matrix)
     columns = np.ascontiguousarray(start.T)
-    residual = np.ascontiguousarray(right_side.T) - _product(matrix, columns)
+    residual = np.ascontiguousarray(right_side.T) - blocks.product(columns)
     reference = np.sqrt(np.sum(inverse * np.square(right_side.T)))
     floor = ATTAINABLE * np.sqrt(np.sum(diagonal * free * np.square(columns)))
     target = max(tolerance * reference, floor)
@@ -93,7 +99,7 @@ def conjugate_gradients(
     square = float(np.vdot(residual, preconditioned))
     iterations = 0
     while np.sqrt(square) > target and iterations < max_iterations:
-        image = _product(matrix, direction)
+        image = blocks.product(direction)
         image[:, is_held] = 0
         curvature = float(np.vdot(direction, image))
         if not curvature > 0:
@@ -120,6 +126,32 @@ def conjugate_gradients(
     return start + update.T, report
 
 
-def _product(matrix: sparse.csr_array, columns: FloatArray) -> FloatArray:
-    # One column after the other: faster than the (n, 3) block product of scipy.
-    return np.stack([matrix @ column for column in columns])
+class _RowBlocks:
+    """A matrix as horizontal strips of equal numbers of entries, multiplied by several threads."""
+
+    def __init__(self, matrix: sparse.csr_array) -> None:
+        n_rows, n_columns = matrix.shape
+        n_strips = n_threads() if matrix.nnz >= SMALLEST_SHARED_PRODUCT else 1
+        shares = np.linspace(0, matrix.nnz, n_strips + 1)
+        bounds = np.searchsorted(matrix.indptr, shares)
+        bounds[0], bounds[-1] = 0, n_rows
+        self._strips = []
+        for first, last in pairwise(bounds.tolist()):
+            begin, end = matrix.indptr[first], matrix.indptr[last]
+            pointers = matrix.indptr[first : last + 1] - begin
+            entries = (matrix.data[begin:end], matrix.indices[begin:end], pointers)
+            strip = sparse.csr_array(entries, shape=(last - first, n_columns))
+            self._strips.append((slice(first, last), strip))
+
+    def product(self, columns: FloatArray) -> FloatArray:
+        """Multiply by (k, n) columns, one after the other: faster than scipy's block product."""
+        result = np.empty_like(columns)
+
+        def fill(rows_and_strip: tuple[slice, sparse.csr_array]) -> None:
+            rows, strip = rows_and_strip
+            for column, out in zip(columns, result, strict=True):
+                out[rows] = strip @ column
+
+        for _ in ordered_map(fill, self._strips):
+            pass
+        return result

@@ -23,7 +23,7 @@ _CHOICES: tuple[tuple[float, int, int, int], ...] = (
     # tolerance, degree in regular patches, degree in pieces of irregular ones, refinement depth
     (1e-2, 4, 2, 1),
     (1e-3, 4, 4, 1),
-    (1e-4, 6, 6, 3),
+    (1e-4, 6, 8, 3),
     (1e-5, 8, 8, 5),
     (1e-6, 12, 12, 7),
 )

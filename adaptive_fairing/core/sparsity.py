@@ -11,7 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from .parallel import ordered_map
 from .topology import TriangleTopology
+
+ENTRIES_PER_PIECE = 1 << 20
 
 
 class SymmetricPattern:
@@ -27,37 +30,39 @@ class SymmetricPattern:
 
     def __init__(self, topology: TriangleTopology) -> None:
         self.n = topology.n_vertices
-        adjacency = topology.adjacency().astype(bool)
-        near = adjacency + sparse.eye_array(self.n, dtype=bool, format="csr")
+        near = topology.adjacency().astype(bool) + sparse.eye_array(
+            self.n, dtype=bool, format="csr"
+        )
         reach = near @ near @ near
         reach = reach.T.tocsr()  # transposing a symmetric pattern sorts its rows in linear time
-        self.indptr, self.indices = reach.indptr, reach.indices
-        rows = np.repeat(np.arange(self.n, dtype=np.int32), np.diff(self.indptr))
-        is_upper = self.indices >= rows
+        self._indptr, self._indices = reach.indptr, reach.indices
+        rows = np.repeat(np.arange(self.n, dtype=np.int32), np.diff(self._indptr))
+        is_upper = self._indices >= rows
         self.n_upper = int(np.count_nonzero(is_upper))
-        upper_of = np.cumsum(is_upper, dtype=np.int32) - np.int32(1)
-        numbers = sparse.csr_array(
-            (np.where(is_upper, upper_of, np.int32(0)), self.indices, self.indptr),
-            shape=(self.n, self.n),
-        )
-        self._diagonal = upper_of[is_upper & (self.indices == rows)]
+        numbers = np.cumsum(is_upper, dtype=np.int32)
+        numbers -= np.int32(1)
         # Below the diagonal an entry has the number of its mirror image.
-        mirrored = numbers.T.tocsr().data
-        self._upper_of = np.where(is_upper, upper_of, mirrored)
-        numbers.data = self._upper_of
-        numbers.has_canonical_format = True
-        self._numbers = numbers
+        mirrored = self._with_pattern(numbers).T.tocsr().data
+        self._upper_of = np.where(is_upper, numbers, mirrored)
+        self._numbers = self._with_pattern(self._upper_of)
 
     def entries(self, rows: NDArray[np.int32], columns: NDArray[np.int32]) -> NDArray[np.int32]:
         """Return the upper-triangle numbers of the entries (rows, columns), in either order."""
         return np.asarray(self._numbers[rows, columns]).reshape(-1)
 
-    def diagonal(self, upper: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the diagonal, (n,), of the matrix with upper entries `upper`."""
-        return upper[self._diagonal]
-
     def matrix(self, upper: NDArray[np.float64]) -> sparse.csr_array:
         """Return the full symmetric matrix with upper entries `upper`, (n_upper,)."""
-        return sparse.csr_array(
-            (upper[self._upper_of], self.indices, self.indptr), shape=(self.n, self.n), copy=False
-        )
+        data = np.empty(len(self._indices))
+
+        def fill(start: int) -> None:
+            piece = slice(start, start + ENTRIES_PER_PIECE)
+            np.take(upper, self._upper_of[piece], out=data[piece], mode="clip")
+
+        for _ in ordered_map(fill, range(0, len(data), ENTRIES_PER_PIECE)):
+            pass
+        return self._with_pattern(data)
+
+    def _with_pattern(self, data: NDArray[np.generic]) -> sparse.csr_array:
+        matrix = sparse.csr_array((data, self._indices, self._indptr), shape=(self.n, self.n))
+        matrix.has_canonical_format = True
+        return matrix
