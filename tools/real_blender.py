@@ -168,6 +168,9 @@ def install_packages(chroot: Chroot) -> None:
     resolver = Path("/etc/resolv.conf")
     if resolver.exists():
         (chroot.root / "etc/resolv.conf").write_text(resolver.read_text())
+    # The host's proxy and its policy about old indexes hold inside too.
+    acquire = subprocess.run(["apt-config", "dump", "Acquire"], capture_output=True, check=True)
+    (chroot.root / "etc/apt/apt.conf.d/99host").write_bytes(acquire.stdout)
     install = f"apt-get install -y -q --no-install-recommends {' '.join(chroot.packages)}"
     script = f"""
         set -e

@@ -1,0 +1,64 @@
+"""Test meshes made in Blender, and what became of them. Runs inside Blender."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+
+def add_noisy(primitive: str, noise: float, **sizes: int) -> bpy.types.Object:
+    """Replace the scene's objects by one of Blender's primitives with seeded noise.
+
+    `noise` is the standard deviation of each coordinate in object units.
+    """
+    for old in list(bpy.data.objects):
+        bpy.data.objects.remove(old)
+    getattr(bpy.ops.mesh, f"primitive_{primitive}_add")(**sizes)
+    obj = bpy.context.object
+    positions = vertex_positions(obj)
+    positions += np.random.default_rng(1).normal(0.0, noise, positions.shape)
+    obj.data.vertices.foreach_set("co", positions.ravel())
+    obj.data.update()
+    bpy.ops.ed.undo_push(message="Test mesh")
+    return obj
+
+
+def vertex_positions(obj: bpy.types.Object) -> np.ndarray:
+    """Undeformed vertices (n, 3), float32."""
+    positions = np.empty((len(obj.data.vertices), 3), np.float32)
+    obj.data.vertices.foreach_get("co", positions.ravel())
+    return positions
+
+
+def shown_positions(obj: bpy.types.Object) -> np.ndarray:
+    """Vertices (n, 3) as the window shows them, shape keys applied."""
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return vertex_positions(evaluated)
+
+
+def key_positions(obj: bpy.types.Object) -> dict[str, np.ndarray]:
+    """Vertices (n, 3) of each shape key by name; empty without shape keys."""
+    keys = obj.data.shape_keys
+    positions = {}
+    for block in keys.key_blocks if keys else ():
+        positions[block.name] = np.empty((len(obj.data.vertices), 3), np.float32)
+        block.data.foreach_get("co", positions[block.name].ravel())
+    return positions
+
+
+def key_names() -> list[str]:
+    """Shape keys of the active object; looked up anew, since undo replaces objects."""
+    obj = bpy.context.view_layer.objects.active
+    return list(key_positions(obj)) if obj else []
+
+
+def equal_to_core(obj: bpy.types.Object, noisy: np.ndarray, keys: list[np.ndarray]) -> bool:
+    """Tell whether the shape keys are the core's positions, rounded to float32."""
+    from bl_ext.user_default.adaptive_fairing.adaptive_fairing.core import FairingSettings, fair
+
+    obj.data.calc_loop_triangles()
+    triangles = np.empty((len(obj.data.loop_triangles), 3), np.int32)
+    obj.data.loop_triangles.foreach_get("vertices", triangles.ravel())
+    result = fair(noisy.astype(np.float64), triangles, FairingSettings())
+    expected = [step.positions.astype(np.float32) for step in result.steps]
+    return len(expected) == len(keys) and all(map(np.array_equal, expected, keys))

@@ -1,0 +1,210 @@
+"""What happens in Blender's window in each test. Runs inside Blender, see driver.py.
+
+Usage: blender --python scenarios.py -- SCENARIO DIRECTORY
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+from driver import Scenario, Stage, play
+from meshes import (
+    add_noisy,
+    equal_to_core,
+    key_names,
+    key_positions,
+    shown_positions,
+    vertex_positions,
+)
+
+BUTTON = "object.adaptive_fairing("  # other operators begin with the same words
+
+
+def press_fairing(stage: Stage) -> Scenario:
+    """Open the sidebar's tab, look for the button and press it."""
+    yield from stage.open_sidebar("Fairing")
+    x, y = yield from stage.find_button(BUTTON)
+    stage.click(x, y)
+    yield stage.until(stage.is_running, 20, "start of the modal run")
+
+
+def full_run(stage: Stage) -> Scenario:
+    """Press the button, wait, move the Evolution slider, undo, redo, save and open again."""
+    noisy = vertex_positions(add_noisy("ico_sphere", 0.01, subdivisions=6))
+    seen = stage.results
+    yield from stage.open_sidebar("Fairing")
+    stage.picture("before")
+    yield from press_fairing(stage)
+    yield stage.until(lambda: not stage.is_running(), 120, "end of the run")
+    yield 1.0
+    stage.picture("after")
+
+    obj = bpy.context.object
+    keys = key_positions(obj)
+    seen["keys"] = list(keys)
+    seen["basis kept"] = bool(np.array_equal(keys["Basis"], noisy))
+    seen["equal to core"] = equal_to_core(obj, noisy, list(keys.values())[1:])
+
+    x, y = yield from stage.find_button("eval_time", "shift+ctrl+c")
+    blocks = obj.data.shape_keys.key_blocks
+    halfway = (blocks[0].frame + blocks[1].frame) / 2
+    for name, value, expected in (
+        ("slider at the start", blocks[0].frame, noisy),
+        ("slider between", halfway, (noisy + keys[blocks[1].name]) / 2),
+        ("slider at the end", blocks[-1].frame, keys[blocks[-1].name]),
+    ):
+        yield from stage.enter_value(x, y, value)
+        stage.picture(name.replace(" ", "-"))
+        seen[name] = float(np.abs(shown_positions(obj) - expected).max())
+
+    path = str(stage.directory / "saved.blend")
+    with stage.context():
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+    yield 2.0
+    reopened = key_positions(bpy.context.view_layer.objects.active)
+    seen["same after reopening"] = {
+        name: bool(np.array_equal(reopened.get(name), positions))
+        for name, positions in keys.items()
+    }
+    stage.picture("reopened")
+
+
+def undo(stage: Stage) -> Scenario:
+    """One undo takes a whole run back, one redo brings it again."""
+    noisy = vertex_positions(add_noisy("ico_sphere", 0.01, subdivisions=4))
+    yield from press_fairing(stage)
+    yield stage.until(lambda: not stage.is_running(), 60, "end of the run")
+    yield 1.0
+    stage.results["after run"] = key_names()
+    yield from stage.press_in_view("ctrl+z")
+    stage.results["after undo"] = key_names()
+    stage.results["vertices back"] = bool(
+        np.array_equal(vertex_positions(bpy.context.object), noisy)
+    )
+    yield from stage.press_in_view("ctrl+shift+z")
+    stage.results["after redo"] = key_names()
+
+
+def escape(stage: Stage) -> Scenario:
+    """Press Esc in a long run; the finished steps stay, and one undo removes them."""
+    add_noisy("ico_sphere", 0.01, subdivisions=6)
+    settings = bpy.context.scene.adaptive_fairing
+    settings.steps, settings.tau = 1000, 0.0001
+    stage.results["steps asked for"] = settings.steps
+    yield from press_fairing(stage)
+    yield 6.0
+    stage.picture("running")
+    yield 4.0
+    stage.picture("running-later")
+    yield from stage.press_in_view("Escape")
+    yield stage.until(lambda: not stage.is_running(), 60, "end after Esc")
+    yield 1.0
+    stage.picture("stopped")
+    stage.results["after escape"] = key_names()
+    yield from stage.press_in_view("ctrl+z")
+    stage.results["after undo"] = key_names()
+
+
+def delete_object(stage: Stage) -> Scenario:
+    """Delete the object while it is being faired; afterwards another one can be faired."""
+    obj = add_noisy("ico_sphere", 0.01, subdivisions=6)
+    bpy.context.scene.adaptive_fairing.steps = 1000
+    yield from press_fairing(stage)
+    yield 2.0
+    bpy.data.objects.remove(obj)
+    yield 2.0
+    stage.picture("deleted")
+    if stage.is_running():
+        yield from stage.press_in_view("Escape")
+    yield stage.until(lambda: not stage.is_running(), 60, "end without the object")
+    yield from run_once_more(stage)
+
+
+def load_file(stage: Stage) -> Scenario:
+    """Load a new file during a run; afterwards another mesh can be faired."""
+    add_noisy("ico_sphere", 0.01, subdivisions=6)
+    bpy.context.scene.adaptive_fairing.steps = 1000
+    yield from press_fairing(stage)
+    yield 2.0
+    with stage.context():
+        bpy.ops.wm.read_homefile()
+    yield 3.0
+    stage.results["running after load"] = stage.is_running()
+    stage.results["objects after load"] = sorted(obj.name for obj in bpy.data.objects)
+    stage.results["keys in the loaded file"] = len(bpy.data.shape_keys)
+    stage.picture("loaded")
+    yield from run_once_more(stage)
+
+
+def run_once_more(stage: Stage) -> Scenario:
+    """Fair another mesh, to see that the add-on is still in order."""
+    add_noisy("ico_sphere", 0.01, subdivisions=3)
+    bpy.context.scene.adaptive_fairing.steps = 2
+    yield 1.0
+    yield from press_fairing(stage)
+    yield stage.until(lambda: not stage.is_running(), 60, "end of the second run")
+    yield 1.0
+    stage.results["second run"] = key_names()
+
+
+def quit_program(stage: Stage) -> Scenario:
+    """Quit Blender during a run."""
+    add_noisy("ico_sphere", 0.01, subdivisions=6)
+    bpy.context.scene.adaptive_fairing.steps = 1000
+    yield from press_fairing(stage)
+    yield 2.0
+    stage.results["running at the end"] = stage.is_running()
+
+
+def large_mesh(stage: Stage) -> Scenario:
+    """Fair 200 000 triangles, and count how often the window is drawn meanwhile."""
+    obj = add_noisy("grid", 0.0005, x_subdivisions=320, y_subdivisions=320)
+    obj.data.calc_loop_triangles()
+    stage.results["triangles"] = len(obj.data.loop_triangles)
+    yield from stage.open_sidebar("Fairing")
+    yield 2.0
+    idle = yield from draws_while(stage, lambda: False, seconds=5)
+    stage.results["idle"] = idle
+
+    yield from press_fairing(stage)
+    stage.results["run"] = yield from draws_while(stage, stage.is_running, seconds=300)
+    yield 2.0
+    stage.results["keys"] = key_names()
+    stage.picture("large-after")
+
+
+def draws_while(stage: Stage, running, seconds: float):
+    """Ask for a drawing at every tick and measure how many there are.
+
+    Ends after `seconds`, or once `running` has become false.
+    """
+    stage.draws.clear()
+    start = time.monotonic()
+    has_run = False
+    pictured = False
+    while time.monotonic() - start < seconds and not (has_run and not running()):
+        has_run = has_run or bool(running())
+        if has_run and not pictured and len(stage.draws) > 40:
+            stage.picture("large-running")
+            pictured = True
+        stage.view.tag_redraw()
+        yield 0.0
+    times = np.array([start, *stage.draws, time.monotonic()])
+    return {
+        "seconds": float(times[-1] - start),
+        "draws": len(stage.draws),
+        "longest gap": float(np.diff(times).max()),
+    }
+
+
+if __name__ == "__main__":
+    name, directory = sys.argv[sys.argv.index("--") + 1 :]
+    play(globals()[name], Path(directory))

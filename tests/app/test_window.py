@@ -1,0 +1,103 @@
+"""The extension in Blender's own window, operated by mouse and keyboard."""
+
+from __future__ import annotations
+
+import pytest
+
+pytestmark = pytest.mark.app
+
+EVOLUTION = ["Basis", "Fairing 1", "Fairing 2", "Fairing 3", "Fairing 4"]
+N_COLOURS_OF_AN_INTERFACE = 300  # a blank or half-drawn window has a few dozen at most
+FLOAT32_STEP = 2.0**-23  # of the coordinates, which are below 1 + noise
+
+
+class TestFullRun:
+    """Button, wait, Evolution slider, save, reopen."""
+
+    @pytest.fixture
+    def seen(self, app) -> dict:
+        return app.play("full_run")
+
+    def test_the_button_makes_one_absolute_key_per_step(self, seen):
+        assert seen["keys"] == EVOLUTION
+
+    def test_the_basis_is_the_mesh_as_it_was(self, seen):
+        assert seen["basis kept"]
+
+    def test_the_result_is_the_cores_to_float32(self, seen):
+        assert seen["equal to core"]
+
+    @pytest.mark.parametrize("place", ["at the start", "between", "at the end"])
+    def test_the_evolution_slider_moves_the_shown_shape(self, seen, place):
+        assert seen[f"slider {place}"] <= 4 * FLOAT32_STEP
+
+    def test_a_saved_file_brings_every_key_back(self, seen):
+        assert seen["same after reopening"] == dict.fromkeys(EVOLUTION, True)
+
+    def test_the_pictures_show_the_interface(self, seen):
+        for name, parts in seen["pictures"].items():
+            for part, picture in parts.items():
+                assert picture["colours"] > N_COLOURS_OF_AN_INTERFACE, f"{name}: {part} is blank"
+
+    def test_the_window_shows_that_something_has_happened(self, seen):
+        pictures = seen["pictures"]
+        for earlier, later, part in (
+            ("before", "after", "UI"),
+            ("before", "after", "WINDOW"),
+            ("slider-at-the-start", "slider-between", "WINDOW"),
+            ("slider-between", "slider-at-the-end", "WINDOW"),
+        ):
+            assert pictures[earlier][part]["signature"] != pictures[later][part]["signature"]
+
+
+def test_one_undo_takes_the_run_back_and_redo_brings_it_again(app):
+    seen = app.play("undo")
+    assert seen["after run"] == EVOLUTION
+    assert seen["after undo"] == []
+    assert seen["vertices back"]
+    assert seen["after redo"] == EVOLUTION
+
+
+def test_escape_keeps_the_finished_steps_and_undo_removes_them(app):
+    seen = app.play("escape")
+    kept = len(seen["after escape"]) - 1
+    assert 1 <= kept < seen["steps asked for"]
+    assert seen["after escape"] == ["Basis", *(f"Fairing {i}" for i in range(1, kept + 1))]
+    assert seen["after undo"] == []
+
+
+def test_progress_is_shown_during_the_run(app):
+    """The panel and the status bar change while nobody touches them."""
+    pictures = app.play("escape")["pictures"]
+    assert pictures["running"]["UI"]["signature"] != pictures["running-later"]["UI"]["signature"]
+    assert pictures["running"]["UI"]["colours"] > N_COLOURS_OF_AN_INTERFACE
+
+
+def test_deleting_the_object_during_a_run_is_survived(app):
+    assert app.play("delete_object")["second run"] == ["Basis", "Fairing 1", "Fairing 2"]
+
+
+def test_loading_a_file_during_a_run_is_survived(app):
+    seen = app.play("load_file")
+    assert not seen["running after load"]
+    assert seen["objects after load"] == ["Camera", "Cube", "Light"]
+    assert seen["keys in the loaded file"] == 0
+    assert seen["second run"] == ["Basis", "Fairing 1", "Fairing 2"]
+
+
+def test_quitting_during_a_run_ends_the_program_in_order(app):
+    assert app.play("quit_program")["running at the end"]
+
+
+def test_the_window_keeps_drawing_while_200000_triangles_are_faired(app):
+    """The view is drawn all through the run: at a fifth of the idle rate or more on two cores.
+
+    The solver's thread and Blender's software renderer share the machine, so the rate falls; with
+    the solver in the window's own thread it would be about one drawing a step.
+    """
+    seen = app.play("large_mesh")
+    assert seen["triangles"] >= 200_000
+    assert seen["keys"] == EVOLUTION
+    idle, run = seen["idle"], seen["run"]
+    assert run["draws"] / run["seconds"] > 0.2 * idle["draws"] / idle["seconds"]
+    assert run["draws"] > 3 * (len(EVOLUTION) - 1)
