@@ -16,3 +16,13 @@ def _empty_scene():
     empty_scene()
     yield
     empty_scene()
+
+
+@pytest.fixture(scope="session")
+def addon():
+    """Register the add-on for the rest of the session."""
+    import adaptive_fairing.blender
+
+    adaptive_fairing.blender.register()
+    yield adaptive_fairing.blender
+    adaptive_fairing.blender.unregister()
