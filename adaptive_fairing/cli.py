@@ -92,6 +92,7 @@ def build_parser() -> argparse.ArgumentParser:
     """Make the parser."""
     parser = _Parser(
         prog=PROGRAM,
+        allow_abbrev=False,  # an abbreviation would break when an option is added
         description="Remove noise from a surface mesh by geometric diffusion that follows the "
         "mesh density.",
         epilog="Exit status: 0 done, 1 could not (file, mesh or solver), 2 wrong arguments. "
@@ -224,12 +225,20 @@ def _run(arguments: argparse.Namespace) -> int:
     return DONE
 
 
+_ENDS = {
+    "steps": "all done",
+    "curvature": "ended by --stop-curvature",
+    "rate": "ended by --stop-rate",
+}
+
+
 def _summary(report: dict[str, Any]) -> str:
     last = report["steps"][-1]
     return (
-        f"{PROGRAM}: {report['mesh']['vertices']} vertices, {last['step']} steps (stopped by "
-        f"{report['stop_reason']}), curvature energy {last['curvature_ratio']:.1%} of the input's, "
-        f"largest displacement {last['largest_displacement']:.3g}; wrote {report['output']}"
+        f"{PROGRAM}: {report['mesh']['vertices']} vertices, {last['step']} steps "
+        f"({_ENDS[report['stop_reason']]}), curvature energy {last['curvature_ratio']:.3g} times "
+        f"the input's, largest displacement {last['largest_displacement']:.3g}; "
+        f"wrote {report['output']}"
     )
 
 

@@ -78,6 +78,8 @@ def run_job(job: FairingJob, on_step: OnStep | None = None) -> dict[str, Any]:
         The input is no mesh that can be faired, or the solver failed.
     OSError
         A file cannot be read or written.
+    MemoryError
+        The mesh is too large for this machine.
     """
     for path in (job.output, job.report):
         if path is not None:
@@ -85,9 +87,9 @@ def run_job(job: FairingJob, on_step: OnStep | None = None) -> dict[str, Any]:
     run = _Run(job)
     try:
         run.execute(on_step or (lambda step: None))
-    except (FairingError, OSError) as error:
+    except (FairingError, OSError, MemoryError) as error:
         if job.report is not None:
-            write_report(job.report, run.report(str(error)))
+            write_report(job.report, run.report(str(error) or "not enough memory"))
         raise
     report = run.report(None)
     if job.report is not None:

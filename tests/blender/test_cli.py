@@ -69,6 +69,42 @@ def test_standard_output_stays_empty(noisy, tmp_path, suffix):
     assert (result.returncode, result.stdout) == (0, "")
 
 
+@pytest.mark.parametrize(
+    ("arguments", "end"),
+    [
+        (["--steps", "2"], "2 steps (all done)"),
+        (["--stop-curvature", "100"], "1 steps (ended by --stop-curvature)"),
+        (["--stop-rate", "1e9"], "1 steps (ended by --stop-rate)"),
+    ],
+)
+def test_the_summary_says_why_the_run_ended(noisy, tmp_path, capsys, arguments, end):
+    out = tmp_path / "out.ply"
+    assert cli.main([str(noisy), "-o", str(out), *arguments]) == 0
+    shown = capsys.readouterr().err
+    assert shown.startswith(f"adaptive-fairing: 42 vertices, {end}, curvature energy ")
+    assert shown.endswith(f"; wrote {out}\n")
+
+
+def test_what_the_format_cannot_hold_is_said(tmp_path, capsys):
+    obj = add_object(*random_closed(seed=1))
+    obj.data.uv_layers.new(name="UVMap").uv[0].vector = (0.3, 0.7)
+    save_blend(tmp_path / "in.blend")
+    assert cli.main([str(tmp_path / "in.blend"), "-o", str(tmp_path / "out.ply")]) == 0
+    assert "adaptive-fairing: note: UVs are left out" in capsys.readouterr().err
+
+
+def test_too_little_memory_is_status_1(capsys, noisy, tmp_path, monkeypatch):
+    def give_up(*arguments):
+        raise MemoryError
+
+    monkeypatch.setattr("adaptive_fairing.blender.job.fair_steps", give_up)
+    line = error_of(
+        capsys, noisy, "-o", tmp_path / "o.ply", "--report", tmp_path / "r.json", status=1
+    )
+    assert "not enough memory for this mesh" in line
+    assert json.loads((tmp_path / "r.json").read_text())["error"] == "not enough memory"
+
+
 def test_quiet_says_nothing(noisy, tmp_path, capfd):
     assert cli.main([str(noisy), "-o", str(tmp_path / "out.ply"), "--quiet"]) == 0
     assert capfd.readouterr() == ("", "")
@@ -109,7 +145,10 @@ def test_every_argument_reaches_its_setting(arguments, field, value):
         ([], "the following arguments are required: INPUT"),
         (["a.ply", "--what"], "unrecognized arguments: --what"),
         (["a.ply", "--tau", "much"], "argument --tau: invalid float value: 'much'"),
-        (["a.ply", "--tau", "-1"], "tau must be a number greater than 0, not -1.0"),
+        (
+            ["a.ply", "--tau", "-1"],
+            "tau must be a number greater than 1e-100 and less than 1e+100, not -1.0",
+        ),
         (["a.ply", "--tau", "nan"], "tau must be a number"),
         (["a.ply", "--steps", "0"], "steps must be a whole number of at least 1, not 0"),
         (["a.ply", "--density-passes", "-1"], "density_passes must be"),

@@ -206,6 +206,20 @@ def test_keys_of_the_user_stay_beside_a_faired_copy(tmp_path):
     assert face.hide_get()
 
 
+def test_keys_of_the_user_do_not_show_in_a_mesh_file(tmp_path):
+    vertices, faces = bumpy_disc(seed=0)
+    obj = add_object(vertices, faces, name="Face")
+    obj.shape_key_add(name="Basis")
+    smile = obj.shape_key_add(name="Smile")
+    smile.points[0].co = (7, 7, 7)
+    smile.value = 1.0
+    save_blend(tmp_path / "in.blend")
+    run_job(FairingJob(tmp_path / "in.blend", tmp_path / "out.ply", SETTINGS))
+    expected = fair(vertices.astype(np.float32), faces, SETTINGS).positions
+    found = read_positions(import_mesh(tmp_path / "out.ply").data)
+    np.testing.assert_array_equal(found, expected.astype(np.float32))
+
+
 def test_the_input_may_be_the_output(rich_blend):
     run_job(FairingJob(rich_blend, rich_blend, SETTINGS))
     assert len(import_mesh(rich_blend).data.shape_keys.key_blocks) == 3
