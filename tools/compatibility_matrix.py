@@ -51,6 +51,7 @@ COLUMNS = (
     "command",
     "disable",
     "enable again",
+    "example script",
     "uninstall",
     "same bytes",
     "without scipy",

@@ -24,6 +24,7 @@ import importlib
 import json
 import math
 import os
+import runpy
 import sys
 import time
 import traceback
@@ -37,6 +38,7 @@ REPOSITORY = "user_default"
 EXTENSION = "adaptive_fairing"
 MODULE = f"bl_ext.{REPOSITORY}.{EXTENSION}"
 STEPS = 2
+EXAMPLE = Path(__file__).resolve().parents[2] / "examples" / "fair_blend_file.py"
 
 
 def noisy_sphere() -> tuple[np.ndarray, list[tuple[int, ...]]]:
@@ -198,6 +200,25 @@ def check_enable_again(options: argparse.Namespace) -> str:
     return "same positions"
 
 
+def check_example_script(options: argparse.Namespace) -> str:
+    """Run examples/fair_blend_file.py on an opened file with two meshes and a camera."""
+    opened, saved = options.work / "opened.blend", options.work / "saved.blend"
+    bpy.ops.wm.read_homefile(use_factory_startup=True)
+    for place in (0.0, 3.0):
+        _add_sphere().location.x = place
+    bpy.ops.wm.save_as_mainfile(filepath=str(opened))
+    before = sys.argv
+    sys.argv = ["blender", "-b", str(opened), "--python", str(EXAMPLE), "--", str(saved)]
+    try:
+        runpy.run_path(str(EXAMPLE), run_name="__main__")
+    finally:
+        sys.argv = before
+    bpy.ops.wm.open_mainfile(filepath=str(saved))
+    keys = [thing.data.shape_keys for thing in bpy.data.objects if thing.name.startswith("Sphere")]
+    assert [len(each.key_blocks) for each in keys] == [5, 5]
+    return "2 meshes"
+
+
 def check_uninstall(options: argparse.Namespace) -> str:
     """Uninstall: nothing of the extension is left in the user directory."""
     names = [repository.module for repository in bpy.context.preferences.extensions.repos]
@@ -254,18 +275,25 @@ def _enable() -> None:
     assert MODULE in bpy.context.preferences.addons, "Blender did not enable the extension"
 
 
-def _run_operator() -> np.ndarray:
-    """Fair a fresh copy of the sphere; return the last shape key's positions, (n, 3) float32."""
+def _add_sphere() -> bpy.types.Object:
     vertices, faces = noisy_sphere()
     mesh = bpy.data.meshes.new("Sphere")
     mesh.from_pydata(vertices.tolist(), [], faces)
-    thing = bpy.data.objects.new("Sphere", mesh)
-    bpy.context.collection.objects.link(thing)
-    bpy.context.view_layer.objects.active = thing
-    thing.select_set(True)
+    sphere = bpy.data.objects.new("Sphere", mesh)
+    bpy.context.collection.objects.link(sphere)
+    return sphere
+
+
+def _run_operator() -> np.ndarray:
+    """Fair a fresh copy of the sphere; return the last shape key's positions, (n, 3) float32."""
+    sphere = _add_sphere()
+    bpy.ops.object.select_all(action="DESELECT")
+    sphere.select_set(True)
+    bpy.context.view_layer.objects.active = sphere
     status = bpy.ops.object.adaptive_fairing(steps=STEPS)
     assert status == {"FINISHED"}, status
-    keys = thing.data.shape_keys.key_blocks
+    vertices, _ = noisy_sphere()
+    keys = sphere.data.shape_keys.key_blocks
     assert keys.keys() == ["Basis", *(f"Fairing {index + 1}" for index in range(STEPS))]
     positions = np.empty(3 * len(vertices), np.float32)
     keys[-1].data.foreach_get("co", positions)
@@ -310,6 +338,7 @@ PHASES: dict[str, tuple[Callable[[argparse.Namespace], str], ...]] = {
         check_command,
         check_disable,
         check_enable_again,
+        check_example_script,
         check_uninstall,
     ),
     "without-scipy": (

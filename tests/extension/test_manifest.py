@@ -89,3 +89,11 @@ def test_a_wheel_that_is_not_the_pinned_one_is_refused(tmp_path):
     (tmp_path / wheel.filename).write_bytes(b"something else")
     with pytest.raises(fetch_wheels.WheelError, match="SHA-256"):
         fetch_wheels.fetch(wheel, tmp_path)
+
+
+def test_ci_runs_the_readmes_test_command_word_for_word():
+    command = 'pip install ".[test]" && python -m pytest'
+    readme = (ROOT / "README.md").read_text("utf-8")
+    assert command in re.findall(r"^```sh\n(.*?)\n```$", readme, re.M | re.S)
+    lines = (ROOT / ".ci" / "run").read_text("utf-8").splitlines()
+    assert command in [line.strip() for line in lines]
