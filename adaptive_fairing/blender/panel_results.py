@@ -6,6 +6,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from . import pictures
+from .layouts import draw_lines
 from .operator_animate import (
     OBJECT_OT_adaptive_fairing_animate,
     OBJECT_OT_adaptive_fairing_animate_clear,
