@@ -145,10 +145,7 @@ def test_every_argument_reaches_its_setting(arguments, field, value):
         ([], "the following arguments are required: INPUT"),
         (["a.ply", "--what"], "unrecognized arguments: --what"),
         (["a.ply", "--tau", "much"], "argument --tau: invalid float value: 'much'"),
-        (
-            ["a.ply", "--tau", "-1"],
-            "tau must be a number greater than 1e-100 and less than 1e+100, not -1.0",
-        ),
+        (["a.ply", "--tau", "-1"], "tau must be a number greater than"),
         (["a.ply", "--tau", "nan"], "tau must be a number"),
         (["a.ply", "--steps", "0"], "steps must be a whole number of at least 1, not 0"),
         (["a.ply", "--density-passes", "-1"], "density_passes must be"),
