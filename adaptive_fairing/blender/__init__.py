@@ -26,10 +26,12 @@ def _modules() -> tuple[ModuleType, ...]:
         presets,
         properties,
         record,
+        translations,
         viewport,
     )
 
     return (
+        translations,
         properties,
         record,
         pictures,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .record import evolution_keys
 
@@ -39,7 +40,7 @@ class OBJECT_OT_adaptive_fairing_animate(_OnEvolution, bpy.types.Operator):
         from .shape_keys import animate_evolution
 
         if self.frame_end <= self.frame_start:
-            self.report({"ERROR"}, "The last frame must come after the first")
+            self.report({"ERROR"}, rpt_("The last frame must come after the first"))
             return {"CANCELLED"}
         _clear_animation(evolution_keys(context.active_object))
         animate_evolution(context.active_object, self.frame_start, self.frame_end)

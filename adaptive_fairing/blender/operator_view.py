@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 
 from . import viewport
@@ -76,7 +77,9 @@ class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
         from .fields import color_range, field_values
 
         if obj.data.library is not None:
-            raise InputError("the mesh is linked from another file: make it local to colour it")
+            raise InputError(
+                rpt_("the mesh is linked from another file: make it local to colour it")
+            )
         values = field_values(obj, self.field, settings)
         low, high = color_range(values)
         name = ATTRIBUTES[self.field]

@@ -1,0 +1,256 @@
+"""Texts of the interface in other languages.
+
+Keys are the English texts of the source. Placeholders stay as they are: texts are translated
+before they are filled in. Messages of the numeric core are English only.
+"""
+
+from __future__ import annotations
+
+import bpy
+
+GERMAN = {
+    # Operators and panels
+    "Adaptive Fairing": "Adaptives Glätten",
+    "Animate": "Animieren",
+    "Clear Animation": "Animation entfernen",
+    "Compare with Uniform": "Mit gleichmäßig vergleichen",
+    "Measure Mesh": "Netz ausmessen",
+    "Add Fairing Preset": "Glättungsvorgabe hinzufügen",
+    "Stop": "Anhalten",
+    "Suggest τ": "τ vorschlagen",
+    "Show Fairing Field": "Feld der Glättung zeigen",
+    "Back to Shading": "Zurück zur Schattierung",
+    "Density": "Dichte",
+    "Region and Boundary": "Bereich und Rand",
+    "Result": "Ergebnis",
+    "Results": "Ergebnisse",
+    "Stopping and Accuracy": "Abbruch und Genauigkeit",
+    "Fairing Presets": "Glättungsvorgaben",
+    "Colors": "Farben",
+    "Comparison": "Vergleich",
+    # Tooltips of operators
+    "Smooth the noise out of the selected meshes by geometric diffusion that follows the density "
+    "of the mesh, and keep every step": "Rauschen der gewählten Netze durch geometrische "
+    "Diffusion glätten, die der Dichte des Netzes folgt, und jeden Schritt behalten",
+    "Let the timeline run through the evolution of the active object": "Die Zeitleiste durch den "
+    "Verlauf des aktiven Objekts laufen lassen",
+    "Take the evolution of the active object off the timeline": "Den Verlauf des aktiven Objekts "
+    "von der Zeitleiste nehmen",
+    "Fair two copies of the active mesh, one uniformly and one adaptively, and lay them side by "
+    "side with labels": "Zwei Kopien des aktiven Netzes glätten, eine gleichmäßig, eine adaptiv, "
+    "und beschriftet nebeneinander legen",
+    "Find out what τ means on the active mesh, anew if it was known": "Herausfinden, was τ auf "
+    "dem aktiven Netz bedeutet, auch wenn es schon bekannt war",
+    "Add a preset with the settings of the panel, or remove one": "Eine Vorgabe mit den "
+    "Einstellungen der Leiste hinzufügen oder eine entfernen",
+    "Stop the run after the step it is computing, and keep the finished steps": "Den Lauf nach "
+    "dem Schritt anhalten, der gerade gerechnet wird, und die fertigen Schritte behalten",
+    "Set τ so that all steps together smooth over the wanted radius in a typical part of the "
+    "active mesh": "τ so setzen, dass alle Schritte zusammen an typischen Stellen des aktiven "
+    "Netzes über den gewünschten Radius glätten",
+    "Colour the selected meshes, as they are shown now, by a field": "Die gewählten Netze, wie "
+    "sie gerade gezeigt werden, nach einem Feld einfärben",
+    "Show the 3D view as it was before the colours": "Die 3D-Ansicht zeigen wie vor den Farben",
+    # Settings of the solver
+    "Method": "Verfahren",
+    "How the smoothing follows the density of the mesh": "Wie die Glättung der Dichte des Netzes "
+    "folgt",
+    "Adaptive Timestep": "Adaptiver Zeitschritt",
+    "Coarse parts run through more time than dense ones: details in dense parts stay": "Grobe "
+    "Stellen durchlaufen mehr Zeit als dichte: Einzelheiten an dichten Stellen bleiben",
+    "Adaptive Tensor": "Adaptiver Tensor",
+    "The same time everywhere, but dense parts conduct less": "Überall dieselbe Zeit, aber dichte "
+    "Stellen leiten schlechter",
+    "Uniform": "Gleichmäßig",
+    "The same smoothing everywhere, whatever the density; needs a much smaller τ": "Überall "
+    "dieselbe Glättung, wie dicht das Netz auch ist; braucht ein viel kleineres τ",
+    "τ": "τ",
+    "Time of one step, with the mesh scaled to the box [-3, 3]³: larger values smooth over larger "
+    "distances": "Zeit eines Schritts, wobei das Netz auf den Würfel [-3, 3]³ gebracht ist: "
+    "größere Werte glätten über größere Entfernungen",
+    "Steps": "Schritte",
+    "How many steps to take; each one is kept": "Wie viele Schritte; jeder wird behalten",
+    "Measure": "Maß",
+    "What the density of the mesh is measured by": "Woran die Dichte des Netzes gemessen wird",
+    "Edge Length": "Kantenlänge",
+    "Mean length of the edges at a vertex": "Mittlere Länge der Kanten an einem Punkt",
+    "Area": "Fläche",
+    "Area of the triangles around a vertex; the smoothing radius is then the same number of edges "
+    "everywhere": "Fläche der Dreiecke um einen Punkt; der Glättungsradius ist dann überall "
+    "dieselbe Zahl von Kanten",
+    "Smoothing Passes": "Glättungen",
+    "How often the measured density is smoothed before it is used": "Wie oft die gemessene Dichte "
+    "geglättet wird, bevor sie benutzt wird",
+    "Boundary": "Rand",
+    "What happens to the rim of an open mesh": "Was mit dem Rand eines offenen Netzes geschieht",
+    "Fixed": "Fest",
+    "Boundary vertices stay exactly where they are": "Randpunkte bleiben genau, wo sie sind",
+    "Free": "Frei",
+    "The boundary is smoothed along with the surface, and may shrink": "Der Rand wird mit der "
+    "Fläche geglättet und kann schrumpfen",
+    "Curvature Left": "Restkrümmung",
+    "Stop once this share of the bending (curvature energy H) is left; 0 takes every step": "Ende, "
+    "sobald nur dieser Anteil der Biegung (Krümmungsenergie H) übrig ist; 0 macht jeden Schritt",
+    "Rate": "Rate",
+    "Stop once the share of the bending changes by less than this per unit of time; 0 takes every "
+    "step": "Enden, sobald sich der Anteil der Biegung je Zeiteinheit um weniger ändert; 0 macht "
+    "jeden Schritt",
+    "Solver Tolerance": "Toleranz des Lösers",
+    "Relative residual at which the linear system of a step counts as solved": "Relatives "
+    "Residuum, bei dem das lineare System eines Schritts als gelöst gilt",
+    "Solver Iterations": "Iterationen des Lösers",
+    "Give up a step after this many iterations of the linear solver": "Einen Schritt nach so "
+    "vielen Iterationen des linearen Lösers aufgeben",
+    "Integration Tolerance": "Toleranz der Integration",
+    "Error of the integrals over the surface, relative to the largest": "Fehler der Integrale "
+    "über die Fläche, bezogen auf das größte",
+    "Scale to Box": "Auf Würfel bringen",
+    "Scale the mesh to the box [-3, 3]³ for the solver, so that τ does not depend on its size; "
+    "otherwise τ is in squared object units": "Das Netz für den Löser auf den Würfel [-3, 3]³ "
+    "bringen, damit τ nicht von seiner Größe abhängt; sonst gilt τ in quadrierten Objekteinheiten",
+    # Region and result
+    "Selection or Mask": "Auswahl oder Maske",
+    "In Edit Mode smooth the selected vertices only, if any are selected; in Sculpt Mode spare the "
+    "masked ones": "Im Bearbeitungsmodus nur die gewählten Punkte glätten, falls welche gewählt "
+    "sind; im Bildhauermodus die maskierten verschonen",
+    "Vertex Group": "Scheitelpunktgruppe",
+    "Smooth by the weights of this group; empty for the whole mesh": "Nach den Gewichten dieser "
+    "Gruppe glätten; leer für das ganze Netz",
+    "Invert": "Umkehren",
+    "Smooth where the weights of the group are small instead": "Statt dessen dort glätten, wo die "
+    "Gewichte der Gruppe klein sind",
+    "What the object gets": "Was das Objekt bekommt",
+    "Evolution": "Verlauf",
+    "Every step as an absolute shape key: one slider runs through the smoothing": "Jeder Schritt "
+    "als absolute Form: ein Regler läuft durch die Glättung",
+    "Relative Shape Keys": "Relative Formen",
+    "Every step as a relative shape key, which exporters understand": "Jeder Schritt als relative "
+    "Form, die Exporter verstehen",
+    "Final Shape Only": "Nur Endform",
+    "Move the vertices; no shape keys": "Die Punkte bewegen; keine Formen",
+    "Other Shape Keys": "Andere Formen",
+    "What to do with an object that has shape keys of its own": "Was mit einem Objekt geschieht, "
+    "das eigene Formen hat",
+    "Work on a Copy": "Kopie bearbeiten",
+    "Leave the object as it is, hide it, and fair a copy": "Das Objekt lassen, wie es ist, es "
+    "verbergen und eine Kopie glätten",
+    "Refuse": "Ablehnen",
+    "Leave the object as it is and say so": "Das Objekt lassen, wie es ist, und das sagen",
+    "Density Attribute": "Dichte-Attribut",
+    "Store the density of the last step as fairing_density and fairing_density_color": "Die "
+    "Dichte des letzten Schritts als fairing_density und fairing_density_color speichern",
+    "From Frame": "Von Bild",
+    "Frame that shows the mesh before the first step": "Bild, das das Netz vor dem ersten Schritt "
+    "zeigt",
+    "To Frame": "Bis Bild",
+    "Frame that shows the last step": "Bild, das den letzten Schritt zeigt",
+    "Radius": "Radius",
+    "Wanted smoothing radius in local edge lengths, all steps together: about 1 takes noise only, "
+    "3 and more takes shapes of that size as well": "Gewünschter Glättungsradius in örtlichen "
+    "Kantenlängen, alle Schritte zusammen: etwa 1 nimmt nur Rauschen, ab 3 gehen auch Formen "
+    "dieser Größe",
+    "Run through the smoothing: from the mesh before (0) to the last step (1)": "Durch die "
+    "Glättung laufen: vom Netz davor (0) bis zum letzten Schritt (1)",
+    "Uniform τ": "Gleichmäßiges τ",
+    "τ of the uniform copy; 0 takes the mean of τ times density of the other": "τ der "
+    "gleichmäßigen Kopie; 0 nimmt das Mittel von τ mal Dichte der anderen",
+    # Colours
+    "Field": "Feld",
+    "What the colours mean": "Was die Farben bedeuten",
+    "How coarse the mesh is: where it is bright, the adaptive methods smooth more": "Wie grob das "
+    "Netz ist: wo es hell ist, glätten die adaptiven Verfahren mehr",
+    "Displacement": "Verschiebung",
+    "How far the smoothing has moved each vertex": "Wie weit die Glättung jeden Punkt bewegt hat",
+    "Curvature": "Krümmung",
+    "Mean curvature: bright where the surface bulges outward": "Mittlere Krümmung: hell, wo sich "
+    "die Fläche nach außen wölbt",
+    # Panels
+    "Smoothing Radius in Edges": "Glättungsradius in Kanten",
+    "Densest": "Dichteste",
+    "Typical": "Typisch",
+    "Coarsest": "Gröbste",
+    "Step": "Schritt",
+    "Run": "Lauf",
+    "Measuring…": "Wird gemessen …",
+    "Not measured yet": "Noch nicht gemessen",
+    "Fair": "Glätten",
+    "Fair {:d} Objects": "{:d} Objekte glätten",
+    "Stop at Curvature": "Enden bei Krümmung",
+    "Iterations": "Iterationen",
+    "Integration": "Integration",
+    "Stopping…": "Hält an …",
+    "Stop, Keep Steps": "Anhalten, Schritte behalten",
+    "Step {:d} of {:d}": "Schritt {:d} von {:d}",
+    "{:d} solver iterations  ·  H at {:.1f} %": "{:d} Iterationen  ·  H bei {:.1f} %",
+    "stopping after this step": "hält nach diesem Schritt an",
+    "Esc: stop, keep the finished steps": "Esc: anhalten, fertige Schritte behalten",
+    "Step {:.1f} of {:d}": "Schritt {:.1f} von {:d}",
+    "Time": "Zeit",
+    "From": "Von",
+    "To": "Bis",
+    "Animate over Frames": "Über Bilder animieren",
+    "Curvature H": "Krümmung H",
+    "Before  {:.4g}": "Davor  {:.4g}",
+    "After  {:.4g}": "Danach  {:.4g}",
+    "{:.1f} % left": "noch {:.1f} %",
+    "{:.2f} s, {:d} iterations": "{:.2f} s, {:d} Iterationen",
+    "Ended by": "Ende",
+    "Volume": "Volumen",
+    "Largest move": "Größter Weg",
+    "All steps done": "Alle Schritte gemacht",
+    "Curvature low enough": "Krümmung klein genug",
+    "Hardly any change left": "Kaum noch Änderung",
+    "Stopped by hand": "Von Hand angehalten",
+    "Before": "Davor",
+    "Adaptive": "Adaptiv",
+    "Fairing Comparison": "Glättungsvergleich",
+    # Messages
+    "Change to Object Mode, Edit Mode or Sculpt Mode": "In den Objekt-, Bearbeitungs- oder "
+    "Bildhauermodus wechseln",
+    "Turn off dynamic topology sculpting": "Dynamische Topologie ausschalten",
+    "Leave Sculpt Mode: the mask of a multiresolution sculpture cannot be read": "Bildhauermodus "
+    "verlassen: die Maske einer Mehrfachauflösung kann nicht gelesen werden",
+    "Select a mesh object": "Ein Netzobjekt auswählen",
+    "Make a mesh object active": "Ein Netzobjekt aktiv machen",
+    "A run is going on: wait for it, or stop it with Esc": "Ein Lauf ist im Gang: abwarten oder "
+    "mit Esc anhalten",
+    "Fair the active object first, with Evolution as its result": "Zuerst das aktive Objekt "
+    "glätten, mit Verlauf als Ergebnis",
+    "The last frame must come after the first": "Das letzte Bild muss nach dem ersten kommen",
+    "there is no vertex group {!r}": "es gibt keine Scheitelpunktgruppe {!r}",
+    "selection, mask and vertex group leave no vertex to smooth": "Auswahl, Maske und "
+    "Scheitelpunktgruppe lassen keinen Punkt zum Glätten übrig",
+    "has shape keys of its own, or is linked from another file: allow to work on a copy, or make "
+    "one without them": "hat eigene Formen oder ist aus einer anderen Datei verknüpft: Arbeit an "
+    "einer Kopie erlauben oder eine Kopie ohne sie machen",
+    "the object was deleted or renamed during the run": "das Objekt wurde während des Laufs "
+    "gelöscht oder umbenannt",
+    "the mesh was changed during the run; nothing was written": "das Netz wurde während des Laufs "
+    "geändert; nichts wurde geschrieben",
+    "the mesh is linked from another file: make it local to colour it": "das Netz ist aus einer "
+    "anderen Datei verknüpft: zum Einfärben lokal machen",
+    "Faired {:d} vertices in {:d} steps, {:.1f} s": "{:d} Punkte in {:d} Schritten geglättet, "
+    "{:.1f} s",
+    "Stopped early. {:s}": "Vorzeitig angehalten. {:s}",
+    "Stopped before the first step was done": "Angehalten, bevor der erste Schritt fertig war",
+    "Stopped before both copies were done": "Angehalten, bevor beide Kopien fertig waren",
+    "τ = {:.4g}": "τ = {:.4g}",
+}
+"""German by English texts."""
+
+
+def register() -> None:
+    """Offer the translations to Blender."""
+    texts = {
+        (context, english): german
+        for english, german in GERMAN.items()
+        # Labels of operators have a context of their own.
+        for context in ("*", bpy.app.translations.contexts.operator_default)
+    }
+    # Blender has named its German both ways.
+    bpy.app.translations.register(__package__, {"de": texts, "de_DE": texts})
+
+
+def unregister() -> None:
+    """Withdraw the translations."""
+    bpy.app.translations.unregister(__package__)
