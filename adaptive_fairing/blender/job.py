@@ -141,6 +141,7 @@ class _Run:
                 now = time.perf_counter()
                 self.records.append(step_record(step, surface.vertices, now - started))
                 self.last = step
+                self.notes = list(step.notes)
                 on_step(step)
                 if not step.solve.converged:
                     return shapes, density, _not_converged(step)
@@ -149,7 +150,7 @@ class _Run:
                 density = step.density[surface_vertex]
                 started = time.perf_counter()
         except SolverError as error:
-            return shapes, density, SolverError(f"step {len(shapes) + 1}: {error}")
+            return shapes, density, error
         return shapes, density, None
 
     def _write(self, obj: bpy.types.Object, shapes: list[np.ndarray], density: np.ndarray) -> None:
@@ -163,7 +164,7 @@ class _Run:
             save_blend(job.output)
         else:
             write_final_shape(obj, shapes[-1])
-            self.notes = export_mesh(
+            self.notes += export_mesh(
                 obj,
                 job.output,
                 alone=is_copy or suffix_of(job.input) == BLEND,

@@ -10,7 +10,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .assembly import LoopSpace, StepSystem
 from .density import mesh_density
-from .errors import InputError, listed
+from .diagnosis import shape_notes
+from .errors import InputError, SolverError, listed
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport, conjugate_gradients
 from .settings import FairingSettings
@@ -18,6 +19,11 @@ from .solver_frame import SolverFrame, solvable_surface
 from .topology import checked_triangles
 
 FloatArray = NDArray[np.float64]
+
+# Coordinates and sizes beyond these overflow or underflow in double precision, where the solve
+# takes fifth powers and more. Blender's single precision ends at about the same sizes.
+LARGEST_COORDINATE = 1e39
+SMALLEST_SIZE = 1e-39
 
 
 @dataclass(frozen=True)
@@ -43,7 +49,8 @@ class FairingStep:
         None while the run goes on; otherwise "steps" (all done), "curvature" (3.11), "rate"
         (3.10), or "not_converged" (the linear solve of this step missed its tolerance).
     notes : tuple of str
-        What had to be done to the input to make it solvable, one line each; the same in all steps.
+        What is wrong with the input and how it was made solvable, one line each; the same in all
+        steps.
     """
 
     index: int
@@ -90,7 +97,7 @@ class FairingResult:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What had to be done to the input to make it solvable, one line each."""
+        """What is wrong with the input and how it was made solvable, one line each."""
         return self.steps[-1].notes
 
 
@@ -138,7 +145,8 @@ def fair_steps(
         Arrays of the wrong shape or type, coordinates that are not finite, indices or weights out
         of range, no triangle at all.
     SolverError
-        A linear system that is not positive definite or not finite; raised by its step.
+        A linear system that is not positive definite or not finite; raised by its step, which the
+        message names.
 
     Source: section 3.4 of the paper.
     """
@@ -147,8 +155,7 @@ def fair_steps(
     shares = _checked_weights(weights, len(points))
     # Copies: the caller may change the arrays between two steps.
     triangles = checked_triangles(np.array(faces), len(points))
-    if len(triangles) == 0:
-        raise InputError("the mesh has no triangles: there is no surface to fair")
+    _require_surface(points, triangles)
     return _run(points, triangles, settings, shares)
 
 
@@ -165,17 +172,21 @@ def _run(
         is_held |= topology.on_boundary
 
     current = frame.inward(points)
+    notes = surface.notes + shape_notes(current, topology)
     density, system = _system(space, current, settings, weights)
     initial = previous = system.measures
     for index in range(1, settings.steps + 1):
-        current, solve = conjugate_gradients(
-            system.matrix,
-            system.right_side,
-            current,
-            is_held=is_held,
-            tolerance=settings.cg_tolerance,
-            max_iterations=settings.cg_max_iterations,
-        )
+        try:
+            current, solve = conjugate_gradients(
+                system.matrix,
+                system.right_side,
+                current,
+                is_held=is_held,
+                tolerance=settings.cg_tolerance,
+                max_iterations=settings.cg_max_iterations,
+            )
+        except SolverError as error:
+            raise SolverError(f"step {index}: {error}") from error
         used_density = density
         # The system of the next step measures this step's surface on the way.
         if index < settings.steps and solve.converged:
@@ -196,7 +207,7 @@ def _run(
             solve=solve,
             initial=initial.scaled(1 / frame.scale),
             stop_reason=reason,
-            notes=surface.notes,
+            notes=notes,
         )
         if reason is not None:
             return
@@ -255,7 +266,27 @@ def _checked_vertices(vertices: ArrayLike) -> FloatArray:
             f"{len(bad)} vertices have coordinates that are not finite numbers: {listed(bad)}; "
             "delete or repair them"
         )
+    far = np.flatnonzero(np.abs(points).max(axis=1, initial=0) > LARGEST_COORDINATE)
+    if len(far):
+        raise InputError(
+            f"{len(far)} vertices have coordinates beyond {LARGEST_COORDINATE:g}: {listed(far)}; "
+            "scale the mesh down or delete them"
+        )
     return points
+
+
+def _require_surface(points: FloatArray, triangles: NDArray[np.int32]) -> None:
+    corners = np.sort(triangles, axis=1)
+    if not ((corners[:, 0] < corners[:, 1]) & (corners[:, 1] < corners[:, 2])).any():
+        raise InputError(
+            f"none of the {len(triangles)} triangles has three different vertices"
+            if len(triangles)
+            else "the mesh has no triangles: there is no surface to fair"
+        )
+    used = points[np.bincount(triangles.reshape(-1), minlength=len(points)) > 0]
+    size = float(np.ptp(used, axis=0).max())
+    if 0 < size < SMALLEST_SIZE:
+        raise InputError(f"the mesh is only {size:g} across: scale it up")
 
 
 def _checked_weights(weights: ArrayLike | None, n_vertices: int) -> FloatArray:

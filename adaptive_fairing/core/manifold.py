@@ -35,6 +35,8 @@ class ManifoldMesh:
         The caller's vertex behind each vertex of the cut mesh; every caller's vertex occurs.
     is_held : (n,) bool
         Vertices at a cut.
+    left_out : (k,) int
+        The caller's triangles that are not in the cut mesh.
     notes : tuple of str
         What was done, one line each, with counts.
     """
@@ -42,6 +44,7 @@ class ManifoldMesh:
     triangles: IntArray
     vertex_of: IntArray
     is_held: NDArray[np.bool_]
+    left_out: IntArray
     notes: tuple[str, ...]
 
 
@@ -55,7 +58,9 @@ def cut_to_manifold(faces: NDArray[np.int32], n_vertices: int) -> ManifoldMesh:
     n_vertices : int
     """
     triangles = np.asarray(faces, dtype=np.int64)
-    triangles, notes = _proper_triangles(triangles)
+    proper, notes = _proper_triangles(triangles)
+    left_out = np.setdiff1d(np.arange(len(triangles)), proper, assume_unique=True)
+    triangles = triangles[proper]
     edges = _paired_edges(triangles, n_vertices)
     crowded = edges.crowded
     if len(crowded):
@@ -88,23 +93,27 @@ def cut_to_manifold(faces: NDArray[np.int32], n_vertices: int) -> ManifoldMesh:
         notes.append(f"{n_split} vertices join surfaces in a single point: cut there and held")
     held[torn.reshape(-1)] = True
     return ManifoldMesh(
-        corner_of.reshape(-1, 3).astype(np.int64), vertex_of, held[vertex_of], tuple(notes)
+        corner_of.reshape(-1, 3).astype(np.int64),
+        vertex_of,
+        held[vertex_of],
+        left_out,
+        tuple(notes),
     )
 
 
 def _proper_triangles(triangles: IntArray) -> tuple[IntArray, list[str]]:
-    """Leave out triangles with a repeated vertex, and all but the first of equal ones."""
+    """Choose the triangles without a repeated vertex, and of equal ones the first."""
     notes = []
     ordered = np.sort(triangles, axis=1)
     proper = (ordered[:, 0] != ordered[:, 1]) & (ordered[:, 1] != ordered[:, 2])
     if not proper.all():
         notes.append(f"{np.count_nonzero(~proper)} triangles use one vertex twice: left out")
-    triangles, ordered = triangles[proper], ordered[proper]
-    _, first = np.unique(ordered, axis=0, return_index=True)
-    if len(first) < len(triangles):
-        n_equal = len(triangles) - len(first)
+    candidates = np.flatnonzero(proper)
+    _, first = np.unique(ordered[candidates], axis=0, return_index=True)
+    if len(first) < len(candidates):
+        n_equal = len(candidates) - len(first)
         notes.append(f"{n_equal} triangles repeat the vertices of another one: left out")
-    return triangles[np.sort(first)].copy(), notes
+    return candidates[np.sort(first)], notes
 
 
 @dataclass(frozen=True)

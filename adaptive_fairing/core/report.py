@@ -85,7 +85,7 @@ def build_report(
     stop_reason
         Why the run ended, as in `FairingStep`; None if an error ended it.
     notes
-        What the output could not hold, one sentence each.
+        What was wrong with the input and what the output could not hold, one sentence each.
     error
         The error message; None if all went well.
     """

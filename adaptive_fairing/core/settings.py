@@ -11,6 +11,9 @@ from .errors import SettingsError
 METHODS = ("adaptive_timestep", "adaptive_tensor", "uniform")
 BOUNDARIES = ("fixed", "free")
 
+# Beyond these the entries of the linear system overflow or underflow in double precision.
+TAU_RANGE = (1e-30, 1e30)
+
 
 @dataclass(frozen=True)
 class FairingSettings:
@@ -22,7 +25,7 @@ class FairingSettings:
         "adaptive_timestep" T = τ D and "adaptive_tensor" with diffusivity τ D follow the mesh
         density; "uniform" has one timestep τ everywhere.
     tau : float
-        τ > 0 of the paper, per step, in the [-3, 3]³ frame.
+        τ > 0 of the paper, per step, in the [-3, 3]³ frame; within `TAU_RANGE`.
     steps : int
         Number of semi-implicit steps, at least 1; a stopping rule may end the run earlier.
     density : str
@@ -72,7 +75,7 @@ class FairingSettings:
         _require_integer(self, "steps", 1)
         _require_integer(self, "density_passes", 0)
         _require_integer(self, "cg_max_iterations", 1)
-        _require_number(self, "tau", above=0)
+        _require_number(self, "tau", above=TAU_RANGE[0], below=TAU_RANGE[1])
         _require_number(self, "cg_tolerance", above=0, below=1)
         _require_number(self, "quadrature_tolerance", above=0, below=1)
         for name in ("stop_curvature", "stop_rate"):

@@ -6,7 +6,7 @@ cut apart where it is no oriented manifold, and in the paper's frame [-3, 3]³.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,12 +34,15 @@ class SolverSurface:
         Vertices at a cut.
     notes : tuple of str
         What was cut or turned, with counts.
+    left_out : (k,) int
+        The caller's triangles that are not solved on.
     """
 
     topology: TriangleTopology
     vertex_of: NDArray[np.intp]
     is_cut: NDArray[np.bool_]
     notes: tuple[str, ...] = ()
+    left_out: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
 
 def solvable_surface(points: FloatArray, triangles: NDArray[np.int32]) -> SolverSurface:
@@ -53,7 +56,11 @@ def solvable_surface(points: FloatArray, triangles: NDArray[np.int32]) -> Solver
     order = sweep_order(points[mesh.vertex_of], mesh.triangles)
     topology = TriangleTopology(order.triangles, len(mesh.vertex_of))
     return SolverSurface(
-        topology, mesh.vertex_of[order.vertices], mesh.is_held[order.vertices], mesh.notes
+        topology,
+        mesh.vertex_of[order.vertices],
+        mesh.is_held[order.vertices],
+        mesh.notes,
+        mesh.left_out,
     )
 
 

@@ -1,0 +1,117 @@
+"""What is wrong with a mesh, told before or beside the solve: notes for the user, and culprits.
+
+The rules themselves are those of `manifold` and `geometry`; here they are only counted and located.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .errors import InputError
+from .geometry import THINNEST_ASPECT
+from .solver_frame import solvable_surface
+from .topology import TriangleTopology, checked_triangles
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+
+@dataclass(frozen=True)
+class MeshProblems:
+    """Vertices of a mesh that the solve cannot treat as it treats others, ascending indices.
+
+    Attributes
+    ----------
+    not_finite : (k,) int
+        Coordinates that are no numbers: the mesh is refused.
+    held : (k,) int
+        Vertices where the mesh is cut for the solve; they do not move.
+    left_out : (k,) int
+        Corners of triangles that are left out: a vertex twice, or the same triangle twice.
+    thin : (k,) int
+        Corners of triangles without area, which get a bounded metric.
+    """
+
+    not_finite: IntArray
+    held: IntArray
+    left_out: IntArray
+    thin: IntArray
+
+    @property
+    def vertices(self) -> IntArray:
+        """All of them together."""
+        parts = (self.not_finite, self.held, self.left_out, self.thin)
+        return np.unique(np.concatenate(parts))
+
+
+def find_problems(vertices: ArrayLike, faces: ArrayLike) -> MeshProblems:
+    """Locate what `fair_steps` refuses, holds or bounds in a mesh.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float
+        Coordinates that are not finite are allowed here.
+    faces : (m, 3) int
+
+    Raises
+    ------
+    InputError
+        The arrays have the wrong shape or type, or indices are out of range.
+    """
+    points = np.asarray(vertices, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InputError(f"vertices must have shape (n, 3), not {points.shape}")
+    triangles = checked_triangles(faces, len(points))
+    is_finite = np.isfinite(points).all(axis=1)
+    measurable = triangles[is_finite[triangles].all(axis=1)]
+    surface = solvable_surface(np.where(is_finite[:, None], points, 0), triangles)
+    return MeshProblems(
+        not_finite=np.flatnonzero(~is_finite),
+        held=np.unique(surface.vertex_of[surface.is_cut]),
+        left_out=np.unique(triangles[surface.left_out]).astype(np.intp),
+        thin=np.unique(measurable[_is_thin(points, measurable)]).astype(np.intp),
+    )
+
+
+def shape_notes(points: FloatArray, topology: TriangleTopology) -> tuple[str, ...]:
+    """Say what the positions of a solvable mesh make of its surface, one line each.
+
+    Parameters
+    ----------
+    points : (n, 3)
+        Finite positions of the topology's vertices.
+    topology : TriangleTopology
+    """
+    notes = []
+    n_thin = int(np.count_nonzero(_is_thin(points, topology.triangles)))
+    if n_thin:
+        notes.append(f"{n_thin} triangles have no area, or hardly any: bounded for the solve")
+    n_touching = _count_repeated(points[topology.on_boundary])
+    if n_touching:
+        notes.append(
+            f"{n_touching} boundary vertices lie exactly on another one: the surfaces are not "
+            "joined there, merge vertices by distance to join them"
+        )
+    return tuple(notes)
+
+
+def _is_thin(points: FloatArray, triangles: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """Tell which triangles the metric of `geometry.metric_at` would bound, were they flat."""
+    origin = points[triangles[:, 0]]
+    u, v = points[triangles[:, 1]] - origin, points[triangles[:, 2]] - origin
+    # Squares of coordinates of any size stay in range if the largest is 1.
+    size = np.maximum(np.abs(u).max(axis=1, initial=0), np.abs(v).max(axis=1, initial=0))
+    size = np.where(size > 0, size, 1)[:, None]
+    u, v = u / size, v / size
+    doubled_area = np.linalg.norm(np.cross(u, v), axis=1)
+    trace = np.einsum("td,td->t", u, u) + np.einsum("td,td->t", v, v)
+    is_thin: NDArray[np.bool_] = doubled_area <= THINNEST_ASPECT * trace
+    return is_thin
+
+
+def _count_repeated(points: FloatArray) -> int:
+    """Count the points beyond the first at each place."""
+    return len(points) - len(np.unique(points, axis=0)) if len(points) else 0
