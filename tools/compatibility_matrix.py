@@ -278,6 +278,11 @@ def main(arguments: list[str] | None = None) -> int:
         parser.error(f"unknown version {', '.join(sorted(unknown))}; known: {', '.join(versions)}")
 
     rows: list[Row] = []
+
+    def add(row: Row) -> None:
+        rows.append(row)
+        print(f"{row.name}: {'FAILED' if row.failures else 'done'}", file=sys.stderr)
+
     with tempfile.TemporaryDirectory() as scratch:
         archives = {
             name: build_extension.build([name], Path(scratch), wheels=options.cache / "wheels")[0]
@@ -285,12 +290,13 @@ def main(arguments: list[str] | None = None) -> int:
         }
         for module in BLENDERS:
             if module.version in options.only:
-                rows.append(check_module(module, archives, options.cache, not options.no_tests))
+                add(check_module(module, archives, options.cache, not options.no_tests))
         plain = archives[build_extension.NO_WHEELS]
         for command in options.blender:
             work = Path(tempfile.mkdtemp(dir=scratch))
-            rows.append(check_program(command, shlex.split(command), plain, work))
-        rows += [check_debian(release, plain) for release in options.debian]
+            add(check_program(command, shlex.split(command), plain, work))
+        for release in options.debian:
+            add(check_debian(release, plain))
     print(table(rows))
     failures = [failure for row in rows for failure in row.failures]
     for failure in failures:
