@@ -93,14 +93,16 @@ def conjugate_gradients(
     floor = ATTAINABLE * np.sqrt(np.sum(diagonal * free * np.square(columns)))
     target = max(tolerance * reference, floor)
 
-    update = np.zeros_like(columns)
+    update, scratch = np.zeros_like(columns), np.empty_like(columns)
+    any_held = bool(is_held.any())
     preconditioned = inverse * residual
     direction = preconditioned.copy()
     square = float(np.vdot(residual, preconditioned))
     iterations = 0
     while np.sqrt(square) > target and iterations < max_iterations:
         image = blocks.product(direction)
-        image[:, is_held] = 0
+        if any_held:
+            image[:, is_held] = 0
         curvature = float(np.vdot(direction, image))
         if not curvature > 0:
             raise SolverError(
@@ -108,8 +110,8 @@ def conjugate_gradients(
                 f"in iteration {iterations + 1}"
             )
         step = square / curvature
-        update += step * direction
-        residual -= step * image
+        update += np.multiply(direction, step, out=scratch)
+        residual -= np.multiply(image, step, out=scratch)
         np.multiply(inverse, residual, out=preconditioned)
         square, previous = float(np.vdot(residual, preconditioned)), square
         direction *= square / previous
