@@ -94,8 +94,8 @@ def _draw_evolution(context, layout, obj) -> None:
 
     settings = context.scene.adaptive_fairing
     row = layout.row(align=True)
-    row.prop(settings, "frame_start", text=iface_("From"))
-    row.prop(settings, "frame_end", text=iface_("To"))
+    row.prop(settings, "frame_start", text=iface_("Start"))
+    row.prop(settings, "frame_end", text=iface_("End"))
     row = layout.row(align=True)
     animate = row.operator(
         OBJECT_OT_adaptive_fairing_animate.bl_idname,

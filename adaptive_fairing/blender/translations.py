@@ -159,7 +159,7 @@ GERMAN = {
     "What the colours mean": "Was die Farben bedeuten",
     "How coarse the mesh is: where it is bright, the adaptive methods smooth more": "Wie grob das "
     "Netz ist: wo es hell ist, glätten die adaptiven Verfahren mehr",
-    "Displacement": "Verschiebung",
+    "Displacement": "Versatz",
     "How far the smoothing has moved each vertex": "Wie weit die Glättung jeden Punkt bewegt hat",
     "Curvature": "Krümmung",
     "Mean curvature: bright where the surface bulges outward": "Mittlere Krümmung: hell, wo sich "
@@ -186,8 +186,8 @@ GERMAN = {
     "Esc: stop, keep the finished steps": "Esc: anhalten, fertige Schritte behalten",
     "Step {:.1f} of {:d}": "Schritt {:.1f} von {:d}",
     "Time": "Zeit",
-    "From": "Von",
-    "To": "Bis",
+    "Start": "Start",
+    "End": "Ende",
     "Animate over Frames": "Über Bilder animieren",
     "Curvature H": "Krümmung H",
     "Before  {:.4g}": "Davor  {:.4g}",
