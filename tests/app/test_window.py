@@ -7,7 +7,7 @@ import pytest
 pytestmark = pytest.mark.app
 
 EVOLUTION = ["Basis", "Fairing 1", "Fairing 2", "Fairing 3", "Fairing 4"]
-N_COLOURS_OF_AN_INTERFACE = 300  # a blank or half-drawn window has a few dozen at most
+N_COLOURS_OF_AN_INTERFACE = 100  # a region that is blank or has only its background: below 10
 FLOAT32_STEP = 2.0**-23  # of the coordinates, which are below 1 + noise
 
 
@@ -27,9 +27,13 @@ class TestFullRun:
     def test_the_result_is_the_cores_to_float32(self, seen):
         assert seen["equal to core"]
 
-    @pytest.mark.parametrize("place", ["at the start", "between", "at the end"])
-    def test_the_evolution_slider_moves_the_shown_shape(self, seen, place):
-        assert seen[f"slider {place}"] <= 4 * FLOAT32_STEP
+    def test_the_evolution_slider_moves_the_shown_shape(self, seen):
+        """Between two keys the shape is their mix, as it is at the ends."""
+        assert seen["slider at the start"]["value"] == 0.0
+        assert 0.1 < seen["slider dragged"]["value"] < 0.9
+        assert seen["slider at the end"]["value"] == 1.0
+        for place in ("at the start", "dragged", "at the end"):
+            assert seen[f"slider {place}"]["error"] <= 4 * FLOAT32_STEP, place
 
     def test_a_saved_file_brings_every_key_back(self, seen):
         assert seen["same after reopening"] == dict.fromkeys(EVOLUTION, True)
@@ -44,10 +48,10 @@ class TestFullRun:
         for earlier, later, part in (
             ("before", "after", "UI"),
             ("before", "after", "WINDOW"),
-            ("slider-at-the-start", "slider-between", "WINDOW"),
-            ("slider-between", "slider-at-the-end", "WINDOW"),
+            ("slider-at-the-start", "slider-dragged", "WINDOW"),
+            ("slider-dragged", "slider-at-the-end", "WINDOW"),
         ):
-            assert pictures[earlier][part]["signature"] != pictures[later][part]["signature"]
+            assert pictures[earlier][part]["checksum"] != pictures[later][part]["checksum"]
 
 
 def test_one_undo_takes_the_run_back_and_redo_brings_it_again(app):
@@ -69,7 +73,7 @@ def test_escape_keeps_the_finished_steps_and_undo_removes_them(app):
 def test_progress_is_shown_during_the_run(app):
     """The panel and the status bar change while nobody touches them."""
     pictures = app.play("escape")["pictures"]
-    assert pictures["running"]["UI"]["signature"] != pictures["running-later"]["UI"]["signature"]
+    assert pictures["running"]["UI"]["checksum"] != pictures["running-later"]["UI"]["checksum"]
     assert pictures["running"]["UI"]["colours"] > N_COLOURS_OF_AN_INTERFACE
 
 
@@ -90,14 +94,16 @@ def test_quitting_during_a_run_ends_the_program_in_order(app):
 
 
 def test_the_window_keeps_drawing_while_200000_triangles_are_faired(app):
-    """The view is drawn all through the run: at a fifth of the idle rate or more on two cores.
+    """The view is drawn all through the run, also while a step is being computed.
 
-    The solver's thread and Blender's software renderer share the machine, so the rate falls; with
-    the solver in the window's own thread it would be about one drawing a step.
+    The solver's thread and Blender's software renderer share the machine, so the rate may fall to
+    a fifth of the idle one. A solver in the window's own thread would let no drawing through for
+    as long as a step takes.
     """
     seen = app.play("large_mesh")
     assert seen["triangles"] >= 200_000
     assert seen["keys"] == EVOLUTION
     idle, run = seen["idle"], seen["run"]
+    mean_step = run["seconds"] / (len(EVOLUTION) - 1)
     assert run["draws"] / run["seconds"] > 0.2 * idle["draws"] / idle["seconds"]
-    assert run["draws"] > 3 * (len(EVOLUTION) - 1)
+    assert run["longest gap"] < mean_step

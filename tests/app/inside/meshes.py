@@ -9,14 +9,16 @@ import numpy as np
 def add_noisy(primitive: str, noise: float, **sizes: int) -> bpy.types.Object:
     """Replace the scene's objects by one of Blender's primitives with seeded noise.
 
-    `noise` is the standard deviation of each coordinate in object units.
+    `noise` is the standard deviation along the normals in object units.
     """
     for old in list(bpy.data.objects):
         bpy.data.objects.remove(old)
     getattr(bpy.ops.mesh, f"primitive_{primitive}_add")(**sizes)
     obj = bpy.context.object
     positions = vertex_positions(obj)
-    positions += np.random.default_rng(1).normal(0.0, noise, positions.shape)
+    normals = np.empty_like(positions)
+    obj.data.vertex_normals.foreach_get("vector", normals.ravel())
+    positions += np.random.default_rng(1).normal(0.0, noise, (len(normals), 1)) * normals
     obj.data.vertices.foreach_set("co", positions.ravel())
     obj.data.update()
     bpy.ops.ed.undo_push(message="Test mesh")
@@ -44,6 +46,16 @@ def key_positions(obj: bpy.types.Object) -> dict[str, np.ndarray]:
         positions[block.name] = np.empty((len(obj.data.vertices), 3), np.float32)
         block.data.foreach_get("co", positions[block.name].ravel())
     return positions
+
+
+def shown_evolution(obj: bpy.types.Object, keys: dict[str, np.ndarray]) -> dict[str, float]:
+    """Value of the Evolution slider, and how far the shape shown is from that mix of keys."""
+    value = obj.adaptive_fairing.evolution
+    place = value * (len(keys) - 1)
+    before = min(int(place), len(keys) - 2)
+    first, second = list(keys.values())[before : before + 2]
+    expected = first + (place - before) * (second - first)
+    return {"value": value, "error": float(np.abs(shown_positions(obj) - expected).max())}
 
 
 def key_names() -> list[str]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import sys
 import time
+from collections.abc import Callable, Generator
 from pathlib import Path
 
 import bpy
@@ -20,7 +21,7 @@ from meshes import (
     equal_to_core,
     key_names,
     key_positions,
-    shown_positions,
+    shown_evolution,
     vertex_positions,
 )
 
@@ -40,11 +41,11 @@ def full_run(stage: Stage) -> Scenario:
     noisy = vertex_positions(add_noisy("ico_sphere", 0.01, subdivisions=6))
     seen = stage.results
     yield from stage.open_sidebar("Fairing")
-    stage.picture("before")
+    yield from stage.picture("before")
     yield from press_fairing(stage)
     yield stage.until(lambda: not stage.is_running(), 120, "end of the run")
     yield 1.0
-    stage.picture("after")
+    yield from stage.picture("after")
 
     obj = bpy.context.object
     keys = key_positions(obj)
@@ -52,17 +53,16 @@ def full_run(stage: Stage) -> Scenario:
     seen["basis kept"] = bool(np.array_equal(keys["Basis"], noisy))
     seen["equal to core"] = equal_to_core(obj, noisy, list(keys.values())[1:])
 
-    x, y = yield from stage.find_button("eval_time", "shift+ctrl+c")
-    blocks = obj.data.shape_keys.key_blocks
-    halfway = (blocks[0].frame + blocks[1].frame) / 2
-    for name, value, expected in (
-        ("slider at the start", blocks[0].frame, noisy),
-        ("slider between", halfway, (noisy + keys[blocks[1].name]) / 2),
-        ("slider at the end", blocks[-1].frame, keys[blocks[-1].name]),
-    ):
-        yield from stage.enter_value(x, y, value)
-        stage.picture(name.replace(" ", "-"))
-        seen[name] = float(np.abs(shown_positions(obj) - expected).max())
+    x, y = yield from stage.find_button("adaptive_fairing.evolution", "shift+ctrl+c")
+    yield from stage.enter_value(x, y, 0.0)
+    yield from stage.picture("slider-at-the-start")
+    seen["slider at the start"] = shown_evolution(obj, keys)
+    yield from stage.drag(x, y, 70)
+    yield from stage.picture("slider-dragged")
+    seen["slider dragged"] = shown_evolution(obj, keys)
+    yield from stage.enter_value(x, y, 1.0)
+    yield from stage.picture("slider-at-the-end")
+    seen["slider at the end"] = shown_evolution(obj, keys)
 
     path = str(stage.directory / "saved.blend")
     with stage.context():
@@ -74,7 +74,7 @@ def full_run(stage: Stage) -> Scenario:
         name: bool(np.array_equal(reopened.get(name), positions))
         for name, positions in keys.items()
     }
-    stage.picture("reopened")
+    yield from stage.picture("reopened")
 
 
 def undo(stage: Stage) -> Scenario:
@@ -101,13 +101,13 @@ def escape(stage: Stage) -> Scenario:
     stage.results["steps asked for"] = settings.steps
     yield from press_fairing(stage)
     yield 6.0
-    stage.picture("running")
+    yield from stage.picture("running")
     yield 4.0
-    stage.picture("running-later")
+    yield from stage.picture("running-later")
     yield from stage.press_in_view("Escape")
     yield stage.until(lambda: not stage.is_running(), 60, "end after Esc")
     yield 1.0
-    stage.picture("stopped")
+    yield from stage.picture("stopped")
     stage.results["after escape"] = key_names()
     yield from stage.press_in_view("ctrl+z")
     stage.results["after undo"] = key_names()
@@ -121,7 +121,7 @@ def delete_object(stage: Stage) -> Scenario:
     yield 2.0
     bpy.data.objects.remove(obj)
     yield 2.0
-    stage.picture("deleted")
+    yield from stage.picture("deleted")
     if stage.is_running():
         yield from stage.press_in_view("Escape")
     yield stage.until(lambda: not stage.is_running(), 60, "end without the object")
@@ -140,7 +140,7 @@ def load_file(stage: Stage) -> Scenario:
     stage.results["running after load"] = stage.is_running()
     stage.results["objects after load"] = sorted(obj.name for obj in bpy.data.objects)
     stage.results["keys in the loaded file"] = len(bpy.data.shape_keys)
-    stage.picture("loaded")
+    yield from stage.picture("loaded")
     yield from run_once_more(stage)
 
 
@@ -170,31 +170,27 @@ def large_mesh(stage: Stage) -> Scenario:
     obj.data.calc_loop_triangles()
     stage.results["triangles"] = len(obj.data.loop_triangles)
     yield from stage.open_sidebar("Fairing")
-    yield 2.0
-    idle = yield from draws_while(stage, lambda: False, seconds=5)
-    stage.results["idle"] = idle
+    idle_until = time.monotonic() + 5.0
+    stage.results["idle"] = yield from draws_while(
+        stage, lambda: time.monotonic() < idle_until, seconds=60
+    )
 
     yield from press_fairing(stage)
-    stage.results["run"] = yield from draws_while(stage, stage.is_running, seconds=300)
+    stage.results["run"] = yield from draws_while(stage, stage.is_running, 400)
     yield 2.0
     stage.results["keys"] = key_names()
-    stage.picture("large-after")
+    yield from stage.picture("large-after")
 
 
-def draws_while(stage: Stage, running, seconds: float):
-    """Ask for a drawing at every tick and measure how many there are.
-
-    Ends after `seconds`, or once `running` has become false.
-    """
+def draws_while(
+    stage: Stage, running: Callable[[], bool], seconds: float
+) -> Generator[float, None, dict]:
+    """Ask for a drawing at every tick while `running`, and measure how many there are."""
     stage.draws.clear()
     start = time.monotonic()
-    has_run = False
-    pictured = False
-    while time.monotonic() - start < seconds and not (has_run and not running()):
-        has_run = has_run or bool(running())
-        if has_run and not pictured and len(stage.draws) > 40:
-            stage.picture("large-running")
-            pictured = True
+    while running():
+        if time.monotonic() - start > seconds:
+            raise TimeoutError(f"still running after {seconds} s")
         stage.view.tag_redraw()
         yield 0.0
     times = np.array([start, *stage.draws, time.monotonic()])
