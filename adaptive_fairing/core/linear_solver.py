@@ -83,6 +83,7 @@ def conjugate_gradients(
     bad = int(np.count_nonzero(diagonal[free] <= 0))
     if bad:
         raise SolverError(f"the linear system is not positive definite: {bad} diagonal entries ≤ 0")
+    # Zero on the held rows: the search directions never leave the free ones.
     inverse = np.zeros(len(diagonal))
     inverse[free] = 1 / diagonal[free]
 
@@ -94,15 +95,12 @@ def conjugate_gradients(
     target = max(tolerance * reference, floor)
 
     update, scratch = np.zeros_like(columns), np.empty_like(columns)
-    any_held = bool(is_held.any())
     preconditioned = inverse * residual
     direction = preconditioned.copy()
     square = float(np.vdot(residual, preconditioned))
     iterations = 0
     while np.sqrt(square) > target and iterations < max_iterations:
         image = blocks.product(direction)
-        if any_held:
-            image[:, is_held] = 0
         curvature = float(np.vdot(direction, image))
         if not curvature > 0:
             raise SolverError(
