@@ -13,6 +13,7 @@ from .operator_animate import (
     is_animated,
 )
 from .operator_compare import OBJECT_OT_adaptive_fairing_compare
+from .operator_problems import OBJECT_OT_adaptive_fairing_select_problems
 from .operator_view import (
     FIELDS,
     OBJECT_OT_adaptive_fairing_view,
@@ -48,6 +49,8 @@ class VIEW3D_PT_adaptive_fairing_results(FairingPanel, bpy.types.Panel):
         _draw_measures(layout, record)
         for note in record.notes.splitlines():
             draw_lines(context, layout, note, icon="INFO")
+        if record.notes:
+            layout.operator(OBJECT_OT_adaptive_fairing_select_problems.bl_idname)
 
 
 class VIEW3D_PT_adaptive_fairing_view(FairingPanel, bpy.types.Panel):

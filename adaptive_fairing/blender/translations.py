@@ -18,6 +18,7 @@ GERMAN = {
     "Add Fairing Preset": "Glättungsvorgabe hinzufügen",
     "Stop": "Anhalten",
     "Suggest τ": "τ vorschlagen",
+    "Select Problem Vertices": "Problempunkte auswählen",
     "Show Fairing Field": "Feld der Glättung zeigen",
     "Back to Shading": "Zurück zur Schattierung",
     "Density": "Dichte",
@@ -29,6 +30,10 @@ GERMAN = {
     "Colors": "Farben",
     "Comparison": "Vergleich",
     # Tooltips of operators
+    "Select, in Edit Mode, the vertices of the active mesh that are not finite, not manifold or at "
+    "triangles without area: what a run refuses, holds still or bounds": "Im Bearbeitungsmodus die "
+    "Punkte des aktiven Netzes auswählen, die nicht endlich, nicht mannigfaltig oder an Dreiecken "
+    "ohne Fläche sind: was ein Lauf ablehnt, festhält oder begrenzt",
     "Smooth the noise out of the selected meshes by geometric diffusion that follows the density "
     "of the mesh, and keep every step": "Rauschen der gewählten Netze durch geometrische "
     "Diffusion glätten, die der Dichte des Netzes folgt, und jeden Schritt behalten",
@@ -231,6 +236,12 @@ GERMAN = {
     "anderen Datei verknüpft: zum Einfärben lokal machen",
     "Faired {:d} vertices in {:d} steps, {:.1f} s": "{:d} Punkte in {:d} Schritten geglättet, "
     "{:.1f} s",
+    "No problem vertices": "Keine Problempunkte",
+    "Not finite: {:d}, held: {:d}, doubled: {:d}, without area: {:d}": "Nicht endlich: {:d}, "
+    "festgehalten: {:d}, doppelt: {:d}, ohne Fläche: {:d}",
+    "Change to Object Mode or Edit Mode": "In den Objekt- oder Bearbeitungsmodus wechseln",
+    "The mesh is linked from another file: it cannot be edited here": "Das Netz ist aus einer "
+    "anderen Datei verknüpft: es kann hier nicht bearbeitet werden",
     "Stopped early. {:s}": "Vorzeitig angehalten. {:s}",
     "Stopped before the first step was done": "Angehalten, bevor der erste Schritt fertig war",
     "Stopped before both copies were done": "Angehalten, bevor beide Kopien fertig waren",
