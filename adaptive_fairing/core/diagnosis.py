@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError
 from .geometry import THINNEST_ASPECT
-from .solver_frame import solvable_surface
-from .topology import TriangleTopology, checked_triangles
+from .solver_frame import SolverSurface, solvable_surface
+from .topology import checked_triangles
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
@@ -76,20 +76,22 @@ def find_problems(vertices: ArrayLike, faces: ArrayLike) -> MeshProblems:
     )
 
 
-def shape_notes(points: FloatArray, topology: TriangleTopology) -> tuple[str, ...]:
-    """Say what the positions of a solvable mesh make of its surface, one line each.
+def surface_notes(points: FloatArray, surface: SolverSurface) -> tuple[str, ...]:
+    """Say what is wrong with a mesh and how it was made solvable, one line each.
 
     Parameters
     ----------
     points : (n, 3)
-        Finite positions of the topology's vertices.
-    topology : TriangleTopology
+        Finite positions of the surface's vertices.
+    surface : SolverSurface
     """
-    notes = []
+    topology = surface.topology
+    notes = list(surface.notes)
     n_thin = int(np.count_nonzero(_is_thin(points, topology.triangles)))
     if n_thin:
         notes.append(f"{n_thin} triangles have no area, or hardly any: bounded for the solve")
-    n_touching = _count_repeated(points[topology.on_boundary])
+    # Copies of one vertex, at cuts, lie together because they were made so.
+    n_touching = _count_repeated(points[topology.on_boundary & ~surface.is_cut])
     if n_touching:
         notes.append(
             f"{n_touching} boundary vertices lie exactly on another one: the surfaces are not "

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .assembly import LoopSpace, StepSystem
 from .density import mesh_density
-from .diagnosis import shape_notes
+from .diagnosis import surface_notes
 from .errors import InputError, SolverError, listed
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport, conjugate_gradients
@@ -24,6 +24,10 @@ FloatArray = NDArray[np.float64]
 # takes fifth powers and more. Blender's single precision ends at about the same sizes.
 LARGEST_COORDINATE = 1e39
 SMALLEST_SIZE = 1e-39
+
+# Diffusion lowers the curvature energy until a triangle, a tip or a thin part shrinks to nothing,
+# where curvature has no bound: a rise by this factor over the least so far is taken as its sign.
+COLLAPSE_RISE = 2.0
 
 
 @dataclass(frozen=True)
@@ -49,8 +53,8 @@ class FairingStep:
         None while the run goes on; otherwise "steps" (all done), "curvature" (3.11), "rate"
         (3.10), or "not_converged" (the linear solve of this step missed its tolerance).
     notes : tuple of str
-        What is wrong with the input and how it was made solvable, one line each; the same in all
-        steps.
+        What is wrong with the input and how it was made solvable, one line each; and whether
+        something has begun to collapse.
     """
 
     index: int
@@ -172,9 +176,10 @@ def _run(
         is_held |= topology.on_boundary
 
     current = frame.inward(points)
-    notes = surface.notes + shape_notes(current, topology)
+    notes = surface_notes(current, surface)
     density, system = _system(space, current, settings, weights)
     initial = previous = system.measures
+    least_energy = initial.curvature_energy
     for index in range(1, settings.steps + 1):
         try:
             current, solve = conjugate_gradients(
@@ -195,6 +200,7 @@ def _run(
         else:
             measures = space.measures(current)
         reason = _stop_reason(index, settings, solve, initial, previous, measures)
+        least_energy = min(least_energy, measures.curvature_energy)
         outer = measures.scaled(1 / frame.scale)
         yield FairingStep(
             index=index,
@@ -207,7 +213,7 @@ def _run(
             solve=solve,
             initial=initial.scaled(1 / frame.scale),
             stop_reason=reason,
-            notes=notes,
+            notes=notes + _collapse_notes(measures.curvature_energy, least_energy),
         )
         if reason is not None:
             return
@@ -225,6 +231,15 @@ def _system(
     if settings.method == "adaptive_tensor":
         return density, space.step_system(current, diffusivity=field)
     return density, space.step_system(current, timestep=_positive(field))
+
+
+def _collapse_notes(energy: float, least: float) -> tuple[str, ...]:
+    if not energy > COLLAPSE_RISE * least > 0:
+        return ()
+    return (
+        f"the curvature energy is {energy / least:.3g} times its least so far: single triangles, "
+        "tips or thin parts are collapsing; a smaller tau or fewer steps avoid that",
+    )
 
 
 def _positive(timestep: FloatArray) -> FloatArray:

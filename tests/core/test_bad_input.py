@@ -242,6 +242,11 @@ def test_surfaces_that_lie_together_unjoined_are_noted():
     assert note.startswith(f"{n_border} boundary vertices lie exactly on another one")
 
 
+def test_cuts_of_the_solver_are_no_unjoined_surfaces():
+    result = run(three_sheets())
+    assert result.notes == ("3 edges have more than two triangles: cut there, their vertices held",)
+
+
 def test_valence_of_hundreds():
     vertices, faces = bipyramid(100)
     result = run((vertices, faces), steps=1)

@@ -1,0 +1,162 @@
+"""Run every mesh file of a folder through the command line and print what became of it.
+
+    python benchmarks/corpus.py FOLDER [--markdown] [-- ARGUMENTS OF adaptive-fairing]
+
+One process per mesh. The files that come out are read by this script, not by Blender, and are
+compared with the files that went in. Exit status 1 if anything looks wrong: a traceback, a message
+of several lines, numbers that are not finite, other faces than those of the input.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from mesh_files import READERS, RawMesh, read_mesh_file
+
+ROOT = Path(__file__).resolve().parents[1]
+PREFIX = "adaptive-fairing: "
+COLUMNS = ("file", "outcome", "s", "MB", "vertices", "faces", "moved", "check", "messages")
+
+
+@dataclass
+class Run:
+    """One run of the command line: exit status, standard error, seconds, peak memory in MB."""
+
+    status: int
+    messages: list[str]
+    seconds: float
+    megabytes: float
+
+
+def main() -> int:
+    """Run the folder and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--markdown", action="store_true", help="print a Markdown table")
+    parser.add_argument("arguments", nargs="*", help="for adaptive-fairing, after --")
+    options = parser.parse_args()
+    files = sorted(path for path in options.folder.iterdir() if path.suffix.lower() in READERS)
+    rows, n_suspicious = [], 0
+    for file in files:
+        row, is_suspicious = examine(file, options.arguments)
+        n_suspicious += is_suspicious
+        rows.append(row)
+        print(f"{len(rows)}/{len(files)} {file.name}: {row[1]}", file=sys.stderr)
+    print_table(rows, markdown=options.markdown)
+    print(f"\n{len(files)} files, {n_suspicious} suspicious")
+    return 1 if n_suspicious else 0
+
+
+def examine(file: Path, arguments: list[str]) -> tuple[list[str], bool]:
+    """Run one file; give its row of the table, and whether something looks wrong."""
+    with tempfile.TemporaryDirectory() as folder:
+        output, report = Path(folder) / f"out{file.suffix}", Path(folder) / "report.json"
+        run = run_command([str(file), "-o", str(output), "--report", str(report), *arguments])
+        texts = [line.removeprefix(PREFIX) for line in run.messages]
+        problems = stream_problems(run)
+        counts = ["", "", ""]
+        if run.status == 0:
+            json.loads(report.read_text(encoding="utf-8"), parse_constant=_no_constant)
+            given, result = read_mesh_file(file), read_mesh_file(output)
+            problems += differences(given, result)
+            counts = [str(len(given.vertices)), str(len(given.faces)), moved(given, result)]
+        elif output.exists():
+            problems.append("output in spite of an error")
+    outcome = {0: "faired", 1: "refused"}.get(run.status, f"status {run.status}")
+    check = ", ".join(problems) or "ok"
+    texts = [text for text in texts if "; wrote " not in text]
+    numbers = [f"{run.seconds:.1f}", f"{run.megabytes:.0f}"]
+    return [file.name, outcome, *numbers, *counts, check, "; ".join(texts)], bool(problems)
+
+
+def run_command(arguments: list[str]) -> Run:
+    """Run the command line in a process of its own and wait for its resources."""
+    started = time.perf_counter()
+    with tempfile.TemporaryFile("w+") as stream:
+        process = subprocess.Popen(
+            [sys.executable, "-m", "adaptive_fairing", *arguments], cwd=ROOT, stderr=stream
+        )
+        _, status, usage = os.wait4(process.pid, 0)
+        stream.seek(0)
+        messages = stream.read().splitlines()
+    seconds = time.perf_counter() - started
+    unit = 1 if sys.platform == "darwin" else 1024
+    code = os.waitstatus_to_exitcode(status)
+    process.returncode = code
+    return Run(code, messages, seconds, usage.ru_maxrss * unit / 1e6)
+
+
+def stream_problems(run: Run) -> list[str]:
+    """Tell whether the exit status and the messages are as promised."""
+    problems = []
+    if run.status not in (0, 1):
+        problems.append(f"exit status {run.status}")
+    if any(not line.startswith(PREFIX) for line in run.messages):
+        problems.append("output that is no message")
+    n_errors = sum(line.startswith(f"{PREFIX}error: ") for line in run.messages)
+    if n_errors != run.status:
+        problems.append(f"{n_errors} errors with status {run.status}")
+    return problems
+
+
+def differences(given: RawMesh, result: RawMesh) -> list[str]:
+    """Compare the files that went in and came out."""
+    problems = []
+    if not np.isfinite(result.vertices).all():
+        problems.append("not finite")
+    if len(given.vertices) != len(result.vertices):
+        problems.append(f"{len(result.vertices)} vertices came out")
+    lost = Counter(map(cycle, given.faces)) - Counter(map(cycle, result.faces))
+    added = Counter(map(cycle, result.faces)) - Counter(map(cycle, given.faces))
+    if lost or added:
+        problems.append(f"{lost.total()} faces lost, {added.total()} added")
+    return problems
+
+
+def cycle(face: tuple[int, ...]) -> tuple[int, ...]:
+    """Start a face at its lowest vertex: importers may begin elsewhere, not turn it round."""
+    first = face.index(min(face))
+    return face[first:] + face[:first]
+
+
+def moved(given: RawMesh, result: RawMesh) -> str:
+    """Count the vertices that moved, and measure the largest way against the mesh's box."""
+    if given.vertices.shape != result.vertices.shape:
+        return "?"
+    before, after = given.vertices.astype(np.float32), result.vertices.astype(np.float32)
+    distance = np.linalg.norm(after - before, axis=1)
+    size = max(float(np.ptp(before, axis=0).max()), 1e-30)
+    return f"{np.count_nonzero(distance)} ({100 * distance.max() / size:.1f} %)"
+
+
+def print_table(rows: list[list[str]], *, markdown: bool) -> None:
+    """Print rows under `COLUMNS`."""
+    if markdown:
+        print("| " + " | ".join(COLUMNS) + " |")
+        print("|" + " --- |" * len(COLUMNS))
+        for row in rows:
+            print("| " + " | ".join(row) + " |")
+        return
+    widths = [max(len(row[k]) for row in [list(COLUMNS), *rows]) for k in range(len(COLUMNS))]
+    for row in [list(COLUMNS), *rows]:
+        print(
+            "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
+        )
+
+
+def _no_constant(name: str) -> float:
+    raise ValueError(f"the report holds {name}, which is not JSON")
+
+
+if __name__ == "__main__":
+    sys.exit(main())
