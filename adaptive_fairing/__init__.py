@@ -1,0 +1,1 @@
+"""Adaptive Fairing: geometric diffusion of surface meshes that follows their density."""

@@ -409,3 +409,15 @@ def test_adaptive_timestep_beats_every_uniform_one_where_the_density_varies():
     uniform = min(worst_error("uniform", tau) for tau in (0.0005, 0.001, 0.0014, 0.002, 0.004))
     assert adaptive < 0.6 * 0.15
     assert adaptive < 0.85 * uniform
+
+
+def test_collapse_of_a_thin_neck_is_noted_when_it_begins():
+    vertices, faces = meshes.latlong_sphere(16, 31)
+    vertices[:, :2] *= 0.15 + np.abs(vertices[:, 2:])
+    vertices[:, 2] *= 2
+    result = fair(vertices, faces, FairingSettings(method="uniform", tau=0.02, steps=8))
+    ratios = np.array([1.0] + [step.curvature_ratio for step in result.steps])
+    rises = ratios[1:] / np.minimum.accumulate(ratios)[1:]
+    noted = [any("collapsing" in note for note in step.notes) for step in result.steps]
+    assert noted == (rises > 2).tolist()
+    assert noted[-1] and not noted[0]
