@@ -211,7 +211,8 @@ def run_inside(
     chroot : Chroot
         Where to run.
     script : str
-        For ``sh -c``. It is process 1 of a process name space, so nothing outlives it.
+        For ``sh -c``, started in the project's directory. It is the last of its process name
+        space: nothing outlives it.
     binds : sequence of Path
         Host directories that appear inside at the same path, writable.
     environment : dict, optional
@@ -249,6 +250,7 @@ def run_inside(
         outside, inside = shlex.quote(str(path)), shlex.quote(f"{chroot.root}{path}")
         lines += [f"mkdir -p {inside}", f"mount --bind {outside} {inside}"]
     # Not exec: as process 1 itself, a program would not die from its own abort().
+    script = f"cd {shlex.quote(str(PROJECT))}\n{script}"
     command = f"chroot {root} env -i {' '.join(settings)} sh -c {shlex.quote(script)}"
     lines += ["set +e", command, "exit $?"]
     namespaces = ["--mount", "--pid", "--ipc", "--fork", "--kill-child"]
