@@ -20,6 +20,7 @@ from ..formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ..version import program_version
 from .attributes import write_density
 from .files import export_mesh, import_mesh, save_blend
+from .import_check import import_notes
 from .mesh_data import read_mesh, welded
 from .shape_keys import animate_evolution, write_absolute_keys, write_final_shape
 from .target import needs_copy, writable_object
@@ -112,6 +113,7 @@ class _Run:
         job = self.job
         obj = import_mesh(job.input, job.object_name, keep_axes=keeps_axes(job.input, job.output))
         self.object_name = obj.name
+        self.notes = import_notes(job.input)
         shapes, density, failure = self._solve(obj, on_step)
         if shapes:
             self._write(obj, shapes, density)
@@ -135,13 +137,14 @@ class _Run:
             surface, surface_vertex = welded(data)
         shapes: list[np.ndarray] = []
         density = None
+        given_notes = self.notes
         started = time.perf_counter()
         try:
             for step in fair_steps(surface.vertices, surface.triangles, self.job.settings):
                 now = time.perf_counter()
                 self.records.append(step_record(step, surface.vertices, now - started))
                 self.last = step
-                self.notes = list(step.notes)
+                self.notes = [*given_notes, *step.notes]
                 on_step(step)
                 if not step.solve.converged:
                     return shapes, density, _not_converged(step)
