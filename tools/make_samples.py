@@ -14,9 +14,9 @@ from pathlib import Path
 
 import numpy as np
 
-from samples import head
+from samples import crocodile, foot, head
 from samples.adaptive import corner_angles, decimate, density_ratio, improve
-from samples.implicit import Array, Solid
+from samples.implicit import Array, Primitive
 from samples.meshing import Faces, dense_mesh
 from samples.noise import add_noise
 from samples.ply import write_ply
@@ -44,7 +44,7 @@ class Sample:
         Seed of the noise.
     """
 
-    solid: Callable[[], Solid]
+    solid: Callable[[], Primitive]
     detail: Callable[[Array], Array]
     cell: float
     n_triangles: int
@@ -54,7 +54,9 @@ class Sample:
 
 
 SAMPLES = {
-    "head": Sample(head.solid, head.detail, 0.13, 10_000, 10.0, 0.17, 11),
+    "head": Sample(head.solid, head.detail, 0.12, 24_000, 16.0, 0.17, 11),
+    "foot": Sample(foot.solid, foot.detail, 0.12, 20_000, 8.0, 0.17, 41),
+    "crocodile": Sample(crocodile.solid, crocodile.detail, 0.15, 44_000, 14.0, 0.15, 42),
 }
 """Every sample by name; each gives NAME.ply and NAME_noisy.ply."""
 

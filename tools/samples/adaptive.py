@@ -9,12 +9,16 @@ from numpy.typing import NDArray
 from .implicit import Array, Primitive, project
 from .meshing import Faces
 
+LEAST_LEVEL = 0.04
+"""Vertex-group weight of the densest parts."""
+
 FLAT = 0.5
 """Smallest cosine between the normals of two triangles whose common edge may be flipped."""
 
 
-def decimate(vertices: Array, triangles: Faces, weights: Array, n_triangles: int,
-             contrast: float) -> tuple[Array, Faces]:
+def decimate(
+    vertices: Array, triangles: Faces, weights: Array, n_triangles: int, contrast: float
+) -> tuple[Array, Faces]:
     """Collapse edges by quadric error until `n_triangles` are left.
 
     Parameters
@@ -34,7 +38,8 @@ def decimate(vertices: Array, triangles: Faces, weights: Array, n_triangles: int
     bpy.context.scene.collection.objects.link(item)
     group = item.vertex_groups.new(name="detail")
     # The modifier collapses vertices of weight one first and never those of weight zero.
-    levels = np.round(np.clip(1.0 - weights, 0.05, 1.0), 2)
+    # A geometric scale grades the triangles evenly from small to large.
+    levels = np.round(LEAST_LEVEL**weights, 2)
     for level in np.unique(levels):
         group.add(np.flatnonzero(levels == level).tolist(), float(level), "REPLACE")
     modifier = item.modifiers.new("decimate", "DECIMATE")
@@ -52,8 +57,9 @@ def decimate(vertices: Array, triangles: Faces, weights: Array, n_triangles: int
     return positions.reshape(-1, 3).astype(float), corners.reshape(-1, 3)
 
 
-def improve(solid: Primitive, vertices: Array, triangles: Faces, rounds: int
-            ) -> tuple[Array, Faces]:
+def improve(
+    solid: Primitive, vertices: Array, triangles: Faces, rounds: int
+) -> tuple[Array, Faces]:
     """Flip edges and move vertices within the surface, so that no triangle stays a sliver."""
     for _ in range(rounds):
         triangles = flip_edges(vertices, triangles)
@@ -136,8 +142,9 @@ def flip_edges(vertices: Array, triangles: Faces, rounds: int = 30) -> Faces:
 def _best_flips(vertices: Array, triangles: Faces) -> NDArray[np.int64]:
     """Return rows (triangle, triangle, a, b, c, d): edges ab to become cd, no triangle twice."""
     n_vertices = len(vertices)
-    half = np.concatenate([triangles[:, [0, 1, 2]], triangles[:, [1, 2, 0]],
-                           triangles[:, [2, 0, 1]]]).astype(np.int64)
+    half = np.concatenate(
+        [triangles[:, [0, 1, 2]], triangles[:, [1, 2, 0]], triangles[:, [2, 0, 1]]]
+    ).astype(np.int64)
     owner = np.tile(np.arange(len(triangles)), 3)
     key = half[:, 0] * n_vertices + half[:, 1]
     order = np.argsort(key)
@@ -149,8 +156,10 @@ def _best_flips(vertices: Array, triangles: Faces) -> NDArray[np.int64]:
     d = half[twin, 2]
     before = [np.stack([a, b, c], 1), np.stack([b, a, d], 1)]
     after = [np.stack([c, a, d], 1), np.stack([d, b, c], 1)]
-    smallest = [np.minimum(*(corner_angles(vertices, pair).min(axis=1) for pair in pairs))
-                for pairs in (before, after)]
+    smallest = [
+        np.minimum(*(corner_angles(vertices, pair).min(axis=1) for pair in pairs))
+        for pairs in (before, after)
+    ]
     gain = smallest[1] - smallest[0]
     normal = [normals(vertices, pair) for pair in before + after]
     average = normal[0] + normal[1]

@@ -71,7 +71,7 @@ class Tube:
         self,
         knots: ArrayLike,
         radii: ArrayLike,
-        pieces: int = 6,
+        pieces: int = 8,
         stretch: ArrayLike = (1.0, 1.0, 1.0),
     ) -> None:
         knots = np.asarray(knots, dtype=float)
@@ -84,18 +84,19 @@ class Tube:
         self.upper = (self.path + reach).max(axis=0)
 
     def distance(self, points: Array) -> Array:
-        """Return the smallest distance to the tube's segments, minus the radius there."""
+        """Return the distance to the nearest point of the curve, minus the radius there."""
         path, points = self.path / self.stretch, points / self.stretch
-        nearest = np.full(len(points), FAR)
-        for start, end, radius, end_radius in zip(
-            path[:-1], path[1:], self.radii[:-1], self.radii[1:], strict=True
-        ):
-            along = end - start
+        nearest, radius = np.full(len(points), FAR), np.zeros(len(points))
+        for k, start in enumerate(path[:-1]):
+            along = path[k + 1] - start
             offset = points - start
             share = np.clip(offset @ along / max(along @ along, 1e-12), 0.0, 1.0)
             gap = np.linalg.norm(offset - share[:, None] * along, axis=1)
-            np.minimum(nearest, gap - radius - share * (end_radius - radius), out=nearest)
-        return nearest * self.stretch.min()
+            closer = gap < nearest
+            nearest[closer] = gap[closer]
+            width = self.radii[k] + share * (self.radii[k + 1] - self.radii[k])
+            radius[closer] = width[closer]
+        return (nearest - radius) * self.stretch.min()
 
 
 @dataclass
@@ -263,6 +264,11 @@ def tilted(*turns: tuple[float, str]) -> Array:
     for degrees, axis in turns:
         matrix = matrix @ rotation(degrees, axis)
     return matrix
+
+
+def vector(x: float, y: float, z: float) -> Array:
+    """Return an offset as an array (3,)."""
+    return np.array([x, y, z])
 
 
 def polyline(*points: Sequence[float]) -> Array:

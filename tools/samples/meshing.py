@@ -6,6 +6,8 @@ import itertools
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
 
 from .implicit import Array, Primitive, project
 
@@ -40,7 +42,7 @@ def dense_mesh(solid: Primitive, cell: float) -> tuple[Array, Faces]:
     pairs = _cut(nodes, values.ravel()[nodes] < 0)
     edges, corner = np.unique(np.sort(pairs.reshape(-1, 2), axis=1), axis=0, return_inverse=True)
     vertices = origin + cell * _crossings(values, edges)
-    triangles = corner.reshape(-1, 3).astype(np.int32)
+    vertices, triangles = _largest_piece(vertices, corner.reshape(-1, 3))
     return project(solid, vertices, step=0.5 * cell, rounds=1), triangles
 
 
@@ -80,8 +82,9 @@ def _tetrahedra(values: NDArray) -> NDArray[np.int64]:
     result = []
     for order in itertools.permutations(range(3)):
         steps = strides[list(order)]
-        nodes = np.stack([base, base + steps[0], base + steps[0] + steps[1],
-                          base + steps.sum()], axis=1)
+        nodes = np.stack(
+            [base, base + steps[0], base + steps[0] + steps[1], base + steps.sum()], axis=1
+        )
         is_odd = np.linalg.det(np.eye(3)[list(order)]) < 0
         result.append(nodes[:, [0, 2, 1, 3]] if is_odd else nodes)
     return np.concatenate(result)
@@ -97,8 +100,14 @@ def _cut(nodes: NDArray[np.int64], inside: NDArray[np.bool_]) -> NDArray[np.int6
             chosen = nodes[lonely & (inside[:, first] == lonely_inside)]
             pairs = [chosen[:, [first, other]] for other in others]
             triangles.append(np.stack(pairs if lonely_inside else pairs[::-1], axis=1))
-    for i, j, k, m in ((0, 1, 2, 3), (0, 2, 3, 1), (0, 3, 1, 2),
-                       (1, 2, 0, 3), (1, 3, 2, 0), (2, 3, 0, 1)):
+    for i, j, k, m in (
+        (0, 1, 2, 3),
+        (0, 2, 3, 1),
+        (0, 3, 1, 2),
+        (1, 2, 0, 3),
+        (1, 3, 2, 0),
+        (2, 3, 0, 1),
+    ):
         chosen = nodes[(n_inside == 2) & inside[:, i] & inside[:, j]]
         quad = [chosen[:, pair] for pair in ([i, k], [i, m], [j, m], [j, k])]
         triangles.append(np.stack([quad[0], quad[1], quad[2]], axis=1))
@@ -116,3 +125,13 @@ def _crossings(values: NDArray, pairs: NDArray[np.int64]) -> Array:
     share = np.clip(ends[:, 0] / (ends[:, 0] - ends[:, 1]), 0.15, 0.85)[:, None]
     first, second = (np.stack(np.unravel_index(pairs[:, k], values.shape), 1) for k in (0, 1))
     return (1.0 - share) * first + share * second
+
+
+def _largest_piece(vertices: Array, triangles: NDArray[np.int64]) -> tuple[Array, Faces]:
+    """Return the connected piece with the most vertices: carving may leave loose crumbs."""
+    first, second = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]]]).T
+    graph = coo_array((np.ones(len(first)), (first, second)), shape=(len(vertices),) * 2)
+    _, piece = connected_components(graph, directed=False)
+    kept = piece == np.argmax(np.bincount(piece))
+    number = np.cumsum(kept) - 1
+    return vertices[kept], number[triangles[kept[triangles[:, 0]]]].astype(np.int32)

@@ -30,8 +30,9 @@ def write_ply(path: Path, vertices: Array, triangles: Faces, comment: str) -> No
 def read_ply(path: Path) -> tuple[Array, Faces]:
     """Read a mesh written by `write_ply`."""
     header, body = path.read_bytes().split(b"end_header\n", 1)
-    counts = [int(line.split()[-1]) for line in header.decode().splitlines()
-              if line.startswith("element")]
+    counts = [
+        int(line.split()[-1]) for line in header.decode().splitlines() if line.startswith("element")
+    ]
     n_vertices, n_triangles = counts
     vertices = np.frombuffer(body, "<f4", 3 * n_vertices).reshape(-1, 3)
     faces = np.frombuffer(body, FACE, n_triangles, offset=vertices.nbytes)
