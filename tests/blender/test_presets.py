@@ -14,6 +14,15 @@ pytestmark = pytest.mark.usefixtures("addon")
 SHIPPED = sorted(Path(presets._SHIPPED).glob("presets/adaptive_fairing/*.py"))
 
 
+@pytest.fixture(autouse=True)
+def _same_title():
+    """Blender renames the panel to the preset that was chosen last."""
+    panel = bpy.types.VIEW3D_PT_adaptive_fairing_presets
+    title = panel.bl_label
+    yield
+    panel.bl_label = title
+
+
 def execute(path):
     return bpy.ops.script.execute_preset(
         filepath=str(path), menu_idname="VIEW3D_PT_adaptive_fairing_presets"

@@ -12,7 +12,11 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def in_a_fresh_blender(script):
-    """Run Python with bpy in a process of its own and give what it prints."""
+    """Run Python with bpy in a process of its own and give what it prints.
+
+    A script that registers must unregister, as Blender does when it quits: else bpy 4.2 and 4.5
+    crash at exit.
+    """
     done = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(script)],
         capture_output=True,
@@ -32,6 +36,7 @@ def test_enabling_imports_neither_scipy_nor_the_core():
         addon.register()
         heavy = [n for n in sys.modules if n.startswith(("scipy", "adaptive_fairing.core"))]
         print(heavy)
+        addon.unregister()
         """
     )
     assert printed[-1] == "[]"
@@ -79,6 +84,7 @@ def test_without_scipy_it_registers_and_the_operator_says_what_to_do():
             bpy.ops.object.adaptive_fairing()
         except RuntimeError as error:
             print("SAID", str(error).strip())
+        addon.unregister()
         """
     )
     (said,) = [line for line in printed if line.startswith("SAID")]
