@@ -1,0 +1,218 @@
+"""One program's smoothing of one mesh, timed in a process of its own.
+
+    python benchmarks/competitors.py PROGRAM MESH.ply --tau 0.01 --time 0.001 --patience 20
+
+prints one line of JSON with seconds for "one" step from scratch and "four" of them (null where one
+took longer than the patience), the root mean square of the displacement ("moved"), and the
+process's memory in bytes "before" the smoothing and at its "peak". speed.py starts it.
+
+A step is one iteration of the program. What it does differs: ours, CGAL's and libigl's diffuse for
+the same time; Blender's Laplacian Smooth solves a system as well; the others replace every vertex
+by an average of its neighbours.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import NamedTuple
+
+import meshes
+import numpy as np
+from measuring import Stopwatch, peak_memory, resident_memory
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+
+CG_TOLERANCE = 1e-6
+"""Relative residual, as in our default settings."""
+
+
+class Amount(NamedTuple):
+    """How much a step smooths: our τ, and the diffusion time in the mesh's units."""
+
+    tau: float
+    time: float
+
+
+class Timed(NamedTuple):
+    """Seconds of one run, the positions after it, and a step's own seconds where known."""
+
+    seconds: float
+    positions: FloatArray
+    step: float | None = None
+
+
+Smoother = Callable[[int], Timed]
+"""Takes the number of steps."""
+
+
+def ours(mesh: meshes.Mesh, amount: Amount) -> Smoother:
+    """Adaptive fairing: set-up, then steps; a step is the time between two results."""
+    from adaptive_fairing.core import FairingSettings, fair_steps
+
+    def run(steps: int) -> Timed:
+        settings = FairingSettings(tau=amount.tau, steps=steps, cg_tolerance=CG_TOLERANCE)
+        times = []
+        watch = Stopwatch()
+        for result in fair_steps(mesh.vertices, mesh.triangles, settings):
+            times.append(watch.seconds())
+            positions = result.positions
+        # The first interval has the set-up; the last has no system for a next step.
+        whole = np.diff(times)[:-1]
+        step = float(whole.mean()) if len(whole) else None
+        return Timed(times[-1], positions, step)
+
+    return run
+
+
+def libigl(mesh: meshes.Mesh, amount: Amount, cholesky: bool = False) -> Smoother:
+    """Semi-implicit mean curvature flow as in libigl's tutorial: the Laplacian stays the first."""
+    import igl
+    from scipy.sparse import diags_array
+    from scipy.sparse.linalg import cg
+
+    triangles = mesh.triangles.astype(np.int64)
+
+    def solved(matrix, right_side: FloatArray, start: FloatArray) -> FloatArray:
+        if cholesky:
+            none = np.empty((0, 3)), np.empty(0, dtype=np.int64)
+            return igl.min_quad_with_fixed(matrix.tocsc(), -right_side, none[1], none[0])
+        matrix = matrix.tocsr()
+        inverse = diags_array(1 / matrix.diagonal())
+        columns = [
+            cg(matrix, b, x, rtol=CG_TOLERANCE, M=inverse)[0]
+            for b, x in zip(right_side.T.copy(), start.T.copy(), strict=True)
+        ]
+        return np.stack(columns, axis=1)
+
+    def run(steps: int) -> Timed:
+        watch = Stopwatch()
+        positions = mesh.vertices
+        laplacian = igl.cotmatrix(positions, triangles)
+        for _ in range(steps):
+            mass = igl.massmatrix(positions, triangles)
+            right_side = mass @ positions
+            positions = solved(mass - amount.time * laplacian, right_side, positions)
+        return Timed(watch.seconds(), positions)
+
+    return run
+
+
+def libigl_cholesky(mesh: meshes.Mesh, amount: Amount) -> Smoother:
+    """Solve the same systems by libigl's own Cholesky factorization."""
+    return libigl(mesh, amount, cholesky=True)
+
+
+def meshlab(mesh: meshes.Mesh, name: str, **options: object) -> Smoother:
+    """Run a filter of pymeshlab."""
+    import pymeshlab
+
+    def run(steps: int) -> Timed:
+        collection = pymeshlab.MeshSet()
+        collection.add_mesh(pymeshlab.Mesh(mesh.vertices, mesh.triangles))
+        watch = Stopwatch()
+        collection.apply_filter(name, stepsmoothnum=steps, **options)
+        seconds = watch.seconds()
+        return Timed(seconds, collection.current_mesh().vertex_matrix())
+
+    return run
+
+
+def meshlab_laplacian(mesh: meshes.Mesh, amount: Amount) -> Smoother:
+    """Laplacian smoothing with its default, cotangent weights."""
+    return meshlab(mesh, "apply_coord_laplacian_smoothing")
+
+
+def meshlab_taubin(mesh: meshes.Mesh, amount: Amount) -> Smoother:
+    """Taubin's smoothing; its step is a forward and a backward one."""
+    return meshlab(mesh, "apply_coord_taubin_smoothing")
+
+
+def blender(mesh: meshes.Mesh, modifier: str, **options: object) -> Smoother:
+    """Evaluate a modifier in Blender."""
+    import bpy
+
+    data = bpy.data.meshes.new("mesh")
+    data.from_pydata(mesh.vertices, [], mesh.triangles)
+    item = bpy.data.objects.new("mesh", data)
+    bpy.context.scene.collection.objects.link(item)
+    bpy.context.view_layer.update()
+
+    def run(steps: int) -> Timed:
+        item.modifiers.clear()
+        bpy.context.view_layer.update()
+        watch = Stopwatch()
+        smoothing = item.modifiers.new("smoothing", modifier)
+        for name, value in {"iterations": steps, **options}.items():
+            setattr(smoothing, name, value)
+        graph = bpy.context.evaluated_depsgraph_get()
+        evaluated = item.evaluated_get(graph).data
+        seconds = watch.seconds()
+        positions = np.empty(3 * len(evaluated.vertices), dtype=np.float32)
+        evaluated.vertices.foreach_get("co", positions)
+        return Timed(seconds, positions.reshape(-1, 3).astype(float))
+
+    return run
+
+
+def blender_laplacian(mesh: meshes.Mesh, amount: Amount) -> Smoother:
+    """Laplacian Smooth."""
+    return blender(mesh, "LAPLACIANSMOOTH", lambda_factor=1.0)
+
+
+def blender_smooth(mesh: meshes.Mesh, amount: Amount) -> Smoother:
+    """Smooth."""
+    return blender(mesh, "SMOOTH")
+
+
+def blender_corrective(mesh: meshes.Mesh, amount: Amount) -> Smoother:
+    """Smooth Corrective, without the correction: smoothing is what is compared."""
+    return blender(mesh, "CORRECTIVE_SMOOTH", use_only_smooth=True)
+
+
+OURS = "Adaptive Fairing"
+
+PROGRAMS: Mapping[str, Callable[[meshes.Mesh, Amount], Smoother]] = {
+    OURS: ours,
+    "libigl, cotangent + CG": libigl,
+    "libigl, cotangent + Cholesky": libigl_cholesky,
+    "Blender Laplacian Smooth": blender_laplacian,
+    "Blender Smooth": blender_smooth,
+    "Blender Corrective Smooth": blender_corrective,
+    "MeshLab Laplacian": meshlab_laplacian,
+    "MeshLab Taubin": meshlab_taubin,
+}
+"""By name in the tables. CGAL's program is cgal/smooth_shape.cpp."""
+
+
+def main() -> None:
+    """Time one program."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("program", choices=PROGRAMS)
+    parser.add_argument("mesh", type=Path)
+    parser.add_argument("--tau", type=float, required=True)
+    parser.add_argument("--time", type=float, required=True)
+    parser.add_argument("--patience", type=float, default=20.0, help="seconds")
+    arguments = parser.parse_args()
+    mesh = meshes.read_ply(arguments.mesh)
+    smoother = PROGRAMS[arguments.program](mesh, Amount(arguments.tau, arguments.time))
+    before = resident_memory()
+    one = smoother(1)
+    four = smoother(4) if one.seconds <= arguments.patience else None
+    moved = (four or one).positions - mesh.vertices
+    result = {
+        "one": one.seconds,
+        "four": four.seconds if four else None,
+        "step": four.step if four else None,
+        "moved": float(np.sqrt(np.mean(np.sum(np.square(moved), axis=1)))),
+        "before": before,
+        "peak": peak_memory(),
+    }
+    print(json.dumps(result))
+
+
+if __name__ == "__main__":
+    main()

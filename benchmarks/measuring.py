@@ -1,0 +1,144 @@
+"""What all benchmarks share: times, peak memory, the machine's description, tables of text."""
+
+from __future__ import annotations
+
+import os
+import platform
+import re
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+import psutil
+import scipy
+
+MEGABYTE = 1e6
+
+
+class Stopwatch:
+    """Seconds since it was made."""
+
+    def __init__(self) -> None:
+        self._start = time.perf_counter()
+
+    def seconds(self) -> float:
+        """Elapsed wall-clock time."""
+        return time.perf_counter() - self._start
+
+
+def best_time(action: Callable[[], object], repeats: int) -> float:
+    """Shortest wall-clock time of several runs, in seconds: the one least disturbed by others."""
+    times = []
+    for _ in range(repeats):
+        watch = Stopwatch()
+        action()
+        times.append(watch.seconds())
+    return min(times)
+
+
+def peak_memory() -> int:
+    """Largest resident memory of this process so far, in bytes."""
+    status = Path("/proc/self/status")
+    if status.is_file():
+        # Not getrusage: on Linux its figure starts at the size of the process that started this.
+        found = re.search(r"VmHWM:\s+(\d+) kB", status.read_text())
+        if found:
+            return 1024 * int(found[1])
+    if sys.platform == "win32":
+        return int(psutil.Process().memory_info().peak_wset)
+    import resource
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return int(peak) if sys.platform == "darwin" else 1024 * int(peak)
+
+
+def resident_memory() -> int:
+    """Resident memory of this process now, in bytes."""
+    return int(psutil.Process().memory_info().rss)
+
+
+def machine() -> dict[str, str | int]:
+    """Describe what the figures depend on: processor, cores, versions; no names of hosts."""
+    return {
+        "processor": _processor(),
+        "cores": usable_cores(),
+        "memory_gb": round(psutil.virtual_memory().total / 1e9),
+        "system": platform.system(),
+        "python": ".".join(platform.python_version_tuple()[:2]),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+        "blas": _blas(),
+    }
+
+
+def describe(details: dict[str, str | int]) -> str:
+    """One line about the machine, for above a table."""
+    return (
+        f"{details['processor']}, {details['cores']} cores, {details['memory_gb']} GB, "
+        f"{details['system']}; Python {details['python']}, numpy {details['numpy']} "
+        f"({details['blas']}), scipy {details['scipy']}"
+    )
+
+
+def usable_cores() -> int:
+    """Count the processors that this process may use."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def load() -> str:
+    """How busy the machine is with other work, as text: the load average of the last minute."""
+    return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
+
+
+def _processor() -> str:
+    information = Path("/proc/cpuinfo")
+    if information.is_file():
+        found = re.search(r"model name\s*:\s*(.+)", information.read_text())
+        if found:
+            return found[1].strip()
+    return platform.processor() or platform.machine()
+
+
+def _blas() -> str:
+    details = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
+    return f"{details.get('name', 'unknown')} {details.get('version', '')}".strip()
+
+
+@contextmanager
+def announced(text: str) -> Iterator[None]:
+    """Show on a terminal what is under way; leave nothing behind in the tables."""
+    visible = sys.stderr.isatty()
+    if visible:
+        print(f"\r\x1b[K{text} …", end="", file=sys.stderr, flush=True)
+    yield
+    if visible:
+        print("\r\x1b[K", end="", file=sys.stderr, flush=True)
+
+
+def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Lay out a table in Markdown with the first column to the left, the others to the right."""
+    widths = [max(len(row[k]) for row in [header, *rows]) for k in range(len(header))]
+
+    def line(cells: Sequence[str]) -> str:
+        first, *others = cells
+        padded = [first.ljust(widths[0])]
+        padded += [cell.rjust(width) for cell, width in zip(others, widths[1:], strict=True)]
+        return "| " + " | ".join(padded) + " |"
+
+    rule = ["-" * widths[0], *("-" * (width - 1) + ":" for width in widths[1:])]
+    return "\n".join([line(header), line(rule), *map(line, rows)])
+
+
+def seconds_text(seconds: float | None) -> str:
+    """Show a time with three digits, or a dash where there is none."""
+    return "–" if seconds is None else f"{seconds:.3g}" if seconds < 100 else f"{seconds:.0f}"
+
+
+def log_slope(sizes: Sequence[float], costs: Sequence[float]) -> float:
+    """Exponent p of cost ~ size^p, by a straight line through the logarithms."""
+    return float(np.polyfit(np.log(sizes), np.log(costs), 1)[0])

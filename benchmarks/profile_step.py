@@ -1,0 +1,227 @@
+"""Where the time of the set-up and of one step goes, and how far a step is from what must be.
+
+The limit is the time in which this machine could do what a step cannot avoid:
+
+    arithmetic   the matrix products of evaluation, local matrices and right side,
+                 at the rate of a large matrix product on all cores
+    traffic      every array that does not fit the cache read or written once per use,
+                 at the rate of copying a large array on all cores
+
+It has neither the arithmetic between the products nor the irregular access of the scatter, and it
+takes the matrix as it is stored, read once per iteration for all three coordinates.
+
+    python benchmarks/profile_step.py [--sizes 328000] [--mesh FILE] [--repeats 5] [--record]
+"""
+
+from __future__ import annotations
+
+import argparse
+import time
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import history
+import meshes
+import numpy as np
+from measuring import (
+    Stopwatch,
+    announced,
+    best_time,
+    describe,
+    load,
+    machine,
+    seconds_text,
+    table,
+    usable_cores,
+)
+from stages import SETUP, STEP, Clock
+
+from adaptive_fairing.core import FairingSettings, TriangleTopology, fair_steps
+from adaptive_fairing.core.loop_basis import basis_table
+from adaptive_fairing.core.patches import PatchSet
+from adaptive_fairing.core.quadrature import quadrature_choice
+from adaptive_fairing.core.sparsity import SymmetricPattern
+
+REST = "everything else"
+
+COPIED_BYTES = 1 << 28
+"""Size of the array whose copying measures the memory: far beyond any cache."""
+
+GEMM_SIZE = 1536
+"""Rows and columns of the matrices whose product measures the arithmetic."""
+
+
+class Profile(NamedTuple):
+    """Seconds by stage of one run, the last stage of each is `REST`; and processor seconds.
+
+    The latter add up over all threads. They change less with what else the machine does.
+    """
+
+    setup: dict[str, float]
+    step: dict[str, float]
+    iterations: int
+    setup_processor: float
+    step_processor: float
+
+    @property
+    def setup_seconds(self) -> float:
+        """Time of the whole set-up."""
+        return sum(self.setup.values())
+
+    @property
+    def step_seconds(self) -> float:
+        """Time of one whole step."""
+        return sum(self.step.values())
+
+
+class Rates(NamedTuple):
+    """What the machine can do: floating-point operations and bytes per second, on all cores."""
+
+    arithmetic: float
+    traffic: float
+
+
+class Work(NamedTuple):
+    """What one step cannot avoid: floating-point operations, and bytes to and from memory."""
+
+    operations: float
+    transferred: float
+
+    def seconds(self, rates: Rates) -> float:
+        """Time of both, one after the other."""
+        return self.operations / rates.arithmetic + self.transferred / rates.traffic
+
+
+def profile(mesh: meshes.Mesh, settings: FairingSettings) -> Profile:
+    """Run the set-up and two steps, and see where their time went."""
+    clock = Clock()
+    with clock.watching((*SETUP, *STEP)):
+        steps = fair_steps(mesh.vertices, mesh.triangles, settings)
+        processor_at_start, watch = time.process_time(), Stopwatch()
+        next(steps)
+        first_seconds, at_first = watch.seconds(), clock.seconds.copy()
+        processor_at_first, watch = time.process_time(), Stopwatch()
+        second = next(steps)
+        step_seconds, at_second = watch.seconds(), clock.seconds.copy()
+        step_processor = time.process_time() - processor_at_first
+    names = list(dict.fromkeys(stage.label for stage in STEP))
+    step = {name: at_second[name] - at_first[name] for name in names}
+    step[REST] = step_seconds - sum(step.values())
+    # Until the first step is out, the set-up and the stages of one step and a half are done.
+    in_steps = sum(at_first[name] for name in names)
+    setup = {stage.label: at_first[stage.label] for stage in SETUP}
+    setup[REST] = first_seconds - in_steps - sum(setup.values())
+    first_processor = processor_at_first - processor_at_start
+    setup_processor = first_processor - step_processor * in_steps / step_seconds
+    return Profile(setup, step, second.solve.iterations, setup_processor, step_processor)
+
+
+def measured_rates() -> Rates:
+    """Measure a large matrix product and the copying of a large array."""
+    a = np.random.default_rng(0).normal(size=(GEMM_SIZE, GEMM_SIZE))
+    out = np.empty_like(a)
+    gemm = best_time(lambda: np.matmul(a, a, out=out), 5)
+
+    source = np.ones(COPIED_BYTES // 8)
+    target = np.empty_like(source)
+    parts = np.array_split(np.arange(len(source)), usable_cores())
+    pieces = [slice(part[0], part[-1] + 1) for part in parts]
+
+    def copy(piece: slice) -> None:
+        target[piece] = source[piece]
+
+    with ThreadPoolExecutor(len(pieces)) as pool:
+        copying = best_time(lambda: list(pool.map(copy, pieces)), 5)
+    return Rates(2 * GEMM_SIZE**3 / gemm, 2 * COPIED_BYTES / copying)
+
+
+def unavoidable_work(mesh: meshes.Mesh, settings: FairingSettings, iterations: int) -> Work:
+    """Count the operations and the bytes of one step, see the head of this file."""
+    topology = TriangleTopology(mesh.triangles, len(mesh.vertices))
+    patches = PatchSet(topology)
+    choice = quadrature_choice(settings.quadrature_tolerance)
+    points = np.array([basis_table(c, choice)[0].shape[1] for c in patches.classes])
+    members = np.bincount(
+        [s.class_index for s in patches.segments],
+        [len(s.triangles) for s in patches.segments],
+        minlength=len(points),
+    )
+    control = patches.n_control_points
+    pairs = control * (control + 1) // 2
+    # Coordinates and timestep, first and second derivatives of the coordinates; then M X.
+    evaluated = control * points * (4 + 6 + 9)
+    operations = 2 * members @ (evaluated + 4 * points * pairs + 3 * points * control)
+
+    n, n_upper = topology.n_vertices, SymmetricPattern(topology).n_upper
+    n_stored = 2 * n_upper - n
+    number, index = 8, 4
+    assembly = index * (members @ (control + pairs))  # which vertices, which entries
+    assembly += number * n * (4 + 3)  # positions and timestep, right side
+    assembly += number * n_upper  # entries
+    matrix = number * (n_upper + n_stored) + index * n_stored  # read, written, from where
+    # Per iteration A p; then x += a p, r -= a A p, z = r / d, p = z + b p and two products.
+    iteration = (number + index) * n_stored + number * n * (3 * 14 + 1)
+    return Work(float(operations), float(assembly + matrix + (iterations + 1) * iteration))
+
+
+def report(mesh: meshes.Mesh, settings: FairingSettings, repeats: int) -> dict[str, float]:
+    """Print the tables for one mesh; return the ratios to be recorded."""
+    rates = measured_rates()
+    runs = []
+    for k in range(repeats):
+        with announced(f"{mesh.name}: run {k + 1} of {repeats}"):
+            runs.append(profile(mesh, settings))
+    setup = min(runs, key=lambda run: run.setup_seconds)
+    step = min(runs, key=lambda run: run.step_seconds)
+    print(f"\n## {mesh.name}, {len(mesh.triangles)} triangles (load {load()})\n")
+    for title, stages, total in (
+        ("set-up", setup.setup, setup.setup_seconds),
+        ("one step", step.step, step.step_seconds),
+    ):
+        rows = [
+            [name, seconds_text(seconds), f"{seconds / total:.0%}"]
+            for name, seconds in stages.items()
+        ]
+        print(table([title, "s", "share"], [*rows, ["all", seconds_text(total), "100%"]]), "\n")
+
+    work = unavoidable_work(mesh, settings, step.iterations)
+    again = measured_rates()  # the machine may have been busy with other things before
+    rates = Rates(*(max(pair) for pair in zip(rates, again, strict=True)))
+    limit = work.seconds(rates)
+    ratios = {
+        "set-up / step": setup.setup_seconds / step.step_seconds,
+        "step / limit": step.step_seconds / limit,
+    }
+    print(
+        f"{step.iterations} iterations; limit {seconds_text(limit)} s: "
+        f"{work.operations / 1e9:.2f} Gflop at {rates.arithmetic / 1e9:.1f} Gflop/s, "
+        f"{work.transferred / 1e9:.2f} GB at {rates.traffic / 1e9:.1f} GB/s"
+    )
+    for name, ratio in ratios.items():
+        print(f"{name}: {ratio:.2f}")
+    print(
+        f"processor time, all threads together: set-up "
+        f"{seconds_text(min(run.setup_processor for run in runs))} s, "
+        f"step {seconds_text(min(run.step_processor for run in runs))} s"
+    )
+    return {f"{mesh.name} {len(mesh.triangles)}: {name}": r for name, r in ratios.items()}
+
+
+def main() -> None:
+    """Profile every mesh asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    meshes.add_arguments(parser, sizes=[328_000])
+    parser.add_argument("--repeats", type=int, default=5, help="the fastest run counts")
+    history.add_arguments(parser)
+    arguments = parser.parse_args()
+    details = machine()
+    print(describe(details))
+    ratios: dict[str, float] = {}
+    for mesh in meshes.chosen(arguments):
+        settings = meshes.comparable_settings(mesh)
+        ratios |= report(mesh, settings, arguments.repeats)
+    history.finish(arguments, "profile", details, ratios)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,287 @@
+"""Speed and memory by size, against the smoothers that people use today.
+
+Every program runs in a process of its own on the same files, in turns: A B C A B C …; the best run
+of each counts. So whatever else the machine does hits all alike, and the ratios of one run of this
+script hold, whatever the seconds are. Programs that are not installed are left out with a line.
+
+    python benchmarks/speed.py [--sizes 10000 100000 1000000] [--mesh FILE] [--plot speed.png]
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+import cgal_program
+import history
+import meshes
+from competitors import OURS, PROGRAMS
+from measuring import (
+    MEGABYTE,
+    announced,
+    describe,
+    load,
+    log_slope,
+    machine,
+    seconds_text,
+    table,
+)
+
+from adaptive_fairing.core.smoothing_radius import equivalent_uniform_tau
+
+SIZES = [10_000, 30_000, 100_000, 328_000, 1_000_000]
+
+CGAL = "CGAL smooth_shape"
+
+MODULES = {"Blender": "bpy", "libigl": "igl", "MeshLab": "pymeshlab"}
+"""Python module that a program needs, by the first word of its name."""
+
+SETUP_TO_STEP = "set-up and last measuring / step"
+STEP_TO_CGAL = "step / step of CGAL"
+FOUR_TO_CGAL = "four steps from scratch / those of CGAL"
+STEP_TO_LIBIGL = "step / step from scratch of libigl with CG"
+STEP_TO_BLENDER = "step / one iteration of Blender's Laplacian Smooth"
+
+GOALS = {
+    SETUP_TO_STEP: 1.5,
+    STEP_TO_CGAL: 0.2,
+    FOUR_TO_CGAL: 0.4,
+    STEP_TO_LIBIGL: 1.0,
+    STEP_TO_BLENDER: 0.02,
+}
+"""What the ratios should be on meshes of 200,000 triangles and more."""
+
+NOTES = f"""
+one step, four: from scratch, with everything that has to be set up; step: one more step, on a
+surface that has changed. {OURS}, libigl and CGAL diffuse for the same time; CGAL and
+libigl keep the Laplacian of the first surface. For the others a step is one iteration of theirs.
+memory: peak of the whole process, and its growth by the smoothing per triangle.
+moved: root mean square displacement after the last step, in mean edges; CGAL keeps the volume."""
+
+
+class Result(NamedTuple):
+    """The best of a program's runs on one mesh: seconds, bytes, and the displacement."""
+
+    one: float
+    four: float | None
+    step: float | None
+    moved: float
+    peak: float
+    growth: float
+
+
+def best(runs: list[dict[str, float | None]]) -> Result:
+    """Take the shortest times of several runs, each by itself."""
+    one = min(run["one"] for run in runs)
+    fours = [run["four"] for run in runs if run["four"] is not None]
+    steps = [run["step"] for run in runs if run.get("step") is not None]
+    four = min(fours) if fours else None
+    step = min(steps, default=None)
+    if step is None and four is not None and four > one:
+        step = (four - one) / 3
+    return Result(
+        one=one,
+        four=four,
+        step=step,
+        moved=runs[-1]["moved"],
+        peak=min(run["peak"] for run in runs),
+        growth=min(run["peak"] - run["before"] for run in runs),
+    )
+
+
+class Contest:
+    """The programs that take part, and how long they have taken so far.
+
+    Parameters
+    ----------
+    folder : Path
+        For the mesh files and CGAL's compiled program.
+    wanted : list of str
+        Names of the programs.
+    patience : float
+        Seconds that a program may take for a step. One that is expected to take longer, as time
+        grows with the power 1.5 of the size, is left out; one step is then all that is tried.
+    """
+
+    def __init__(self, folder: Path, wanted: list[str], patience: float) -> None:
+        self._folder = folder
+        self._patience = patience
+        self._commands: dict[str, list[str]] = {}
+        self._last: dict[str, tuple[int, float]] = {}
+        here = Path(__file__).resolve().parent
+        for name in wanted:
+            module = MODULES.get(name.split()[0].rstrip(","))
+            if name == CGAL:
+                try:
+                    self._commands[name] = [str(cgal_program.compiled(folder))]
+                except cgal_program.NotInstalledError as error:
+                    print(f"{name}: left out, {error}")
+            elif module is not None and importlib.util.find_spec(module) is None:
+                print(f"{name}: left out, needs the Python module {module}")
+            else:
+                self._commands[name] = [sys.executable, str(here / "competitors.py"), name]
+
+    def run(self, mesh: meshes.Mesh, repeats: int) -> dict[str, Result]:
+        """Let all programs smooth a mesh in turns; results by name, in the order of the table."""
+        settings = meshes.comparable_settings(mesh)
+        time = equivalent_uniform_tau(mesh.vertices, mesh.triangles, settings)
+        path = self._folder / "mesh.ply"
+        meshes.write_ply(mesh, path)
+        runs: dict[str, list[dict[str, float | None]]] = {}
+        for turn in range(repeats):
+            for name in self._commands:
+                if self._is_too_slow(name, len(mesh.triangles), turn, bool(runs.get(name))):
+                    continue
+                with announced(f"{mesh.name}: {name}, run {turn + 1} of {repeats}"):
+                    run = self._one_run(name, path, settings.tau, time)
+                if run is not None:
+                    runs.setdefault(name, []).append(run)
+                    self._last[name] = len(mesh.triangles), run["one"]
+        path.unlink()
+        return {name: best(runs[name]) for name in self._commands if name in runs}
+
+    def _is_too_slow(self, name: str, n_triangles: int, turn: int, has_run: bool) -> bool:
+        if name not in self._last:
+            return turn > 0 and not has_run  # it failed
+        size, seconds = self._last[name]
+        if has_run:
+            return seconds > self._patience / 4  # one look at a slow program is enough
+        expected = seconds * (n_triangles / size) ** 1.5
+        if turn == 0 and expected > self._patience:
+            print(f"{name}: left out at {n_triangles} triangles, would take {expected:.0f} s")
+        return expected > self._patience
+
+    def _one_run(
+        self, name: str, path: Path, tau: float, time: float
+    ) -> dict[str, float | None] | None:
+        command = [*self._commands[name], str(path)]
+        four_up_to = self._patience / 4
+        if name == CGAL:
+            command += [repr(time), repr(four_up_to)]
+        else:
+            command += ["--tau", repr(tau), "--time", repr(time), "--patience", repr(four_up_to)]
+        try:
+            done = subprocess.run(
+                command, capture_output=True, text=True, timeout=5 * self._patience, check=True
+            )
+        except subprocess.TimeoutExpired:
+            print(f"{name}: given up after {5 * self._patience:.0f} s")
+            return None
+        except subprocess.CalledProcessError as error:
+            reason = (error.stderr.strip().splitlines() or ["no message"])[-1]
+            print(f"{name}: failed with status {error.returncode}: {reason}")
+            return None
+        # Blender may write lines of its own first, and when it ends.
+        line = next(line for line in done.stdout.splitlines() if line.startswith('{"one"'))
+        return json.loads(line)
+
+
+def print_results(mesh: meshes.Mesh, results: dict[str, Result]) -> None:
+    """Print the table of one mesh."""
+    edge = meshes.mean_edge(mesh)[0]
+    n = len(mesh.triangles)
+    rows = [
+        [
+            name,
+            seconds_text(result.one),
+            seconds_text(result.four),
+            seconds_text(result.step),
+            f"{result.peak / MEGABYTE:.0f} MB",
+            f"{result.growth / n:.0f} B",
+            f"{result.moved / edge:.2f}",
+        ]
+        for name, result in results.items()
+    ]
+    print(f"\n## {mesh.name}, {n} triangles (load {load()})\n")
+    print(table(["", "one step s", "four s", "step s", "memory", "per triangle", "moved"], rows))
+    print()
+    for name, ratio in ratios_of(results).items():
+        goal = GOALS.get(name)
+        print(f"{name}: {ratio:.3g}" + (f" (goal: at most {goal:g})" if goal else ""), flush=True)
+
+
+def ratios_of(results: dict[str, Result]) -> dict[str, float]:
+    """Ratios of one mesh that are worth recording; less is better."""
+    ours = results.get(OURS)
+    if ours is None or ours.four is None or ours.step is None:
+        return {}
+    ratios = {SETUP_TO_STEP: (ours.four - 4 * ours.step) / ours.step}
+    cgal = results.get(CGAL)
+    if cgal is not None and cgal.step is not None and cgal.four is not None:
+        ratios[STEP_TO_CGAL] = ours.step / cgal.step
+        ratios[FOUR_TO_CGAL] = ours.four / cgal.four
+    flow = results.get("libigl, cotangent + CG")
+    if flow is not None:
+        # From scratch: its further steps keep the first Laplacian, ours see the current surface.
+        ratios[STEP_TO_LIBIGL] = ours.step / flow.one
+    modifier = results.get("Blender Laplacian Smooth")
+    if modifier is not None:
+        # Its further iterations keep the factorized matrix of the first.
+        ratios[STEP_TO_BLENDER] = ours.step / modifier.one
+    return ratios
+
+
+def print_slopes(sizes: dict[str, list[tuple[int, dict[str, Result]]]]) -> dict[str, float]:
+    """Print how cost grows with size on each kind of mesh; return our own exponents."""
+    ratios = {}
+    kinds = ("one", "step", "growth")
+    for shape, series in sizes.items():
+        if len(series) < 2:
+            continue
+        rows = []
+        for name in dict.fromkeys(name for _, results in series for name in results):
+            points = [(n, results[name]) for n, results in series if name in results]
+            slopes = {}
+            for kind in kinds:
+                known = [(n, getattr(result, kind)) for n, result in points]
+                known = [(n, cost) for n, cost in known if cost]
+                if len(known) > 1:
+                    slopes[kind] = log_slope(*zip(*known, strict=True))
+            rows.append([name, *(f"{slopes[k]:.2f}" if k in slopes else "–" for k in kinds)])
+            if name == OURS:
+                ratios |= {f"{shape}: exponent of {kind}": s for kind, s in slopes.items()}
+        print(f"\n## {shape}: cost grows with the power … of the number of triangles\n")
+        print(table(["", "one step", "step", "memory"], rows))
+    return ratios
+
+
+def main() -> None:
+    """Run the contest on every mesh asked for."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    meshes.add_arguments(parser, sizes=SIZES)
+    parser.add_argument("--repeats", type=int, default=3, help="runs of each program")
+    parser.add_argument("--patience", type=float, default=160, help="seconds for a step, at most")
+    parser.add_argument("--programs", nargs="*", default=[*PROGRAMS, CGAL], metavar="NAME")
+    parser.add_argument("--plot", type=Path, default=Path("speed.png"), help="picture to write")
+    history.add_arguments(parser)
+    arguments = parser.parse_args()
+    details = machine()
+    print(describe(details))
+    ratios: dict[str, float] = {}
+    sizes: dict[str, list[tuple[int, dict[str, Result]]]] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        contest = Contest(Path(folder), arguments.programs, arguments.patience)
+        for mesh in meshes.chosen(arguments):
+            results = contest.run(mesh, arguments.repeats)
+            print_results(mesh, results)
+            n = len(mesh.triangles)
+            ratios |= {f"{mesh.name} {n}: {k}": ratio for k, ratio in ratios_of(results).items()}
+            sizes.setdefault(mesh.name, []).append((n, results))
+    print(NOTES)
+    ratios |= print_slopes(sizes)
+    if any(len(series) > 1 for series in sizes.values()):
+        from speed_plot import draw  # matplotlib is wanted for this alone
+
+        draw({name: series for name, series in sizes.items() if len(series) > 1}, arguments.plot)
+        print(f"\ndrawn in {arguments.plot}")
+    history.finish(arguments, "speed", details, ratios)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,130 @@
+"""The stages of the core's work, and a clock that times them by wrapping their functions.
+
+Functions that run in several threads at once count with the sum of their threads' times, divided
+by the number of threads. A stage's time is without that of the stages it calls.
+"""
+
+from __future__ import annotations
+
+import functools
+import importlib
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+from measuring import Stopwatch
+
+from adaptive_fairing.core.parallel import n_threads
+
+
+class Stage(NamedTuple):
+    """A function of the core: its name in the table, and where it is.
+
+    `place` is "module:name" or "module:Class.name", in the module that calls it by that name.
+    """
+
+    label: str
+    place: str
+
+
+SETUP = (
+    Stage("ordering", "solver_frame:sweep_order"),
+    Stage("topology", "solver_frame:TriangleTopology"),
+    Stage("patches", "assembly:PatchSet"),
+    Stage("tables", "assembly:basis_table"),
+    Stage("tables", "assembly:ClassTables"),
+    Stage("chunks", "assembly:Chunk"),
+    Stage("pattern", "assembly:SymmetricPattern"),
+    Stage("entries of chunks", "assembly:_ChunkEntries"),
+)
+
+STEP = (
+    Stage("density", "fairing:mesh_density"),
+    Stage("evaluation", "assembly:evaluate"),
+    Stage("coefficients", "assembly:_Form.coefficients"),
+    Stage("measures", "assembly:integrate_measures"),
+    Stage("local matrices", "class_tables:ClassTables.local_matrices"),
+    Stage("scatter, right side", "assembly:_integrate"),
+    Stage("sum of chunks, waiting", "assembly:LoopSpace.step_system"),
+    Stage("matrix from entries", "sparsity:SymmetricPattern.matrix"),
+    Stage("conjugate gradients", "fairing:conjugate_gradients"),
+)
+
+
+class _Frame:
+    """A timed call under way: what of its time belongs to stages that it called."""
+
+    def __init__(self, foreign: float) -> None:
+        self.nested = 0.0
+        self.foreign_at_start = foreign
+        self.nested_foreign = 0.0
+
+
+class Clock:
+    """Adds up the seconds of stages.
+
+    Attributes
+    ----------
+    seconds : Counter
+        By label.
+    """
+
+    def __init__(self) -> None:
+        self.seconds: Counter[str] = Counter()
+        self._foreign = 0.0  # share of work in other threads than the main one
+        self._lock = threading.Lock()
+        self._open = threading.local()
+
+    @contextmanager
+    def watching(self, stages: tuple[Stage, ...]) -> Iterator[None]:
+        """Replace the stages' functions by timed ones for a while."""
+        replaced = []
+        try:
+            for stage in stages:
+                module_name, _, path = stage.place.partition(":")
+                *outer, name = path.split(".")
+                module = importlib.import_module(f"adaptive_fairing.core.{module_name}")
+                owner = functools.reduce(getattr, outer, module)
+                original = getattr(owner, name)
+                setattr(owner, name, self._timed(stage.label, original))
+                replaced.append((owner, name, original))
+            yield
+        finally:
+            for owner, name, original in reversed(replaced):
+                setattr(owner, name, original)
+
+    def _timed(self, label: str, function: Callable[..., object]) -> Callable[..., object]:
+        @functools.wraps(function, updated=())
+        def wrapper(*arguments: object, **named: object) -> object:
+            is_main = threading.current_thread() is threading.main_thread()
+            outer = getattr(self._open, "frame", None)
+            frame = self._open.frame = _Frame(self._foreign)
+            watch = Stopwatch()
+            try:
+                return function(*arguments, **named)
+            finally:
+                seconds = watch.seconds()
+                self._open.frame = outer
+                self._add(label, seconds, frame, outer, is_main)
+
+        return wrapper
+
+    def _add(
+        self, label: str, seconds: float, frame: _Frame, outer: _Frame | None, is_main: bool
+    ) -> None:
+        own = seconds - frame.nested
+        with self._lock:
+            if is_main:
+                # While the main thread waited, others worked: that is counted as theirs.
+                foreign = self._foreign - frame.foreign_at_start
+                own -= foreign - frame.nested_foreign
+                if outer is not None:
+                    outer.nested_foreign += foreign
+            else:
+                own /= n_threads()
+                self._foreign += own
+            self.seconds[label] += own
+        if outer is not None:
+            outer.nested += seconds
