@@ -53,7 +53,7 @@ class Metric(NamedTuple):
     Attributes
     ----------
     g11, g12, g22 : (n_points,)
-        Scalar products of the tangents.
+        Scalar products of the tangents, bounded from below like the area element.
     normal : (3, n_points)
         Cross product of the tangents, not normalised.
     area_element : (n_points,)
@@ -75,7 +75,14 @@ def metric_at(tangents: FloatArray) -> Metric:
     g22 = v0 * v0 + v1 * v1 + v2 * v2
     normal = np.stack([u1 * v2 - u2 * v1, u2 * v0 - u0 * v2, u0 * v1 - u1 * v0])
     area_element = np.sqrt(np.einsum("dp,dp->p", normal, normal))
-    np.maximum(area_element, THINNEST_ASPECT * (g11 + g22), out=area_element)
+    trace = g11 + g22
+    bound = THINNEST_ASPECT * trace
+    thin = np.flatnonzero(area_element < bound)
+    if len(thin):
+        # The metric with the bounded area element: g stays definite beyond doubt by rounding.
+        g11[thin] += THINNEST_ASPECT**2 * trace[thin]
+        g22[thin] += THINNEST_ASPECT**2 * trace[thin]
+        area_element[thin] = bound[thin]
     np.maximum(area_element, _TINY, out=area_element)
     return Metric(g11, g12, g22, normal, area_element)
 

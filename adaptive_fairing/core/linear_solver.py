@@ -98,14 +98,21 @@ def conjugate_gradients(
     preconditioned = inverse * residual
     direction = preconditioned.copy()
     square = float(np.vdot(residual, preconditioned))
+    # pᵀDp with the diagonal D: the size of the terms that may cancel in pᵀAp.
+    direction_size = square
+    is_exhausted = False
     iterations = 0
     while np.sqrt(square) > target and iterations < max_iterations:
         image = blocks.product(direction)
         curvature = float(np.vdot(direction, image))
+        if abs(curvature) <= ATTAINABLE * direction_size:
+            # What is left are motions that the matrix does not see at this precision.
+            is_exhausted = True
+            break
         if not curvature > 0:
             raise SolverError(
-                f"the linear system is not positive definite: pᵀAp = {curvature:g} "
-                f"in iteration {iterations + 1}"
+                f"the linear system is not positive definite: pᵀAp = {curvature:g} in iteration "
+                f"{iterations + 1}, residual {np.sqrt(square) / reference:.3g}"
             )
         step = square / curvature
         update += np.multiply(direction, step, out=scratch)
@@ -114,14 +121,18 @@ def conjugate_gradients(
         square, previous = float(np.vdot(residual, preconditioned)), square
         direction *= square / previous
         direction += preconditioned
+        # Preconditioned residual and last direction are orthogonal with respect to D.
+        direction_size = square + (square / previous) ** 2 * direction_size
         iterations += 1
     if not np.isfinite(square):
-        raise SolverError(f"conjugate gradients diverged after {iterations} iterations")
+        raise SolverError(
+            f"conjugate gradients diverged after {iterations} iterations: residual {square:g}"
+        )
     size = np.sqrt(square)
     report = SolveReport(
         iterations=iterations,
         residual=float(size / reference) if reference > 0 else 0.0,
-        converged=bool(size <= target),
+        converged=bool(size <= target) or is_exhausted,
     )
     return start + update.T, report
 
