@@ -76,9 +76,9 @@ def conjugate_gradients(
 
     Source: the paper, after (3.4): conjugate gradients with a diagonal preconditioning.
     """
-    diagonal = matrix.diagonal()
-    if not (np.isfinite(right_side).all() and np.isfinite(diagonal).all()):
+    if not (np.isfinite(right_side).all() and np.isfinite(matrix.data).all()):
         raise SolverError("the linear system has entries that are not finite numbers")
+    diagonal = matrix.diagonal()
     free = ~is_held
     bad = int(np.count_nonzero(diagonal[free] <= 0))
     if bad:

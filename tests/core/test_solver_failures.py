@@ -45,7 +45,7 @@ def test_held_rows_may_be_anything():
 def test_entries_that_are_no_numbers(value, place):
     matrix = np.array([[2.0, 1.0], [1.0, 2.0]])
     matrix[place] = matrix[place[::-1]] = value
-    with np.errstate(invalid="ignore"), pytest.raises(SolverError, match="not finite|not positive"):
+    with pytest.raises(SolverError, match="not finite numbers"):
         solve(matrix, [1, 1])
     with pytest.raises(SolverError, match="not finite numbers"):
         solve(np.eye(2), [value, 1])
