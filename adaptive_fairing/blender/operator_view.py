@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 
 from . import viewport
@@ -21,12 +20,6 @@ FIELDS = (
     ("DISPLACEMENT", "Displacement", "How far the smoothing has moved each vertex"),
     ("CURVATURE", "Curvature", "Mean curvature: bright where the surface bulges outward"),
 )
-
-ATTRIBUTES = {
-    "DENSITY": "fairing_density",
-    "DISPLACEMENT": "fairing_displacement",
-    "CURVATURE": "fairing_mean_curvature",
-}
 
 
 class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
@@ -56,13 +49,19 @@ class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
 
     def execute(self, context):
         from ..core import FairingError
+        from .coloring import color_by_field
 
         shown = 0
         objects = target_objects(context)
+        try:
+            settings = solver_settings(context.scene.adaptive_fairing)
+        except FairingError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
         with object_mode(context):
             for obj in objects:
                 try:
-                    self._color(obj, solver_settings(context.scene.adaptive_fairing))
+                    color_by_field(obj, self.field, settings)
                     shown += 1
                 except FairingError as error:
                     self.report({"WARNING"}, f"{obj.name}: {error}")
@@ -70,23 +69,6 @@ class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
             return {"CANCELLED"}
         viewport.show_colors(context)
         return {"FINISHED"}
-
-    def _color(self, obj, settings):
-        from ..core import InputError
-        from .attributes import write_color, write_scalar
-        from .fields import color_range, field_values
-
-        if obj.data.library is not None:
-            raise InputError(
-                rpt_("the mesh is linked from another file: make it local to colour it")
-            )
-        values = field_values(obj, self.field, settings)
-        low, high = color_range(values)
-        name = ATTRIBUTES[self.field]
-        write_scalar(obj.data, name, values)
-        write_color(obj.data, f"{name}_color", values, low, high)
-        obj.adaptive_fairing.view = self.field
-        obj.adaptive_fairing.view_range = low, high
 
 
 class OBJECT_OT_adaptive_fairing_view_end(bpy.types.Operator):

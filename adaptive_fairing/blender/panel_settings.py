@@ -141,7 +141,7 @@ def draw_accuracy(layout, properties) -> None:
     """Draw when to stop and how exactly to solve."""
     column = layout.column(align=True)
     column.prop(properties, "stop_curvature", text=iface_("Stop at Curvature"))
-    column.prop(properties, "stop_rate")
+    column.prop(properties, "stop_rate", text=iface_("Stop at Rate"))
     column = layout.column(align=True)
     column.prop(properties, "cg_tolerance")
     column.prop(properties, "cg_max_iterations", text=iface_("Iterations"))

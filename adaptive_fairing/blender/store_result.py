@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..core import FairingError, FairingStep
 from .attributes import write_density
+from .coloring import color_by_field
 from .mesh_data import read_positions
 from .run import FairingTask
 from .shape_keys import write_absolute_keys, write_final_shape, write_relative_keys
@@ -46,6 +47,8 @@ def write_steps(
 ) -> None:
     """Write the steps to an object that may be written: shape, density and record.
 
+    An object that is coloured by a field is coloured anew.
+
     Parameters: as in `store_task`; the object has the vertices of the task.
     """
     positions = [step.positions for step in task.steps]
@@ -58,6 +61,8 @@ def write_steps(
     if store_density:
         write_density(obj.data, task.steps[-1].density)
     _write_record(obj, task)
+    if obj.adaptive_fairing.view:
+        color_by_field(obj, obj.adaptive_fairing.view, task.settings)
 
 
 def find_object(task: FairingTask) -> bpy.types.Object:
@@ -84,7 +89,6 @@ def _write_record(obj: bpy.types.Object, task: FairingTask) -> None:
     record.stop_reason = task.steps[-1].stop_reason or "stopped"
     record.seconds = task.seconds
     record.notes = "\n".join(task.steps[-1].notes)
-    record.view = ""
     record.steps.clear()
     initial = task.steps[0].initial
     for measures, iterations, displacement in [

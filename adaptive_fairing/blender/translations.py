@@ -181,6 +181,7 @@ GERMAN = {
     "Fair": "Glätten",
     "Fair {:d} Objects": "{:d} Objekte glätten",
     "Stop at Curvature": "Enden bei Krümmung",
+    "Stop at Rate": "Enden bei Rate",
     "Iterations": "Iterationen",
     "Integration": "Integration",
     "Stopping…": "Hält an …",

@@ -99,6 +99,12 @@ class TestOtherFields:
         add_selected([[0, 0, 0], [1, 0, 0]], [])
         assert show("DENSITY") == {"CANCELLED"}
 
+    def test_settings_without_sense_are_said(self):
+        add_selected(*icosphere(1))
+        bpy.context.scene.adaptive_fairing.tau = 0.0
+        with pytest.raises(RuntimeError, match="tau must be"):
+            show("DENSITY")
+
 
 class TestLegend:
     def test_it_has_the_ends_of_the_colours(self):
@@ -117,6 +123,18 @@ class TestLegend:
         low, high = color_range(values)
         assert 0.0 < low < 0.02
         assert 0.98 < high < 1.01
+
+    def test_a_run_colours_the_new_shape_anew(self):
+        obj = add_selected(*ellipsoid(2, (1.0, 2.0, 3.0)))
+        show("DISPLACEMENT")
+        assert list(obj.adaptive_fairing.view_range) == [0.0, 0.0]
+        bpy.ops.object.adaptive_fairing(steps=2)
+        assert obj.adaptive_fairing.view == "DISPLACEMENT"
+        assert obj.adaptive_fairing.view_range[1] > 0.0
+        moved = np.linalg.norm(shown_positions(obj) - ellipsoid(2, (1.0, 2.0, 3.0))[0], axis=1)
+        assert numbers(obj.data, "fairing_displacement") == pytest.approx(moved, abs=1e-6)
+        active = obj.data.color_attributes.active_color
+        assert active.name == "fairing_displacement_color"
 
     def test_the_end_of_the_view_clears_it(self):
         obj = add_selected(*icosphere(1))

@@ -1,0 +1,45 @@
+"""Colour a mesh by a field, and remember on the object what the colours mean."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..core import FairingSettings, InputError
+from .attributes import write_color, write_scalar
+from .fields import color_range, field_values
+
+ATTRIBUTES = {
+    "DENSITY": "fairing_density",
+    "DISPLACEMENT": "fairing_displacement",
+    "CURVATURE": "fairing_mean_curvature",
+}
+"""Float attribute of each field; the colour attribute has "_color" behind it."""
+
+
+def color_by_field(obj: bpy.types.Object, field: str, settings: FairingSettings) -> None:
+    """Store a field of the shape that an object shows, as numbers and as colours.
+
+    Parameters
+    ----------
+    obj
+        Mesh object in Object Mode.
+    field
+        Key of `ATTRIBUTES`.
+    settings
+        Say how the density is measured.
+
+    Raises
+    ------
+    InputError
+        The mesh is linked from another file, or has no faces.
+    """
+    if obj.data.library is not None:
+        raise InputError(rpt_("the mesh is linked from another file: make it local to colour it"))
+    values = field_values(obj, field, settings)
+    low, high = color_range(values)
+    name = ATTRIBUTES[field]
+    write_scalar(obj.data, name, values)
+    write_color(obj.data, f"{name}_color", values, low, high)
+    obj.adaptive_fairing.view = field
+    obj.adaptive_fairing.view_range = low, high
