@@ -155,6 +155,13 @@ class TestDuringTheRun:
             assert 0.0 < current.factor <= 1.0
         assert current.factor == 1.0
 
+    def test_within_a_step_progress_is_guessed_from_the_last_one(self, current):
+        current.step_done()
+        current.step_seconds = 1e9
+        assert current.factor == pytest.approx(0.25, abs=1e-6)
+        current.step_seconds = 1e-9
+        assert current.factor == pytest.approx((1 + 0.95) / 4)
+
     def test_stop_asks_the_worker_and_says_so(self, current):
         assert bpy.ops.object.adaptive_fairing_stop() == {"FINISHED"}
         assert current.worker.is_stopping
