@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import time
+from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
@@ -24,7 +25,6 @@ import history
 import meshes
 import numpy as np
 from measuring import (
-    Stopwatch,
     announced,
     best_time,
     describe,
@@ -34,7 +34,7 @@ from measuring import (
     table,
     usable_cores,
 )
-from stages import SETUP, STEP, Clock
+from stages import SETUP, STEP, Clock, Stage
 
 from adaptive_fairing.core import FairingSettings, TriangleTopology, fair_steps
 from adaptive_fairing.core.loop_basis import basis_table
@@ -51,27 +51,24 @@ GEMM_SIZE = 1536
 """Rows and columns of the matrices whose product measures the arithmetic."""
 
 
+class Stages(NamedTuple):
+    """Seconds by stage, wall-clock and of all threads' processors; the last stage is `REST`."""
+
+    seconds: dict[str, float]
+    processor: dict[str, float]
+
+    @property
+    def total(self) -> float:
+        """Wall-clock time of all stages."""
+        return sum(self.seconds.values())
+
+
 class Profile(NamedTuple):
-    """Seconds by stage of one run, the last stage of each is `REST`; and processor seconds.
+    """One run: where the time of the set-up and of a step went."""
 
-    The latter add up over all threads. They change less with what else the machine does.
-    """
-
-    setup: dict[str, float]
-    step: dict[str, float]
+    setup: Stages
+    step: Stages
     iterations: int
-    setup_processor: float
-    step_processor: float
-
-    @property
-    def setup_seconds(self) -> float:
-        """Time of the whole set-up."""
-        return sum(self.setup.values())
-
-    @property
-    def step_seconds(self) -> float:
-        """Time of one whole step."""
-        return sum(self.step.values())
 
 
 class Rates(NamedTuple):
@@ -95,25 +92,36 @@ class Work(NamedTuple):
 def profile(mesh: meshes.Mesh, settings: FairingSettings) -> Profile:
     """Run the set-up and two steps, and see where their time went."""
     clock = Clock()
+
+    def now() -> tuple[Counter[str], Counter[str]]:
+        """Read all clocks."""
+        return (
+            clock.seconds + Counter({REST: time.perf_counter()}),
+            clock.processor + Counter({REST: time.process_time()}),
+        )
+
     with clock.watching((*SETUP, *STEP)):
         steps = fair_steps(mesh.vertices, mesh.triangles, settings)
-        processor_at_start, watch = time.process_time(), Stopwatch()
+        at_start = now()
         next(steps)
-        first_seconds, at_first = watch.seconds(), clock.seconds.copy()
-        processor_at_first, watch = time.process_time(), Stopwatch()
+        at_first = now()
         second = next(steps)
-        step_seconds, at_second = watch.seconds(), clock.seconds.copy()
-        step_processor = time.process_time() - processor_at_first
-    names = list(dict.fromkeys(stage.label for stage in STEP))
-    step = {name: at_second[name] - at_first[name] for name in names}
-    step[REST] = step_seconds - sum(step.values())
-    # Until the first step is out, the set-up and the stages of one step and a half are done.
-    in_steps = sum(at_first[name] for name in names)
-    setup = {stage.label: at_first[stage.label] for stage in SETUP}
-    setup[REST] = first_seconds - in_steps - sum(setup.values())
-    first_processor = processor_at_first - processor_at_start
-    setup_processor = first_processor - step_processor * in_steps / step_seconds
-    return Profile(setup, step, second.solve.iterations, setup_processor, step_processor)
+        at_second = now()
+    return Profile(
+        # Until the first step is out, the set-up and the stages of one step and a half are done.
+        Stages(*(_difference(a, b, SETUP) for a, b in zip(at_start, at_first, strict=True))),
+        Stages(*(_difference(a, b, STEP) for a, b in zip(at_first, at_second, strict=True))),
+        second.solve.iterations,
+    )
+
+
+def _difference(
+    before: Counter[str], after: Counter[str], stages: tuple[Stage, ...]
+) -> dict[str, float]:
+    """Take the times of stages between two moments, and as `REST` what none accounts for."""
+    spent = {name: after[name] - before[name] for name in after}
+    rest = 2 * spent[REST] - sum(spent.values())
+    return {stage.label: spent.get(stage.label, 0.0) for stage in stages} | {REST: rest}
 
 
 def measured_rates() -> Rates:
@@ -171,39 +179,39 @@ def report(mesh: meshes.Mesh, settings: FairingSettings, repeats: int) -> dict[s
     for k in range(repeats):
         with announced(f"{mesh.name}: run {k + 1} of {repeats}"):
             runs.append(profile(mesh, settings))
-    setup = min(runs, key=lambda run: run.setup_seconds)
-    step = min(runs, key=lambda run: run.step_seconds)
+    setup = min((run.setup for run in runs), key=lambda stages: stages.total)
+    step = min((run.step for run in runs), key=lambda stages: stages.total)
     print(f"\n## {mesh.name}, {len(mesh.triangles)} triangles (load {load()})\n")
-    for title, stages, total in (
-        ("set-up", setup.setup, setup.setup_seconds),
-        ("one step", step.step, step.step_seconds),
-    ):
+    for title, stages in (("set-up", setup), ("one step", step)):
         rows = [
-            [name, seconds_text(seconds), f"{seconds / total:.0%}"]
-            for name, seconds in stages.items()
+            [
+                name,
+                seconds_text(seconds),
+                f"{seconds / stages.total:.0%}",
+                seconds_text(stages.processor[name]),
+            ]
+            for name, seconds in stages.seconds.items()
         ]
-        print(table([title, "s", "share"], [*rows, ["all", seconds_text(total), "100%"]]), "\n")
+        processor = seconds_text(sum(stages.processor.values()))
+        rows.append(["all", seconds_text(stages.total), "100%", processor])
+        print(table([title, "s", "share", "processor s"], rows), "\n")
 
-    work = unavoidable_work(mesh, settings, step.iterations)
+    iterations = runs[0].iterations
+    work = unavoidable_work(mesh, settings, iterations)
     again = measured_rates()  # the machine may have been busy with other things before
     rates = Rates(*(max(pair) for pair in zip(rates, again, strict=True)))
     limit = work.seconds(rates)
     ratios = {
-        "set-up / step": setup.setup_seconds / step.step_seconds,
-        "step / limit": step.step_seconds / limit,
+        "set-up / step": setup.total / step.total,
+        "step / limit": step.total / limit,
     }
     print(
-        f"{step.iterations} iterations; limit {seconds_text(limit)} s: "
+        f"{iterations} iterations; limit {seconds_text(limit)} s: "
         f"{work.operations / 1e9:.2f} Gflop at {rates.arithmetic / 1e9:.1f} Gflop/s, "
         f"{work.transferred / 1e9:.2f} GB at {rates.traffic / 1e9:.1f} GB/s"
     )
     for name, ratio in ratios.items():
         print(f"{name}: {ratio:.2f}")
-    print(
-        f"processor time, all threads together: set-up "
-        f"{seconds_text(min(run.setup_processor for run in runs))} s, "
-        f"step {seconds_text(min(run.step_processor for run in runs))} s"
-    )
     return {f"{mesh.name} {len(mesh.triangles)}: {name}": r for name, r in ratios.items()}
 
 

@@ -1,22 +1,29 @@
 """The stages of the core's work, and a clock that times them by wrapping their functions.
 
 Functions that run in several threads at once count with the sum of their threads' times, divided
-by the number of threads. A stage's time is without that of the stages it calls.
+by the number of threads. A stage's time is without that of the stages it calls. Processor times
+add up over all threads; they tell less than the clock on the wall when the machine is idle, and
+more when it is busy.
 """
 
 from __future__ import annotations
 
 import functools
 import importlib
+import sys
 import threading
+import time
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import NamedTuple
+from types import ModuleType
+from typing import Any, NamedTuple
 
 from measuring import Stopwatch
 
-from adaptive_fairing.core.parallel import n_threads
+from adaptive_fairing.core.parallel import n_threads, ordered_map
+
+CORE = "adaptive_fairing.core."
 
 
 class Stage(NamedTuple):
@@ -56,8 +63,11 @@ STEP = (
 class _Frame:
     """A timed call under way: what of its time belongs to stages that it called."""
 
-    def __init__(self, foreign: float) -> None:
+    def __init__(self, label: str, foreign: float) -> None:
+        self.label = label
+        self.processor_at_start = time.thread_time()
         self.nested = 0.0
+        self.nested_processor = 0.0
         self.foreign_at_start = foreign
         self.nested_foreign = 0.0
 
@@ -67,12 +77,13 @@ class Clock:
 
     Attributes
     ----------
-    seconds : Counter
-        By label.
+    seconds, processor : Counter
+        Wall-clock and processor seconds by label.
     """
 
     def __init__(self) -> None:
         self.seconds: Counter[str] = Counter()
+        self.processor: Counter[str] = Counter()
         self._foreign = 0.0  # share of work in other threads than the main one
         self._lock = threading.Lock()
         self._open = threading.local()
@@ -85,11 +96,15 @@ class Clock:
             for stage in stages:
                 module_name, _, path = stage.place.partition(":")
                 *outer, name = path.split(".")
-                module = importlib.import_module(f"adaptive_fairing.core.{module_name}")
+                module = importlib.import_module(CORE + module_name)
                 owner = functools.reduce(getattr, outer, module)
                 original = getattr(owner, name)
                 setattr(owner, name, self._timed(stage.label, original))
                 replaced.append((owner, name, original))
+            for module in _modules_of_core():
+                if vars(module).get("ordered_map") is ordered_map:
+                    module.ordered_map = self._credited_map
+                    replaced.append((module, "ordered_map", ordered_map))
             yield
         finally:
             for owner, name, original in reversed(replaced):
@@ -100,7 +115,7 @@ class Clock:
         def wrapper(*arguments: object, **named: object) -> object:
             is_main = threading.current_thread() is threading.main_thread()
             outer = getattr(self._open, "frame", None)
-            frame = self._open.frame = _Frame(self._foreign)
+            frame = self._open.frame = _Frame(label, self._foreign)
             watch = Stopwatch()
             try:
                 return function(*arguments, **named)
@@ -111,10 +126,34 @@ class Clock:
 
         return wrapper
 
+    def _credited_map(self, function: Callable[[Any], Any], items: Sequence[Any]) -> Iterator[Any]:
+        """Do as `ordered_map`, but let the processor time of its threads count for the caller."""
+        caller = getattr(self._open, "frame", None)
+        if caller is None:
+            return ordered_map(function, items)
+
+        def credited(item: Any) -> Any:
+            outer = getattr(self._open, "frame", None)
+            frame = self._open.frame = _Frame(caller.label, self._foreign)
+            try:
+                return function(item)
+            finally:
+                self._open.frame = outer
+                processor = time.thread_time() - frame.processor_at_start
+                with self._lock:
+                    self.processor[caller.label] += processor - frame.nested_processor
+                if outer is not None:  # no thread of its own: part of the calling stage
+                    outer.nested += frame.nested
+                    outer.nested_foreign += frame.nested_foreign
+                    outer.nested_processor += processor
+
+        return ordered_map(credited, items)
+
     def _add(
         self, label: str, seconds: float, frame: _Frame, outer: _Frame | None, is_main: bool
     ) -> None:
         own = seconds - frame.nested
+        processor = time.thread_time() - frame.processor_at_start
         with self._lock:
             if is_main:
                 # While the main thread waited, others worked: that is counted as theirs.
@@ -126,5 +165,11 @@ class Clock:
                 own /= n_threads()
                 self._foreign += own
             self.seconds[label] += own
+            self.processor[label] += processor - frame.nested_processor
         if outer is not None:
             outer.nested += seconds
+            outer.nested_processor += processor
+
+
+def _modules_of_core() -> list[ModuleType]:
+    return [module for name, module in sys.modules.items() if name.startswith(CORE)]
