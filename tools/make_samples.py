@@ -38,6 +38,10 @@ class Sample:
         Size of the result.
     contrast
         How much the detailed parts are kept against the smooth ones.
+    rounds
+        How often the triangles are improved.
+    flat
+        Edges with a sharper bend (smaller cosine) than this are not flipped.
     noise
         Standard deviation over the local mean edge length.
     seed
@@ -49,14 +53,16 @@ class Sample:
     cell: float
     n_triangles: int
     contrast: float
+    rounds: int
+    flat: float
     noise: float
     seed: int
 
 
 SAMPLES = {
-    "head": Sample(head.solid, head.detail, 0.12, 24_000, 16.0, 0.17, 11),
-    "foot": Sample(foot.solid, foot.detail, 0.12, 20_000, 8.0, 0.17, 41),
-    "crocodile": Sample(crocodile.solid, crocodile.detail, 0.15, 44_000, 14.0, 0.15, 42),
+    "head": Sample(head.solid, head.detail, 0.12, 24_000, 16.0, 4, 0.5, 0.17, 11),
+    "foot": Sample(foot.solid, foot.detail, 0.12, 20_000, 8.0, 4, 0.5, 0.17, 41),
+    "crocodile": Sample(crocodile.solid, crocodile.detail, 0.15, 44_000, 14.0, 8, 0.2, 0.15, 42),
 }
 """Every sample by name; each gives NAME.ply and NAME_noisy.ply."""
 
@@ -68,7 +74,7 @@ def make(sample: Sample) -> tuple[Array, Array, Faces]:
     coarse, faces = decimate(
         dense, faces, sample.detail(dense), sample.n_triangles, sample.contrast
     )
-    clean, triangles = improve(solid, coarse, faces, rounds=4)
+    clean, triangles = improve(solid, coarse, faces, rounds=sample.rounds, flat=sample.flat)
     return clean, add_noise(clean, triangles, sample.noise, sample.seed), triangles
 
 

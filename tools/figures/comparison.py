@@ -1,7 +1,7 @@
 """How far a surface is faired: roughness by density, and timesteps matched to each other.
 
 The paper compares the uniform and the adaptive scheme where "the rough features" are equally
-smooth. Here that is a number: the roughness of the coarsest quarter of the vertices.
+smooth. Here that is a number: the roughness of the coarsest tenth of the vertices.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ MATCH_TOLERANCE = 0.01
 
 
 class DensityClasses:
-    """The coarsest and the densest quarter of a mesh's vertices, fixed by its input."""
+    """The coarsest and the densest tenth of a mesh's vertices, fixed by its input."""
 
     def __init__(self, vertices: Array, triangles: NDArray[np.int32]) -> None:
         self.triangles = triangles
         self.lengths = mean_edge_lengths(vertices, triangles)
-        low, high = np.percentile(self.lengths, [25, 75])
+        low, high = np.percentile(self.lengths, [10, 90])
         self.dense, self.coarse = self.lengths <= low, self.lengths >= high
 
     def roughness(self, positions: Array, part: NDArray[np.bool_]) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
@@ -14,8 +15,11 @@ from PIL import Image, ImageDraw, ImageFont
 from render import Look, View, render
 
 GAP = 10
-TITLE_SIZE, TEXT_SIZE = 21, 17
-PALETTE = 160
+TITLE_SIZE, TEXT_SIZE = 17, 13
+FONT = matplotlib.get_data_path() + "/fonts/ttf/DejaVuSans.ttf"
+"""Pillow's own font has no Greek letters."""
+
+PALETTE = 64
 """Grey levels and warm tints kept in the file: plenty for clay, and a third of the size."""
 
 
@@ -41,7 +45,7 @@ def figure(
     panels: Sequence[Sequence[Panel]],
     triangles: NDArray[np.int32],
     shots: Sequence[Sequence[Shot]],
-    samples: int = 24,
+    samples: int = 12,
 ) -> None:
     """Render all panels and write them as one PNG.
 
@@ -98,9 +102,9 @@ def _panel(panel, triangles, shots, samples):
         sheet.paste(item, (left, head))
         left += item.width
     draw = ImageDraw.Draw(sheet)
-    draw.text((6, 3), panel.title, fill="black", font=ImageFont.load_default(TITLE_SIZE))
+    draw.text((6, 3), panel.title, fill="black", font=ImageFont.truetype(FONT, TITLE_SIZE))
     draw.text(
-        (6, 7 + TITLE_SIZE), panel.text, fill="#444444", font=ImageFont.load_default(TEXT_SIZE)
+        (6, 7 + TITLE_SIZE), panel.text, fill="#444444", font=ImageFont.truetype(FONT, TEXT_SIZE)
     )
     draw.rectangle((0, 0, sheet.width - 1, sheet.height - 1), outline="#c8c8c8")
     return sheet

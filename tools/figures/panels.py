@@ -15,8 +15,6 @@ SCHEMES = {
     "adaptive_timestep": "Adaptive timestep",
     "adaptive_tensor": "Adaptive tensor",
 }
-AREA_TAU = 0.0107
-"""τ with the area density that suits every mesh: it says how smooth is smooth enough."""
 
 
 class Comparison:
@@ -40,12 +38,9 @@ class Comparison:
         return Panel(positions, title, self._errors(positions))
 
     def matched(self, method: str, steps: int) -> Panel:
-        """Return the surface at the τ that makes the coarse parts just smooth enough."""
+        """Return the surface at the τ that leaves the coarse parts as rough as without noise."""
         coarse = self.classes.coarse
-        enough = faired(
-            self.noisy, self.triangles, "adaptive_timestep", AREA_TAU, steps, density="area"
-        )[-1]
-        goal = self.classes.roughness(enough, coarse)
+        goal = self.classes.roughness(self.clean, coarse)
         tau = matched_tau(self.noisy, self.triangles, method, steps, coarse, goal, self.classes)
         return self.at(method, tau, steps)
 

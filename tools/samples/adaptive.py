@@ -12,9 +12,6 @@ from .meshing import Faces
 LEAST_LEVEL = 0.04
 """Vertex-group weight of the densest parts."""
 
-FLAT = 0.5
-"""Smallest cosine between the normals of two triangles whose common edge may be flipped."""
-
 
 def decimate(
     vertices: Array, triangles: Faces, weights: Array, n_triangles: int, contrast: float
@@ -38,7 +35,8 @@ def decimate(
     bpy.context.scene.collection.objects.link(item)
     group = item.vertex_groups.new(name="detail")
     # The modifier collapses vertices of weight one first and never those of weight zero.
-    # A geometric scale grades the triangles evenly from small to large.
+    # To the quadric error of an edge it adds contrast * length * (1 - level), summed over the
+    # ends: the power makes room between slightly and not at all detailed parts.
     levels = np.round(LEAST_LEVEL**weights, 2)
     for level in np.unique(levels):
         group.add(np.flatnonzero(levels == level).tolist(), float(level), "REPLACE")
@@ -58,15 +56,18 @@ def decimate(
 
 
 def improve(
-    solid: Primitive, vertices: Array, triangles: Faces, rounds: int
+    solid: Primitive, vertices: Array, triangles: Faces, rounds: int, flat: float
 ) -> tuple[Array, Faces]:
-    """Flip edges and move vertices within the surface, so that no triangle stays a sliver."""
+    """Flip edges and move vertices within the surface, so that no triangle stays a sliver.
+
+    An edge may be flipped where the cosine between its triangles' normals is above `flat`.
+    """
     for _ in range(rounds):
-        triangles = flip_edges(vertices, triangles)
+        triangles = flip_edges(vertices, triangles, flat)
         vertices = _relax(vertices, triangles)
         step = 0.5 * float(np.median(edge_lengths(vertices, triangles)))
         vertices = project(solid, vertices, step, rounds=2)
-    return vertices, flip_edges(vertices, triangles)
+    return vertices, flip_edges(vertices, triangles, flat)
 
 
 def edges_of(triangles: Faces) -> NDArray[np.int32]:
@@ -122,7 +123,7 @@ def vertex_normals(vertices: Array, triangles: Faces) -> Array:
     return total / np.linalg.norm(total, axis=1, keepdims=True)
 
 
-def flip_edges(vertices: Array, triangles: Faces, rounds: int = 30) -> Faces:
+def flip_edges(vertices: Array, triangles: Faces, flat: float, rounds: int = 30) -> Faces:
     """Flip edges while that makes the smallest angle of the two triangles larger.
 
     An edge stays where the surface bends sharply across it, where the flipped edge exists
@@ -130,7 +131,7 @@ def flip_edges(vertices: Array, triangles: Faces, rounds: int = 30) -> Faces:
     """
     triangles = triangles.copy()
     for _ in range(rounds):
-        chosen = _best_flips(vertices, triangles)
+        chosen = _best_flips(vertices, triangles, flat)
         if not len(chosen):
             break
         first, second, (a, b, c, d) = chosen[:, 0], chosen[:, 1], chosen[:, 2:].T
@@ -139,7 +140,7 @@ def flip_edges(vertices: Array, triangles: Faces, rounds: int = 30) -> Faces:
     return triangles
 
 
-def _best_flips(vertices: Array, triangles: Faces) -> NDArray[np.int64]:
+def _best_flips(vertices: Array, triangles: Faces, flat: float) -> NDArray[np.int64]:
     """Return rows (triangle, triangle, a, b, c, d): edges ab to become cd, no triangle twice."""
     n_vertices = len(vertices)
     half = np.concatenate(
@@ -163,7 +164,7 @@ def _best_flips(vertices: Array, triangles: Faces) -> NDArray[np.int64]:
     gain = smallest[1] - smallest[0]
     normal = [normals(vertices, pair) for pair in before + after]
     average = normal[0] + normal[1]
-    is_flat = np.einsum("kd,kd->k", normal[0], normal[1]) > FLAT
+    is_flat = np.einsum("kd,kd->k", normal[0], normal[1]) > flat
     keeps_side = np.all([np.einsum("kd,kd->k", item, average) > 1.2 for item in normal[2:]], 0)
     valence = np.bincount(triangles.ravel(), minlength=n_vertices)
     has_valence = (valence[a] > 4) & (valence[b] > 4) & (valence[c] < 11) & (valence[d] < 11)

@@ -264,7 +264,7 @@ def detail(points: Array) -> Array:
     x, up = straight[:, 0], straight[:, 2]
     height, tall, _ = _section(x)
     snout = np.clip((-23.0 - x) / 6.0, 0.0, 1.0) * 0.6 + np.clip((-19.0 - x) / 3.0, 0.0, 0.4)
-    back = 0.5 * np.clip((up - height - 0.45 * tall) / (0.25 * tall), 0.0, 1.0)
+    back = 0.22 * np.clip((up - height - 0.45 * tall) / (0.25 * tall), 0.0, 1.0)
     back *= np.clip((x + 19.0) / 2.0, 0.0, 1.0) * np.interp(x, [16.0, 40.0, 60.0], [1.0, 0.8, 0.7])
-    toes = 0.45 * np.clip((1.8 - up) / 0.6, 0.0, 1.0) * (np.abs(straight[:, 1]) > 6.0)
+    toes = 0.16 * np.clip((1.8 - up) / 0.6, 0.0, 1.0) * (np.abs(straight[:, 1]) > 6.0)
     return np.max([snout, back, toes], axis=0)
