@@ -10,6 +10,7 @@ from .errors import FairingError, InputError, SettingsError, SolverError, Topolo
 from .fairing import FairingResult, FairingStep, fair, fair_steps
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport
+from .memory import MemoryNeededError
 from .settings import FairingSettings
 from .topology import TriangleTopology
 
@@ -20,6 +21,7 @@ __all__ = [
     "FairingStep",
     "InputError",
     "LoopSpace",
+    "MemoryNeededError",
     "SettingsError",
     "SolveReport",
     "SolverError",

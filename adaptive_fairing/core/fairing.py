@@ -14,6 +14,8 @@ from .diagnosis import surface_notes
 from .errors import InputError, SolverError, listed
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport, conjugate_gradients
+from .memory import require_memory
+from .quadrature import quadrature_choice
 from .settings import FairingSettings
 from .solver_frame import SolverFrame, solvable_surface
 from .topology import checked_triangles
@@ -148,6 +150,8 @@ def fair_steps(
     InputError
         Arrays of the wrong shape or type, coordinates that are not finite, indices or weights out
         of range, no triangle at all.
+    MemoryNeededError
+        The mesh cannot fit into memory; raised by the first step.
     SolverError
         A linear system that is not positive definite or not finite; raised by its step, which the
         message names.
@@ -168,6 +172,7 @@ def _run(
 ) -> Iterator[FairingStep]:
     surface = solvable_surface(points, triangles)
     topology = surface.topology
+    require_memory(topology, quadrature_choice(settings.quadrature_tolerance))
     space = LoopSpace(topology, settings.quadrature_tolerance)
     frame = SolverFrame.of(points, surface, settings.normalize)
     weights = weights[surface.vertex_of]

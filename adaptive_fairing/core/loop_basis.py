@@ -102,9 +102,13 @@ def basis_table(patch_class: PatchClass, choice: QuadratureChoice) -> BasisTable
     """Tabulate a patch class at the quadrature points that `choice` prescribes for it."""
     if is_regular_patch(patch_class):
         return _table_at(patch_class, choice.regular)
+    return _refined_table(patch_class, choice.irregular, table_depth(patch_class, choice))
+
+
+def table_depth(patch_class: PatchClass, choice: QuadratureChoice) -> int:
+    """Choose how often an irregular patch is refined for its quadrature points."""
     highest = max(corner.ring_size for corner in patch_class)
-    depth = choice.depth + (EXTRA_DEPTH if highest > HIGH_VALENCE else 0)
-    return _refined_table(patch_class, choice.irregular, depth)
+    return choice.depth + (EXTRA_DEPTH if highest > HIGH_VALENCE else 0)
 
 
 @lru_cache(maxsize=4096)

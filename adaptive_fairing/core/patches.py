@@ -48,9 +48,9 @@ class PatchSet:
     """
 
     def __init__(self, topology: TriangleTopology) -> None:
-        codes, decode = _corner_codes(topology)
+        codes, decode = corner_codes(topology)
         codes = codes.reshape(-1, 3)
-        class_of, first_corner, class_codes = _classes(codes)
+        class_of, first_corner, class_codes = class_groups(codes)
         self.classes: list[PatchClass] = [
             (decode[a], decode[b], decode[c]) for a, b, c in class_codes.tolist()
         ]
@@ -137,7 +137,7 @@ class PatchSet:
             flat[place[members]] = topology.ring[start + (topology.ring_position[edges] + 2) % 3]
 
 
-def _corner_codes(topology: TriangleTopology) -> tuple[NDArray[np.int64], dict[int, Corner]]:
+def corner_codes(topology: TriangleTopology) -> tuple[NDArray[np.int64], dict[int, Corner]]:
     """Assign a code to every corner connectivity: a code per half-edge, and what codes mean."""
     origins = topology.origins
     codes = topology.ring_size[origins].astype(np.int64)
@@ -151,7 +151,7 @@ def _corner_codes(topology: TriangleTopology) -> tuple[NDArray[np.int64], dict[i
     return codes, decode
 
 
-def _classes(
+def class_groups(
     codes: NDArray[np.int64],
 ) -> tuple[NDArray[np.intp], NDArray[np.int64], NDArray[np.int64]]:
     """Group triangles by their corner codes up to rotation.
@@ -161,7 +161,10 @@ def _classes(
     class_of : (n_triangles,), first_corner : (n_triangles,), class_codes : (n_classes, 3)
         Class of each triangle, the corner at which its canonical order starts, and the codes.
     """
-    base = int(codes.max(initial=0)) + 1
+    names, codes = np.unique(codes, return_inverse=True)
+    codes = codes.reshape(-1, 3)
+    # Small numbers: the cube of the codes themselves could overflow.
+    base = max(len(names), 1)
     keys = np.stack(
         [
             (codes[:, k] * base + codes[:, (k + 1) % 3]) * base + codes[:, (k + 2) % 3]
@@ -170,5 +173,5 @@ def _classes(
     )
     first_corner = keys.argmin(axis=0)
     unique, class_of = np.unique(keys.min(axis=0, initial=base**3), return_inverse=True)
-    class_codes = np.stack([unique // base**2, unique // base % base, unique % base], axis=1)
+    class_codes = names[np.stack([unique // base**2, unique // base % base, unique % base], axis=1)]
     return class_of.reshape(-1), first_corner, class_codes
