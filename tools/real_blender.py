@@ -48,6 +48,13 @@ PACKAGES = (
 EXTRA_PACKAGES = {"sid": ("python3-cattr", "python3-requests", "python3-zstandard")}
 
 
+# Everything that is started ends with this process, even if it is killed.
+NAMESPACES = (
+    "setpriv", "--pdeathsig", "KILL",
+    "unshare", "--mount", "--pid", "--ipc", "--fork", "--kill-child",
+)  # fmt: skip
+
+
 class SetupError(Exception):
     """The chroot cannot be made or used here; the message says why in one line."""
 
@@ -155,7 +162,7 @@ def bootstrap(chroot: Chroot) -> None:
     chroot.root.mkdir(parents=True, exist_ok=True)
     chroot.owner_mark.touch()
     command = ["debootstrap", "--variant=minbase", chroot.suite, str(chroot.root)]
-    check(["unshare", "--mount", *command], f"debootstrap of {chroot.suite} failed")
+    check([*NAMESPACES, "--mount-proc", *command], f"debootstrap of {chroot.suite} failed")
     chroot.base_mark.touch()
 
 
@@ -253,10 +260,9 @@ def run_inside(
     script = f"cd {shlex.quote(str(PROJECT))}\n{script}"
     command = f"chroot {root} env -i {' '.join(settings)} sh -c {shlex.quote(script)}"
     lines += ["set +e", command, "exit $?"]
-    namespaces = ["--mount", "--pid", "--ipc", "--fork", "--kill-child"]
-    if not network:
-        namespaces.append("--net")  # also makes the X display numbers private to this run
-    outer = ["unshare", *namespaces, "sh", "-c", "\n".join(lines)]
+    # Without the host's network, X display numbers are private to this run as well.
+    alone = () if network else ("--net",)
+    outer = [*NAMESPACES, *alone, "sh", "-c", "\n".join(lines)]
     try:
         return subprocess.run(
             outer, check=False, timeout=timeout, stdin=subprocess.DEVNULL
