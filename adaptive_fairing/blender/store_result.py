@@ -10,9 +10,9 @@ from ..core import FairingError, FairingStep
 from .attributes import write_density
 from .coloring import color_by_field
 from .mesh_data import read_positions
+from .rollback import written_or_restored
 from .run import FairingTask
 from .shape_keys import write_absolute_keys, write_final_shape, write_relative_keys
-from .target import writable_object
 
 
 def store_task(task: FairingTask, *, output: str, store_density: bool) -> bpy.types.Object:
@@ -37,8 +37,8 @@ def store_task(task: FairingTask, *, output: str, store_density: bool) -> bpy.ty
     FairingError
         The object is gone, or its mesh has been changed since it was read.
     """
-    obj = writable_object(find_object(task))
-    write_steps(obj, task, output=output, store_density=store_density)
+    with written_or_restored(find_object(task)) as obj:
+        write_steps(obj, task, output=output, store_density=store_density)
     return obj
 
 

@@ -92,6 +92,7 @@ def test_an_object_with_its_own_keys_is_copied_and_hidden():
 
     assert copy.name == "Face faired"
     assert copy.data.shape_keys is None
+    assert len(bpy.data.shape_keys) == 1
     assert tuple(copy.location) == (1, 2, 3)
     assert copy.users_collection == obj.users_collection
     np.testing.assert_array_equal(read_positions(copy.data), VERTICES.astype(np.float32))
