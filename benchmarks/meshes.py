@@ -214,7 +214,7 @@ def _framed(name: str, vertices: NDArray[np.float64], triangles: NDArray[np.int6
     return Mesh(name, np.ascontiguousarray(moved), np.ascontiguousarray(triangles, np.int32))
 
 
-def comparable_settings(mesh: Mesh, radius: float = 2.0, steps: int = 4) -> FairingSettings:
+def comparable_settings(mesh: Mesh, radius: float, steps: int = 4) -> FairingSettings:
     """Choose τ so that all steps smooth over `radius` local edge lengths, on any mesh.
 
     At one τ a finer mesh would be smoothed over more of its edges, and need more iterations.
@@ -237,6 +237,9 @@ def add_arguments(parser: argparse.ArgumentParser, sizes: list[int]) -> None:
         help="which meshes to make",
     )
     parser.add_argument("--mesh", type=Path, nargs="*", default=[], help="mesh files as well")
+    parser.add_argument(
+        "--radius", type=float, default=2.0, help="smoothing radius of four steps, in edges"
+    )
     parser.add_argument(
         "--cgal-data", action="store_true", help="large meshes of Debian's libcgal-demo as well"
     )

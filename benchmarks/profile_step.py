@@ -226,7 +226,7 @@ def main() -> None:
     print(describe(details))
     ratios: dict[str, float] = {}
     for mesh in meshes.chosen(arguments):
-        settings = meshes.comparable_settings(mesh)
+        settings = meshes.comparable_settings(mesh, arguments.radius)
         ratios |= report(mesh, settings, arguments.repeats)
     history.finish(arguments, "profile", details, ratios)
 

@@ -40,6 +40,9 @@ from adaptive_fairing.core.patches import PatchSet
 
 RUNS_IN_PROCESS = 3
 
+RADIUS = 2.0
+"""Smoothing radius of all steps together, in local edges."""
+
 
 def with_classes(n_triangles: int, n_classes: int) -> meshes.Mesh:
     """Make an irregular mesh with about `n_classes` patch classes.
@@ -117,7 +120,7 @@ def contest(chosen: list[meshes.Mesh], repeats: int) -> list[dict[str, float]]:
         for k, mesh in enumerate(chosen):
             path = Path(folder) / f"{k}.ply"
             meshes.write_ply(mesh, path)
-            tau = meshes.comparable_settings(mesh).tau
+            tau = meshes.comparable_settings(mesh, RADIUS).tau
             commands.append([sys.executable, __file__, "--run", str(path), "--tau", repr(tau)])
         for turn in range(repeats):
             for command, done in zip(commands, runs, strict=True):

@@ -127,9 +127,9 @@ class Contest:
             else:
                 self._commands[name] = [sys.executable, str(here / "competitors.py"), name]
 
-    def run(self, mesh: meshes.Mesh, repeats: int) -> dict[str, Result]:
+    def run(self, mesh: meshes.Mesh, radius: float, repeats: int) -> dict[str, Result]:
         """Let all programs smooth a mesh in turns; results by name, in the order of the table."""
-        settings = meshes.comparable_settings(mesh)
+        settings = meshes.comparable_settings(mesh, radius)
         time = equivalent_uniform_tau(mesh.vertices, mesh.triangles, settings)
         path = self._folder / "mesh.ply"
         meshes.write_ply(mesh, path)
@@ -268,7 +268,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         contest = Contest(Path(folder), arguments.programs, arguments.patience)
         for mesh in meshes.chosen(arguments):
-            results = contest.run(mesh, arguments.repeats)
+            results = contest.run(mesh, arguments.radius, arguments.repeats)
             print_results(mesh, results)
             n = len(mesh.triangles)
             ratios |= {f"{mesh.name} {n}: {k}": ratio for k, ratio in ratios_of(results).items()}
