@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .color_map import colors_srgb, srgb_to_linear
+from .color_map import color_range, colors_srgb, srgb_to_linear
 
 DENSITY = "fairing_density"
 """Float point attribute: smoothed density d of the last step, in the solver's [-3, 3]^3 frame."""
@@ -67,7 +67,7 @@ def write_color(
 def write_density(mesh: bpy.types.Mesh, density: ArrayLike) -> None:
     """Store the density of a step under its two names, as number and as colour."""
     write_scalar(mesh, DENSITY, density)
-    write_color(mesh, DENSITY_COLOR, density)
+    write_color(mesh, DENSITY_COLOR, density, *color_range(density))
 
 
 def _per_vertex(mesh: bpy.types.Mesh, values: ArrayLike) -> np.ndarray:

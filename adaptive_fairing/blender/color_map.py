@@ -38,8 +38,21 @@ ANCHORS = np.array(
 )
 ANCHORS.setflags(write=False)
 
+RANGE_PERCENTILES = (1.0, 99.0)
+"""Ends of the colour range: a few extreme vertices must not leave the rest in one colour."""
+
 NO_VALUE = (0.5, 0.5, 0.5)
 """sRGB colour of a value that is not a number."""
+
+
+def color_range(values: ArrayLike) -> tuple[float, float]:
+    """Choose the values of the darkest and the brightest colour; (0, 0) without a finite value."""
+    array = np.asarray(values, dtype=np.float64)
+    finite = array[np.isfinite(array)]
+    if not len(finite):
+        return 0.0, 0.0
+    low, high = np.percentile(finite, RANGE_PERCENTILES)
+    return float(low), float(high)
 
 
 def normalized(

@@ -7,7 +7,8 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..core import FairingSettings, InputError
 from .attributes import write_color, write_scalar
-from .fields import color_range, field_values
+from .color_map import color_range
+from .fields import field_values
 
 ATTRIBUTES = {
     "DENSITY": "fairing_density",

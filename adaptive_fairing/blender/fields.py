@@ -12,9 +12,6 @@ from .mesh_data import read_mesh
 
 FloatArray = NDArray[np.float64]
 
-RANGE_PERCENTILES = (1.0, 99.0)
-"""Ends of the colour range: a few extreme vertices must not leave the rest in one colour."""
-
 
 def field_values(obj: bpy.types.Object, field: str, settings: FairingSettings) -> FloatArray:
     """Compute a field on the shape that an object shows, modifiers aside.
@@ -112,15 +109,6 @@ def mean_curvature(
     along = np.einsum("id,id->i", flow[has_value], normals[has_value])
     curvature[has_value] = along / (2.0 * lumped[has_value])
     return curvature
-
-
-def color_range(values: FloatArray) -> tuple[float, float]:
-    """Choose the values of the darkest and the brightest colour."""
-    finite = values[np.isfinite(values)]
-    if not len(finite):
-        return 0.0, 0.0
-    low, high = np.percentile(finite, RANGE_PERCENTILES)
-    return float(low), float(high)
 
 
 def _vertex_normals(topology: TriangleTopology, positions: FloatArray) -> FloatArray:

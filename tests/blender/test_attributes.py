@@ -76,3 +76,14 @@ def test_one_number_per_vertex_is_demanded(mesh, values):
     with pytest.raises(ValueError, match="values of shape"):
         write_scalar(mesh, "weight", values[:-1])
     assert "weight" not in mesh.attributes
+
+
+def test_a_few_extreme_densities_do_not_leave_the_rest_in_one_colour():
+    mesh = add_object(*icosphere(3)).data
+    density = np.linspace(1.0, 2.0, len(mesh.vertices))
+    density[-1] = 1000.0
+    write_density(mesh, density)
+    shown = colors_by_vertex(mesh, "fairing_density_color")[:, :3]
+    low, high = np.percentile(density, (1, 99))
+    assert high < 2
+    np.testing.assert_allclose(shown, colors_srgb(density, low, high), atol=2e-4)

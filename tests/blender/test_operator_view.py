@@ -9,7 +9,8 @@ from support.meshes import ellipsoid, flat_hexagon, icosphere
 from support.objects import add_object, numbers, shown_positions
 
 from adaptive_fairing.blender import viewport
-from adaptive_fairing.blender.fields import color_range, field_values
+from adaptive_fairing.blender.color_map import color_range
+from adaptive_fairing.blender.fields import field_values
 from adaptive_fairing.core import FairingSettings, fair
 
 pytestmark = pytest.mark.usefixtures("addon")
