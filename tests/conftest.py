@@ -6,6 +6,8 @@ hide the real package behind that entry point; the root goes first on the search
 package is imported here, before pytest imports any test module, to settle the name.
 """
 
+import atexit
+import os
 import sys
 from pathlib import Path
 
@@ -15,3 +17,25 @@ for folder in (TESTS, TESTS.parent):  # the last one inserted is searched first
     sys.path.insert(0, str(folder))
 
 import adaptive_fairing  # noqa: E402, F401  the search path has to be set before
+
+exit_status: int | None = None
+
+
+def leave() -> None:
+    """End the process before the bpy module's C++ part is taken down.
+
+    There the modules of Blender 4.5 and later sometimes wait for ever for a thread of their own,
+    and that of 4.2 can crash: all after the tests, but the process would say nothing of them.
+    """
+    if exit_status is not None and "bpy" in sys.modules:
+        for stream in (sys.stdout, sys.stderr):
+            stream.flush()
+        os._exit(exit_status)
+
+
+atexit.register(leave)  # before bpy registers its own cleaning up, so it is called after that
+
+
+def pytest_sessionfinish(session, exitstatus):
+    global exit_status
+    exit_status = int(exitstatus)

@@ -39,6 +39,7 @@ from bpy_environments import (
 ROOT = Path(__file__).resolve().parent.parent
 CHECK = ROOT / "tests" / "extension" / "check_installed.py"
 MODULE = "bl_ext.user_default.adaptive_fairing"
+PATIENCE = 900  # seconds for one process, so that one that hangs is a failure of its row alone
 # Named as the checks are, apart from the last three.
 COLUMNS = (
     "python",
@@ -85,9 +86,18 @@ def run_isolated(
     user.mkdir(parents=True, exist_ok=True)
     variables = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
     variables |= {"BLENDER_USER_RESOURCES": str(user), **environment}
-    return subprocess.run(
-        list(command), cwd=work, env=variables, capture_output=True, text=True, check=False
-    )
+    try:
+        return subprocess.run(
+            list(command),
+            cwd=work,
+            env=variables,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=PATIENCE,
+        )
+    except subprocess.TimeoutExpired:
+        return subprocess.CompletedProcess(command, 124, "", f"still running after {PATIENCE} s")
 
 
 def run_phase(start: Sequence[str], phase: str, work: Path, archive: Path | None = None) -> dict:

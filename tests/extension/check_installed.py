@@ -352,4 +352,8 @@ PHASES: dict[str, tuple[Callable[[argparse.Namespace], str], ...]] = {
 }
 
 if __name__ == "__main__":
-    sys.exit(main())
+    exit_status = main()
+    if bpy.app.module:
+        # Taken down by the interpreter, the bpy modules of some Blenders crash or wait for ever.
+        os._exit(exit_status)
+    sys.exit(exit_status)
