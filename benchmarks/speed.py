@@ -45,6 +45,7 @@ MODULES = {"Blender": "bpy", "libigl": "igl", "MeshLab": "pymeshlab"}
 SETUP_TO_STEP = "set-up and last measuring / step"
 STEP_TO_CGAL = "step / step of CGAL"
 FOUR_TO_CGAL = "four steps from scratch / those of CGAL"
+PROCESSOR_TO_CGAL = "processor time of four steps from scratch / that of CGAL"
 STEP_TO_LIBIGL = "step / step from scratch of libigl with CG"
 STEP_TO_BLENDER = "step / one iteration of Blender's Laplacian Smooth"
 
@@ -61,6 +62,7 @@ NOTES = f"""
 one step, four: from scratch, with everything that has to be set up; step: one more step, on a
 surface that has changed. {OURS}, libigl and CGAL diffuse for the same time; CGAL and
 libigl keep the Laplacian of the first surface. For the others a step is one iteration of theirs.
+processor: of all threads together, for the four steps (or the one, where four were not tried).
 memory: peak of the whole process, and its growth by the smoothing per triangle.
 moved: root mean square displacement after the last step, in mean edges; CGAL keeps the volume."""
 
@@ -71,6 +73,7 @@ class Result(NamedTuple):
     one: float
     four: float | None
     step: float | None
+    processor: float
     moved: float
     peak: float
     growth: float
@@ -89,6 +92,7 @@ def best(runs: list[dict[str, float | None]]) -> Result:
         one=one,
         four=four,
         step=step,
+        processor=min(run["processor"] for run in runs),
         moved=runs[-1]["moved"],
         peak=min(run["peak"] for run in runs),
         growth=min(run["peak"] - run["before"] for run in runs),
@@ -192,6 +196,7 @@ def print_results(mesh: meshes.Mesh, results: dict[str, Result]) -> None:
             seconds_text(result.one),
             seconds_text(result.four),
             seconds_text(result.step),
+            seconds_text(result.processor),
             f"{result.peak / MEGABYTE:.0f} MB",
             f"{result.growth / n:.0f} B",
             f"{result.moved / edge:.2f}",
@@ -199,7 +204,8 @@ def print_results(mesh: meshes.Mesh, results: dict[str, Result]) -> None:
         for name, result in results.items()
     ]
     print(f"\n## {mesh.name}, {n} triangles (load {load()})\n")
-    print(table(["", "one step s", "four s", "step s", "memory", "per triangle", "moved"], rows))
+    times = ["one step s", "four s", "step s", "processor s"]
+    print(table(["", *times, "memory", "per triangle", "moved"], rows))
     print()
     for name, ratio in ratios_of(results).items():
         goal = GOALS.get(name)
@@ -216,6 +222,7 @@ def ratios_of(results: dict[str, Result]) -> dict[str, float]:
     if cgal is not None and cgal.step is not None and cgal.four is not None:
         ratios[STEP_TO_CGAL] = ours.step / cgal.step
         ratios[FOUR_TO_CGAL] = ours.four / cgal.four
+        ratios[PROCESSOR_TO_CGAL] = ours.processor / cgal.processor
     flow = results.get("libigl, cotangent + CG")
     if flow is not None:
         # From scratch: its further steps keep the first Laplacian, ours see the current surface.

@@ -14,6 +14,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <iostream>
 #include <string>
@@ -63,18 +64,22 @@ int main(int argc, char** argv) {
     const double before = resident_memory("VmRSS");
 
     Mesh smoothed = original;
+    std::clock_t start = std::clock();
     const double one = seconds_of_smoothing(smoothed, time, 1);
     double four = 0;
     if (one <= patience) {
         smoothed = original;
+        start = std::clock();
         four = seconds_of_smoothing(smoothed, time, 4);
     }
+    const double processor = double(std::clock() - start) / CLOCKS_PER_SEC;
     std::cout << "{\"one\": " << one << ", \"four\": ";
     if (four > 0) {
         std::cout << four;
     } else {
         std::cout << "null";
     }
-    std::cout << ", \"moved\": " << root_mean_square_move(original, smoothed)
+    std::cout << ", \"processor\": " << processor
+              << ", \"moved\": " << root_mean_square_move(original, smoothed)
               << ", \"before\": " << before << ", \"peak\": " << resident_memory("VmHWM") << "}\n";
 }
