@@ -59,13 +59,18 @@ class ClassTables:
         n_triangles = coefficients.shape[2]
         if self._products is not None:
             stacked = coefficients.reshape(-1, n_triangles)
-            width = max(LARGEST_PRODUCT // self._products.size, 1)
+            # Never one column alone: OpenBLAS starts threads for much smaller vectors.
+            if n_triangles == 1:
+                out[:] = (self._products @ np.repeat(stacked, 2, axis=1))[:, :1]
+                return
+            width = max(LARGEST_PRODUCT // self._products.size, 2)
             whole = n_triangles - n_triangles % width
             if whole:
                 slabs = _slabs(stacked[:, :whole], width)
                 np.matmul(self._products, slabs, out=_slabs(out[:, :whole], width))
             if whole < n_triangles:
-                np.matmul(self._products, stacked[:, whole:], out=out[:, whole:])
+                rest = slice(min(whole, n_triangles - 2), None)
+                np.matmul(self._products, stacked[:, rest], out=out[:, rest])
             return
         phi, d1, d2 = self.values, self.gradients[0, 0], self.gradients[1, 0]
         for triangle in range(n_triangles):
