@@ -21,7 +21,7 @@ from .topology import TriangleTopology
 FIXED_BYTES = 50_000_000
 BYTES_PER_TRIANGLE = 850  # topology, patches, sparsity pattern, matrix, vectors of the solver
 BYTES_PER_LOCAL_ENTRY = 4  # place in the matrix of an entry of a triangle's local matrix
-BYTES_PER_ENTRY_IN_WORK = 16  # the same while its chunk is assembled
+BYTES_PER_ENTRY_IN_WORK = 24  # the same while its chunk is assembled, and places are looked up
 BYTES_PER_TABLE_NUMBER = 16  # basis functions at quadrature points: in the table and its parts
 LARGEST_PRODUCT_BYTES = 32_000_000  # of the table of products of one class
 
