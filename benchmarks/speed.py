@@ -86,7 +86,8 @@ def best(runs: list[dict[str, float | None]]) -> Result:
     steps = [run["step"] for run in runs if run.get("step") is not None]
     four = min(fours) if fours else None
     step = min(steps, default=None)
-    if step is None and four is not None and four > one:
+    # A smaller difference than this is lost in the noise.
+    if step is None and four is not None and four > 1.05 * one:
         step = (four - one) / 3
     return Result(
         one=one,
