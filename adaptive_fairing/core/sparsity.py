@@ -48,7 +48,10 @@ class SymmetricPattern:
 
     def entries(self, rows: NDArray[np.int32], columns: NDArray[np.int32]) -> NDArray[np.int32]:
         """Return the upper-triangle numbers of the entries (rows, columns), in either order."""
-        return np.asarray(self._numbers[rows, columns]).reshape(-1)
+        # Only the rows in question: scipy checks the whole matrix at every look-up.
+        low, high = int(rows.min()), int(rows.max()) + 1
+        numbers = self._numbers[low:high]
+        return np.asarray(numbers[rows - np.int32(low), columns]).reshape(-1)
 
     def matrix(self, upper: NDArray[np.float64]) -> sparse.csr_array:
         """Return the full symmetric matrix with upper entries `upper`, (n_upper,)."""
