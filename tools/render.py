@@ -98,7 +98,8 @@ def _add_mesh(scene, vertices, triangles, look, vertex_colors):
     mesh.update(calc_edges=True)
     mesh.polygons.foreach_set("use_smooth", np.full(len(triangles), look.smooth))
     if vertex_colors is not None:
-        attribute = mesh.attributes.new("color", "FLOAT_COLOR", "POINT")
+        # Not "color": Cycles takes that name for the colour of the object.
+        attribute = mesh.attributes.new("field", "FLOAT_COLOR", "POINT")
         rgba = np.column_stack([vertex_colors, np.ones(len(vertices))]).astype(np.float32)
         attribute.data.foreach_set("color", rgba.ravel())
     scene.collection.objects.link(bpy.data.objects.new("mesh", mesh))
@@ -163,7 +164,7 @@ def _clay(look, colored):
     shader.inputs["Specular IOR Level"].default_value = 0.25
     if colored:
         node = material.node_tree.nodes.new("ShaderNodeAttribute")
-        node.attribute_name = "color"
+        node.attribute_name = "field"
         material.node_tree.links.new(node.outputs["Color"], shader.inputs["Base Color"])
     return material
 
