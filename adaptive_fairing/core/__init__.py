@@ -11,6 +11,7 @@ from .fairing import FairingResult, FairingStep, fair, fair_steps
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport
 from .memory import MemoryNeededError
+from .prepared import PreparedMesh
 from .settings import FairingSettings
 from .topology import TriangleTopology
 
@@ -22,6 +23,7 @@ __all__ = [
     "InputError",
     "LoopSpace",
     "MemoryNeededError",
+    "PreparedMesh",
     "SettingsError",
     "SolveReport",
     "SolverError",

@@ -14,10 +14,8 @@ from .diagnosis import surface_notes
 from .errors import InputError, SolverError, listed
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport, conjugate_gradients
-from .memory import require_memory
-from .quadrature import quadrature_choice
+from .prepared import PreparedMesh
 from .settings import FairingSettings
-from .solver_frame import SolverFrame, solvable_surface
 from .topology import checked_triangles
 
 FloatArray = NDArray[np.float64]
@@ -113,10 +111,11 @@ def fair(
     settings: FairingSettings | None = None,
     *,
     weights: ArrayLike | None = None,
+    prepared: PreparedMesh | None = None,
 ) -> FairingResult:
     """Run all steps of `fair_steps`, which has the parameters and errors."""
     settings = settings or FairingSettings()
-    steps = tuple(fair_steps(vertices, faces, settings, weights=weights))
+    steps = tuple(fair_steps(vertices, faces, settings, weights=weights, prepared=prepared))
     last = steps[-1]
     return FairingResult(steps, last.stop_reason or "steps", settings, last.initial)
 
@@ -127,6 +126,7 @@ def fair_steps(
     settings: FairingSettings | None = None,
     *,
     weights: ArrayLike | None = None,
+    prepared: PreparedMesh | None = None,
 ) -> Iterator[FairingStep]:
     """Fair a triangle mesh; yield the surface after every step.
 
@@ -144,12 +144,14 @@ def fair_steps(
     weights : (n,) float, optional
         Share of the local timestep (or diffusivity) that a vertex gets, in [0, 1]; a vertex of
         weight 0 stays exactly where it is.
+    prepared : PreparedMesh, optional
+        What an earlier solve of a mesh with the same triangles can hand on.
 
     Raises
     ------
     InputError
         Arrays of the wrong shape or type, coordinates that are not finite, indices or weights out
-        of range, no triangle at all.
+        of range, no triangle at all; a preparation for something else.
     MemoryNeededError
         The mesh cannot fit into memory; raised by the first step.
     SolverError
@@ -164,17 +166,22 @@ def fair_steps(
     # Copies: the caller may change the arrays between two steps.
     triangles = checked_triangles(np.array(faces), len(points))
     _require_surface(points, triangles)
-    return _run(points, triangles, settings, shares)
+    if prepared is not None:
+        prepared.require(triangles, len(points), settings.quadrature_tolerance)
+    return _run(points, triangles, settings, shares, prepared)
 
 
 def _run(
-    points: FloatArray, triangles: NDArray[np.int32], settings: FairingSettings, weights: FloatArray
+    points: FloatArray,
+    triangles: NDArray[np.int32],
+    settings: FairingSettings,
+    weights: FloatArray,
+    prepared: PreparedMesh | None,
 ) -> Iterator[FairingStep]:
-    surface = solvable_surface(points, triangles)
+    prepared = prepared or PreparedMesh(points, triangles, settings)
+    surface, space = prepared.surface, prepared.space
     topology = surface.topology
-    require_memory(topology, quadrature_choice(settings.quadrature_tolerance))
-    space = LoopSpace(topology, settings.quadrature_tolerance)
-    frame = SolverFrame.of(points, surface, settings.normalize)
+    frame = prepared.frame(points, settings.normalize)
     weights = weights[surface.vertex_of]
     is_held = (weights == 0) | topology.is_loose | surface.is_cut
     if settings.boundary == "fixed":

@@ -16,6 +16,7 @@ from adaptive_fairing.core import (
     fair_steps,
     fairing,
     mesh_density,
+    prepared,
 )
 
 METHODS = ("uniform", "adaptive_timestep", "adaptive_tensor")
@@ -318,7 +319,7 @@ def test_tables_and_sparsity_pattern_are_made_once(monkeypatch):
             spaces.append(1)
             super().__init__(*args, **kwargs)
 
-    monkeypatch.setattr(fairing, "LoopSpace", CountedSpace)
+    monkeypatch.setattr(prepared, "LoopSpace", CountedSpace)
     assert len(list(fair_steps(*noisy_sphere(), FairingSettings(steps=3)))) == 3
     assert len(spaces) == 1
 

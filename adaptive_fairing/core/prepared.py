@@ -1,0 +1,92 @@
+"""What a solve computes from the triangles alone, kept for other positions of the same surface."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .assembly import LoopSpace
+from .errors import InputError
+from .memory import require_memory
+from .quadrature import quadrature_choice
+from .settings import FairingSettings
+from .solver_frame import SolverFrame, solvable_surface
+from .topology import checked_triangles
+
+FloatArray = NDArray[np.float64]
+
+
+class PreparedMesh:
+    """Cuts, numbering, patches, tables and sparsity pattern of a mesh, for `fair_steps`.
+
+    They depend on the triangles; the order of the solver's vertices, hence the last bits of the
+    result, also on the positions that the mesh was prepared with.  Frames of a moving surface that
+    are all solved with the preparation of the first have results that do not depend on which of
+    them are solved where.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float
+        Positions to prepare with.
+    faces : (m, 3) int
+        As for `fair_steps`.
+    settings : FairingSettings
+        Decides the quadrature and, with `keep_scale`, the scale.
+    keep_scale : bool
+        Scale every mesh into the solver's frame like this one, instead of each by its own box: one
+        τ then means the same time, in the units of the mesh, for all of them.
+
+    Raises
+    ------
+    InputError
+        An array is of the wrong shape, or an index is out of range.
+    MemoryNeededError
+        The mesh cannot fit into memory.
+    """
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        settings: FairingSettings | None = None,
+        *,
+        keep_scale: bool = False,
+    ) -> None:
+        settings = settings or FairingSettings()
+        points = np.asarray(vertices, dtype=np.float64)
+        self.triangles = checked_triangles(np.array(faces), len(points))
+        self.quadrature_tolerance = settings.quadrature_tolerance
+        self.surface = solvable_surface(points, self.triangles)
+        require_memory(self.surface.topology, quadrature_choice(self.quadrature_tolerance))
+        self.space = LoopSpace(self.surface.topology, self.quadrature_tolerance)
+        self._scale = (
+            SolverFrame.of(points, self.surface, settings.normalize).scale if keep_scale else None
+        )
+
+    def serves(self, triangles: NDArray[np.int32], n_vertices: int) -> bool:
+        """Whether a mesh has the triangles that were prepared."""
+        is_same_size = n_vertices == self.surface.vertex_of.max() + 1
+        return is_same_size and np.array_equal(triangles, self.triangles)
+
+    def require(self, triangles: NDArray[np.int32], n_vertices: int, tolerance: float) -> None:
+        """Check that this is the preparation of a mesh.
+
+        Raises
+        ------
+        InputError
+            It was made for other triangles or another quadrature.
+        """
+        if not self.serves(triangles, n_vertices):
+            raise InputError("the prepared mesh has other triangles than the one to fair")
+        if tolerance != self.quadrature_tolerance:
+            raise InputError(
+                f"the mesh was prepared with quadrature_tolerance {self.quadrature_tolerance:g}, "
+                f"the settings have {tolerance:g}"
+            )
+
+    def frame(self, points: FloatArray, normalize: bool) -> SolverFrame:
+        """Solver's frame for positions of this surface: their own centre, and own or kept scale."""
+        frame = SolverFrame.of(points, self.surface, normalize)
+        return frame if self._scale is None else replace(frame, scale=self._scale)
