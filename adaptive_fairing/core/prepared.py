@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .assembly import LoopSpace
 from .errors import InputError
-from .memory import require_memory
+from .memory import estimated_bytes, require_memory
 from .quadrature import quadrature_choice
 from .settings import FairingSettings
 from .solver_frame import SolverFrame, solvable_surface
@@ -33,17 +34,24 @@ class PreparedMesh:
     faces : (m, 3) int
         As for `fair_steps`.
     settings : FairingSettings
-        Decides the quadrature and, with `keep_scale`, the scale.
-    keep_scale : bool
-        Scale every mesh into the solver's frame like this one, instead of each by its own box: one
-        τ then means the same time, in the units of the mesh, for all of them.
+        Decides the quadrature, and whether there is a scale at all.
+    scale : float, optional
+        Factor from every mesh into the solver's frame, such as `own_scale` of another preparation,
+        instead of one from each mesh's own box: one τ then means the same time, in the units of
+        the meshes, for all of them.
+
+    Attributes
+    ----------
+    triangles : (m, 3) int
+    surface : SolverSurface
+        The manifold that is solved on.
+    own_scale : float
+        Factor from the box of `vertices` into the solver's frame.
 
     Raises
     ------
     InputError
         An array is of the wrong shape, or an index is out of range.
-    MemoryNeededError
-        The mesh cannot fit into memory.
     """
 
     def __init__(
@@ -52,18 +60,32 @@ class PreparedMesh:
         faces: ArrayLike,
         settings: FairingSettings | None = None,
         *,
-        keep_scale: bool = False,
+        scale: float | None = None,
     ) -> None:
         settings = settings or FairingSettings()
         points = np.asarray(vertices, dtype=np.float64)
         self.triangles = checked_triangles(np.array(faces), len(points))
         self.quadrature_tolerance = settings.quadrature_tolerance
         self.surface = solvable_surface(points, self.triangles)
+        self.own_scale = SolverFrame.of(points, self.surface, settings.normalize).scale
+        self._scale = scale
+
+    @cached_property
+    def space(self) -> LoopSpace:
+        """Finite element space of the surface.
+
+        Raises
+        ------
+        MemoryNeededError
+            The solve cannot fit into memory.
+        """
         require_memory(self.surface.topology, quadrature_choice(self.quadrature_tolerance))
-        self.space = LoopSpace(self.surface.topology, self.quadrature_tolerance)
-        self._scale = (
-            SolverFrame.of(points, self.surface, settings.normalize).scale if keep_scale else None
-        )
+        return LoopSpace(self.surface.topology, self.quadrature_tolerance)
+
+    @property
+    def needed_bytes(self) -> int:
+        """Upper bound of the memory that a solve takes, this preparation included."""
+        return estimated_bytes(self.surface.topology, quadrature_choice(self.quadrature_tolerance))
 
     def serves(self, triangles: NDArray[np.int32], n_vertices: int) -> bool:
         """Whether a mesh has the triangles that were prepared."""
@@ -87,6 +109,6 @@ class PreparedMesh:
             )
 
     def frame(self, points: FloatArray, normalize: bool) -> SolverFrame:
-        """Solver's frame for positions of this surface: their own centre, and own or kept scale."""
+        """Solver's frame for positions of this surface, with their own centre."""
         frame = SolverFrame.of(points, self.surface, normalize)
         return frame if self._scale is None else replace(frame, scale=self._scale)

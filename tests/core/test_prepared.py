@@ -79,7 +79,7 @@ def test_a_kept_scale_means_the_same_time_in_the_units_of_the_mesh(method, densi
     far = apart(vertices, 9.0)
     both = np.concatenate([faces, faces + len(vertices)])
     settings = replace(SETTINGS, method=method, density=density, cg_tolerance=1e-13)
-    kept = PreparedMesh(near, both, settings, keep_scale=True)
+    kept = PreparedMesh(far, both, settings, scale=PreparedMesh(near, both, settings).own_scale)
     n = len(vertices)
     first = fair(near, both, settings, prepared=kept).positions[:n]
     np.testing.assert_allclose(
