@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .assembly import LoopSpace, StepSystem
+from .checks import checked_vertices, checked_weights, require_surface
 from .density import mesh_density
 from .diagnosis import surface_notes
-from .errors import InputError, SolverError, listed
+from .errors import SolverError
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport, conjugate_gradients
 from .prepared import PreparedMesh
@@ -19,11 +20,6 @@ from .settings import FairingSettings
 from .topology import checked_triangles
 
 FloatArray = NDArray[np.float64]
-
-# Coordinates and sizes beyond these overflow or underflow in double precision, where the solve
-# takes fifth powers and more. Blender's single precision ends at about the same sizes.
-LARGEST_COORDINATE = 1e39
-SMALLEST_SIZE = 1e-39
 
 # Diffusion lowers the curvature energy until a triangle, a tip or a thin part shrinks to nothing,
 # where curvature has no bound: a rise by this factor over the least so far is taken as its sign.
@@ -161,11 +157,11 @@ def fair_steps(
     Source: section 3.4 of the paper.
     """
     settings = settings or FairingSettings()
-    points = _checked_vertices(vertices)
-    shares = _checked_weights(weights, len(points))
+    points = checked_vertices(vertices)
+    shares = checked_weights(weights, len(points))
     # Copies: the caller may change the arrays between two steps.
     triangles = checked_triangles(np.array(faces), len(points))
-    _require_surface(points, triangles)
+    require_surface(points, triangles)
     if prepared is not None:
         prepared.require(triangles, len(points), settings.quadrature_tolerance)
     return _run(points, triangles, settings, shares, prepared)
@@ -281,48 +277,3 @@ def _stop_reason(
 def _ratio(energy: float, initial: float) -> float:
     """H(t)/H(0); a surface that was flat from the start has nothing left to lose."""
     return energy / initial if initial > 0 else 0.0
-
-
-def _checked_vertices(vertices: ArrayLike) -> FloatArray:
-    points = np.array(vertices, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 3:
-        raise InputError(f"vertices must have shape (n, 3), not {points.shape}")
-    bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
-    if len(bad):
-        raise InputError(
-            f"{len(bad)} vertices have coordinates that are not finite numbers: {listed(bad)}; "
-            "delete or repair them"
-        )
-    far = np.flatnonzero(np.abs(points).max(axis=1, initial=0) > LARGEST_COORDINATE)
-    if len(far):
-        raise InputError(
-            f"{len(far)} vertices have coordinates beyond {LARGEST_COORDINATE:g}: {listed(far)}; "
-            "scale the mesh down or delete them"
-        )
-    return points
-
-
-def _require_surface(points: FloatArray, triangles: NDArray[np.int32]) -> None:
-    corners = np.sort(triangles, axis=1)
-    if not ((corners[:, 0] < corners[:, 1]) & (corners[:, 1] < corners[:, 2])).any():
-        raise InputError(
-            f"none of the {len(triangles)} triangles has three different vertices"
-            if len(triangles)
-            else "the mesh has no triangles: there is no surface to fair"
-        )
-    used = points[np.bincount(triangles.reshape(-1), minlength=len(points)) > 0]
-    size = float(np.ptp(used, axis=0).max())
-    if 0 < size < SMALLEST_SIZE:
-        raise InputError(f"the mesh is only {size:g} across: scale it up")
-
-
-def _checked_weights(weights: ArrayLike | None, n_vertices: int) -> FloatArray:
-    if weights is None:
-        return np.ones(n_vertices)
-    shares = np.array(weights, dtype=np.float64)
-    if shares.shape != (n_vertices,):
-        raise InputError(f"weights must have shape ({n_vertices},), not {shares.shape}")
-    bad = np.flatnonzero(~((shares >= 0) & (shares <= 1)))
-    if len(bad):
-        raise InputError(f"{len(bad)} weights lie outside [0, 1]: at vertices {listed(bad)}")
-    return shares

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .assembly import LoopSpace
+from .checks import checked_vertices, require_surface
 from .errors import InputError
 from .memory import estimated_bytes, require_memory
 from .quadrature import quadrature_choice
@@ -51,7 +52,7 @@ class PreparedMesh:
     Raises
     ------
     InputError
-        An array is of the wrong shape, or an index is out of range.
+        As `fair_steps`.
     """
 
     def __init__(
@@ -63,8 +64,9 @@ class PreparedMesh:
         scale: float | None = None,
     ) -> None:
         settings = settings or FairingSettings()
-        points = np.asarray(vertices, dtype=np.float64)
+        points = checked_vertices(vertices)
         self.triangles = checked_triangles(np.array(faces), len(points))
+        require_surface(points, self.triangles)
         self.quadrature_tolerance = settings.quadrature_tolerance
         self.surface = solvable_surface(points, self.triangles)
         self.own_scale = SolverFrame.of(points, self.surface, settings.normalize).scale

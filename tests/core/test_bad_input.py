@@ -30,8 +30,8 @@ from adaptive_fairing.core import (
     fair,
     fair_steps,
 )
+from adaptive_fairing.core.checks import LARGEST_COORDINATE, SMALLEST_SIZE
 from adaptive_fairing.core.diagnosis import find_problems
-from adaptive_fairing.core.fairing import LARGEST_COORDINATE, SMALLEST_SIZE
 from adaptive_fairing.core.geometry import THINNEST_ASPECT, metric_at
 
 SCHEMES = [
