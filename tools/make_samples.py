@@ -15,11 +15,12 @@ from pathlib import Path
 import numpy as np
 
 from samples import crocodile, foot, head
-from samples.adaptive import corner_angles, decimate, density_ratio, improve
+from samples.adaptive import decimate, improve
 from samples.implicit import Array, Primitive
 from samples.meshing import Faces, dense_mesh
 from samples.noise import add_noise
 from samples.ply import write_ply
+from samples.triangles import corner_angles, density_ratio
 
 ASSETS = Path(__file__).resolve().parent.parent / "assets"
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from .adaptive import mean_edge_lengths, vertex_normals
 from .implicit import Array
 from .meshing import Faces
+from .triangles import mean_edge_lengths, vertex_normals
 
 
 def add_noise(vertices: Array, triangles: Faces, strength: float, seed: int) -> Array:

@@ -6,13 +6,12 @@ from pathlib import Path
 
 import numpy as np
 
-from .implicit import Array
-from .meshing import Faces
+from .triangles import Faces, FloatArray
 
 FACE = np.dtype([("count", "u1"), ("corners", "<i4", 3)])
 
 
-def write_ply(path: Path, vertices: Array, triangles: Faces, comment: str) -> None:
+def write_ply(path: Path, vertices: FloatArray, triangles: Faces, comment: str) -> None:
     """Write a mesh; positions are rounded to float32."""
     header = (
         "ply\nformat binary_little_endian 1.0\n"
@@ -27,7 +26,7 @@ def write_ply(path: Path, vertices: Array, triangles: Faces, comment: str) -> No
     path.write_bytes(header.encode() + vertices.astype("<f4").tobytes() + faces.tobytes())
 
 
-def read_ply(path: Path) -> tuple[Array, Faces]:
+def read_ply(path: Path) -> tuple[FloatArray, Faces]:
     """Read a mesh written by `write_ply`."""
     header, body = path.read_bytes().split(b"end_header\n", 1)
     counts = [

@@ -1,0 +1,110 @@
+"""Measure the paper's claims: `python -m claims CLAIM ...` in tools/."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+from tqdm import tqdm
+
+from adaptive_fairing.core import FairingError
+from adaptive_fairing.core.report import strict
+
+from . import (
+    bandwidth,
+    convergence,
+    density_measures,
+    density_passes,
+    homogenisation,
+    stopping,
+    two_schemes,
+    under_over_fairing,
+)
+from .findings import Findings
+from .page import replace_tables
+from .pairs import PUBLISHED, MeshPair, file_pair, sample_pair
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "docs" / "paper.md"
+PLOTS = ROOT / "assets" / "figures"
+CLAIMS = {
+    module.__name__.rpartition(".")[2]: module.run
+    for module in (
+        under_over_fairing,
+        two_schemes,
+        density_measures,
+        density_passes,
+        homogenisation,
+        bandwidth,
+        stopping,
+        convergence,
+    )
+}
+"""Every claim by name, in the order of the page."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Measure the claims named on the command line."""
+    options = _parser().parse_args(arguments)
+    names = list(CLAIMS) if "all" in options.claims else options.claims
+    records = []
+    try:
+        pairs = _pairs(options)
+        for name in tqdm(names, disable=len(names) == 1, file=sys.stderr):
+            findings = CLAIMS[name](pairs)
+            _hand_out(name, findings, options)
+            records.append({"claim": name, "tables": [t.record() for t in findings.tables]})
+    except (FairingError, OSError) as error:
+        print(f"claims: {error}", file=sys.stderr)
+        return 1
+    if options.json:
+        print(json.dumps(strict(records), indent=2, ensure_ascii=False, allow_nan=False))
+    return 0
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m claims", description=__doc__.split(":")[0])
+    parser.add_argument(
+        "claims",
+        nargs="+",
+        choices=[*CLAIMS, "all"],
+        metavar="CLAIM",
+        help=f"{', '.join(CLAIMS)}, or all",
+    )
+    meshes = parser.add_mutually_exclusive_group()
+    meshes.add_argument(
+        "--sample", action="append", choices=[*PUBLISHED], help="only this sample; may be repeated"
+    )
+    meshes.add_argument(
+        "--pair", nargs=2, type=Path, metavar=("NOISY", "CLEAN"), help="two mesh files instead"
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON instead of Markdown")
+    parser.add_argument("--plots", type=Path, metavar="FOLDER", help="also draw the plots")
+    parser.add_argument(
+        "--page", action="store_true", help="write tables into docs/paper.md and plots for it"
+    )
+    return parser
+
+
+def _pairs(options: argparse.Namespace) -> list[MeshPair]:
+    if options.pair:
+        return [file_pair(*options.pair)]
+    return [sample_pair(name) for name in options.sample or PUBLISHED]
+
+
+def _hand_out(name: str, findings: Findings, options: argparse.Namespace) -> None:
+    folder = PLOTS if options.page else options.plots
+    if folder and findings.draw:
+        folder.mkdir(parents=True, exist_ok=True)
+        findings.draw(folder / f"claim_{name}.png")
+    if options.page:
+        replace_tables(PAGE, name, findings.tables)
+    elif not options.json:
+        print("\n".join(table.markdown() for table in findings.tables))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
