@@ -12,6 +12,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from . import cli_batch
+from .batch.inputs import ArgumentsError
 from .formats import BLEND, SUFFIXES, is_supported
 from .version import program_version
 
@@ -20,6 +22,8 @@ if TYPE_CHECKING:
 
 PROGRAM = "adaptive-fairing"
 DONE, COULD_NOT, WRONG_ARGUMENTS, INTERRUPTED = 0, 1, 2, 130
+WORKER = "--worker"
+"""The only argument of a worker process."""
 
 METHODS = {
     "uniform": "uniform",
@@ -29,31 +33,38 @@ METHODS = {
 DENSITIES = {"edge": "edge_length", "area": "area"}
 
 
-def main(argv: Sequence[str] | None = None) -> int:
+def main(argv: Sequence[str] | None = None, *, worker_command: Sequence[str] | None = None) -> int:
     """Run the program.
 
     Parameters
     ----------
     argv
         Arguments without the program's name; None takes those of the process.
+    worker_command
+        Starts the program, to which `WORKER` is added, as a worker process of a batch; None for
+        the Python that is running.
 
     Returns
     -------
     int
         Exit status.
     """
+    if list(sys.argv[1:] if argv is None else argv) == [WORKER]:
+        return _serve()
     try:
         arguments = parse(argv)
     except SystemExit as request:  # argparse ends the process after --help and after an error
         return int(request.code or DONE)
+    command = [*(worker_command or (sys.executable, "-m", __package__)), WORKER]
     try:
-        return _run(arguments)
+        return _run_batch(arguments, command) if arguments.plan else _run(arguments)
     except ModuleNotFoundError as error:
         if error.name not in _MISSING:
             raise
         return _fail(_MISSING[error.name])
     except KeyboardInterrupt:
-        _fail("interrupted: no output was written")
+        kept = "what is finished stays, run again to go on" if arguments.plan else None
+        _fail(f"interrupted: {kept or 'no output was written'}")
         return INTERRUPTED
 
 
@@ -68,6 +79,13 @@ def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
     """Parse and check the arguments; an error ends the process with status 2, as argparse does."""
     parser = build_parser()
     arguments = parser.parse_args(argv)
+    try:
+        arguments.plan = cli_batch.plan_of(arguments)
+    except ArgumentsError as error:
+        parser.error(str(error))
+    if arguments.plan is not None:
+        return arguments
+    arguments.input = Path(arguments.input[0])
     if arguments.output is None:
         arguments.output = default_output(arguments.input)
     for path in (arguments.input, arguments.output):
@@ -99,7 +117,11 @@ def build_parser() -> argparse.ArgumentParser:
         "If a later step fails, the steps before it are written and the status is 1.",
     )
     parser.add_argument(
-        "input", type=Path, metavar="INPUT", help=f"file with a mesh: {' '.join(SUFFIXES)}"
+        "input",
+        nargs="+",
+        metavar="INPUT",
+        help=f"file with a mesh: {' '.join(SUFFIXES)}; or several files, folders and patterns, "
+        "see below",
     )
     parser.add_argument(
         "-o",
@@ -166,6 +188,7 @@ def build_parser() -> argparse.ArgumentParser:
         "--report", type=Path, metavar="FILE.json", help="write settings and measures as JSON"
     )
     parser.add_argument("--quiet", action="store_true", help="show errors only")
+    cli_batch.add_options(parser)
     parser.add_argument("--version", action="version", version=f"%(prog)s {program_version()}")
     return parser
 
@@ -222,6 +245,34 @@ def _run(arguments: argparse.Namespace) -> int:
         for note in report["notes"]:
             print(f"{PROGRAM}: note: {note}", file=sys.stderr)
         print(_summary(report), file=sys.stderr)
+    return DONE
+
+
+def _run_batch(arguments: argparse.Namespace, worker_command: Sequence[str]) -> int:
+    from .core import FairingError, SettingsError
+
+    try:
+        settings = settings_of(arguments)
+    except SettingsError as error:
+        return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
+    try:
+        account, problem = cli_batch.run_plan(arguments, settings, worker_command, PROGRAM)
+    except (FairingError, OSError) as error:
+        return _fail(str(error))
+    if not arguments.quiet:
+        print(f"{PROGRAM}: {cli_batch.describe(account)}", file=sys.stderr)
+    if problem is None or arguments.allow_failures:
+        return DONE
+    return _fail(problem)
+
+
+def _serve() -> int:
+    from .silence import silent_stdout
+
+    with silent_stdout():
+        from .blender.serve import serve
+
+    serve()
     return DONE
 
 

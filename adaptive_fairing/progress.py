@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from typing import Any
 
 from .core import FairingStep
 
@@ -43,6 +45,59 @@ def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[FairingSte
                 bar.update()
 
             yield advance
+
+
+class MeshProgress:
+    """How far a batch is: a bar over all its meshes, a line for each that failed.
+
+    Parameters
+    ----------
+    total
+        Number of meshes.
+    program
+        Name to put before messages.
+    show_bar
+        Whether to show the bar.
+    show_errors
+        Whether to write the lines.
+    farm_lines
+        Write a line to standard output for every mesh, in the form that Flamenco counts as
+        progress of its task.
+    """
+
+    def __init__(
+        self, total: int, program: str, *, show_bar: bool, show_errors: bool, farm_lines: bool
+    ) -> None:
+        self._program = program
+        self._show_errors = show_errors
+        self._farm_lines = farm_lines
+        self._started = time.perf_counter()
+        self._bar = None
+        if show_bar and tqdm is not None:
+            self._bar = tqdm(total=total, file=sys.stderr, desc="fairing", unit="mesh")
+
+    def finished(self, entry: Mapping[str, Any]) -> None:
+        """Take note of a mesh, see `batch.summary.mesh_entry`."""
+        if entry["status"] == "failed" and self._show_errors:
+            self._write(f"{self._program}: {entry['output']}: {entry['error']}")
+        if self._bar is not None:
+            self._bar.update()
+        if self._farm_lines:
+            elapsed = time.perf_counter() - self._started
+            sys.stdout.write(f"Time: {elapsed:.1f} s | {entry['output']}: {entry['status']}\n")
+            sys.stdout.flush()
+
+    def close(self) -> None:
+        """Take the bar away."""
+        if self._bar is not None:
+            self._bar.close()
+
+    def _write(self, line: str) -> None:
+        if self._bar is not None:
+            self._bar.write(line, file=sys.stderr)
+        else:
+            sys.stderr.write(line + "\n")
+            sys.stderr.flush()
 
 
 def _show_line(step: FairingStep, total: int) -> None:

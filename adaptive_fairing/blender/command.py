@@ -20,7 +20,13 @@ def run(arguments: list[str]) -> int:
     # Imported late, because enabling the add-on must cost nothing.
     from .. import cli
 
-    return cli.main(arguments)
+    return cli.main(arguments, worker_command=worker_command())
+
+
+def worker_command() -> list[str]:
+    """Command that runs this Blender with this add-on, whatever its preferences say."""
+    addon = __package__.rpartition(".adaptive_fairing.")[0]
+    return [bpy.app.binary_path, "--addons", addon, "-c", NAME]
 
 
 def register() -> None:

@@ -13,15 +13,23 @@ import bpy
 import numpy as np
 import scipy
 
-from ..core import FairingError, FairingSettings, FairingStep, SolverError, fair_steps
+from ..core import (
+    FairingError,
+    FairingSettings,
+    FairingStep,
+    PreparedMesh,
+    SolverError,
+    fair_steps,
+)
 from ..core.atomic_files import writable_place
 from ..core.report import build_report, step_record, write_report
 from ..formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ..version import program_version
 from .attributes import write_density
 from .files import export_mesh, import_mesh, save_blend
+from .frames import object_at_frame
 from .import_check import import_notes
-from .mesh_data import read_mesh, welded
+from .mesh_data import MeshData, read_mesh, welded
 from .shape_keys import animate_evolution, write_absolute_keys, write_final_shape
 from .target import needs_copy, writable_object
 
@@ -29,6 +37,8 @@ FRAMES_PER_STEP = 10
 """Length of one step on the timeline of an output .blend, in frames."""
 
 OnStep = Callable[[FairingStep], None]
+Prepare = Callable[[MeshData], PreparedMesh]
+Admit = Callable[[PreparedMesh], None]
 
 
 @dataclass(frozen=True)
@@ -46,6 +56,9 @@ class FairingJob:
         Mesh object of the input; None if it holds a single one.
     report
         File for the JSON report; None for no report.
+    frame
+        Frame of an animated input whose deformed shape is faired; the output is then a mesh
+        format. None takes the mesh as it is stored, before modifiers.
     """
 
     input: Path
@@ -53,9 +66,16 @@ class FairingJob:
     settings: FairingSettings = field(default_factory=FairingSettings)
     object_name: str | None = None
     report: Path | None = None
+    frame: int | None = None
 
 
-def run_job(job: FairingJob, on_step: OnStep | None = None) -> dict[str, Any]:
+def run_job(
+    job: FairingJob,
+    on_step: OnStep | None = None,
+    *,
+    prepare: Prepare | None = None,
+    admit: Admit | None = None,
+) -> dict[str, Any]:
     """Do the job. Everything that Blender holds is replaced by the input file.
 
     A solve that fails in a later step does not lose the steps before it: they are written, and
@@ -67,6 +87,12 @@ def run_job(job: FairingJob, on_step: OnStep | None = None) -> dict[str, Any]:
         What to do.
     on_step
         Called after every step.
+    prepare
+        Gives the preparation of a surface, by default a new one; a caller of many jobs may have
+        one already.
+    admit
+        Called when the surface is known, before the memory for its solve is taken. What it raises
+        ends the job without an output.
 
     Returns
     -------
@@ -85,7 +111,11 @@ def run_job(job: FairingJob, on_step: OnStep | None = None) -> dict[str, Any]:
     for path in (job.output, job.report):
         if path is not None:
             writable_place(path)
-    run = _Run(job)
+    run = _Run(
+        job,
+        prepare or (lambda data: PreparedMesh(data.vertices, data.triangles, job.settings)),
+        admit or (lambda prepared: None),
+    )
     try:
         run.execute(on_step or (lambda step: None))
     except (FairingError, OSError, MemoryError) as error:
@@ -101,8 +131,10 @@ def run_job(job: FairingJob, on_step: OnStep | None = None) -> dict[str, Any]:
 class _Run:
     """State of a job while it runs, from which its report can be written at any moment."""
 
-    def __init__(self, job: FairingJob) -> None:
+    def __init__(self, job: FairingJob, prepare: Prepare, admit: Admit) -> None:
         self.job = job
+        self.prepare = prepare
+        self.admit = admit
         self.object_name = job.object_name
         self.mesh: Mapping[str, int] = {}
         self.records: list[dict[str, Any]] = []
@@ -114,6 +146,8 @@ class _Run:
         obj = import_mesh(job.input, job.object_name, keep_axes=keeps_axes(job.input, job.output))
         self.object_name = obj.name
         self.notes = import_notes(job.input)
+        if job.frame is not None:
+            obj = object_at_frame(obj, job.frame)
         shapes, density, failure = self._solve(obj, on_step)
         if shapes:
             self._write(obj, shapes, density)
@@ -132,15 +166,17 @@ class _Run:
             "polygons": len(obj.data.polygons),
             "triangles": len(data.triangles),
         }
-        surface, surface_vertex = data, slice(None)
-        if splits_vertices(self.job.input):
-            surface, surface_vertex = welded(data)
+        surface, surface_vertex = solved_surface(data, self.job.input)
+        prepared = self.prepare(surface)
+        self.admit(prepared)
         shapes: list[np.ndarray] = []
         density = None
         given_notes = self.notes
         started = time.perf_counter()
         try:
-            for step in fair_steps(surface.vertices, surface.triangles, self.job.settings):
+            for step in fair_steps(
+                surface.vertices, surface.triangles, self.job.settings, prepared=prepared
+            ):
                 now = time.perf_counter()
                 self.records.append(step_record(step, surface.vertices, now - started))
                 self.last = step
@@ -170,7 +206,7 @@ class _Run:
             self.notes += export_mesh(
                 obj,
                 job.output,
-                alone=is_copy or suffix_of(job.input) == BLEND,
+                alone=is_copy or suffix_of(job.input) == BLEND or job.frame is not None,
                 keep_axes=keeps_axes(job.input, job.output),
             )
 
@@ -187,6 +223,11 @@ class _Run:
             notes=self.notes,
             error=error,
         )
+
+
+def solved_surface(data: MeshData, source: Path) -> tuple[MeshData, np.ndarray | slice]:
+    """Surface to solve on for a mesh of a file, and its vertex for each of the mesh's."""
+    return welded(data) if splits_vertices(source) else (data, slice(None))
 
 
 def _not_converged(step: FairingStep) -> SolverError:

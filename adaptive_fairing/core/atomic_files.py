@@ -7,6 +7,7 @@ because both names are in one folder, hence on one file system.
 from __future__ import annotations
 
 import errno
+import glob
 import os
 import secrets
 import shutil
@@ -35,7 +36,7 @@ def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         The file cannot be put there; or the error of the body. No temporary file is left.
     """
     final = writable_place(path)
-    draft = final.with_name(f".{final.stem[:100]}.{secrets.token_hex(6)}{final.suffix}")
+    draft = final.with_name(f"{_draft_start(final)}{secrets.token_hex(6)}{final.suffix}")
     try:
         with _named_errors(final):
             yield draft
@@ -55,7 +56,7 @@ def replaced_files(path: str | os.PathLike[str]) -> Iterator[Path]:
     Parameters, yields, errors: as in `replaced_file`.
     """
     final = writable_place(path)
-    folder = final.with_name(f".{final.stem[:100]}.{secrets.token_hex(6)}")
+    folder = final.with_name(f"{_draft_start(final)}{secrets.token_hex(6)}")
     draft = folder / final.name
     try:
         with _named_errors(final):
@@ -70,6 +71,23 @@ def replaced_files(path: str | os.PathLike[str]) -> Iterator[Path]:
                 os.replace(file, place)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def remove_drafts(path: str | os.PathLike[str]) -> None:
+    """Remove what killed processes have left of a file; no other process may be writing it."""
+    final = Path(path).resolve()
+    start = _draft_start(final)
+    for draft in final.parent.glob(f"{glob.escape(start)}*"):
+        name = draft.name.removeprefix(start).removesuffix(final.suffix)
+        if len(name) == 12 and set(name) <= set("0123456789abcdef"):
+            if draft.is_dir():
+                shutil.rmtree(draft)
+            else:
+                draft.unlink()
+
+
+def _draft_start(final: Path) -> str:
+    return f".{final.stem[:100]}."
 
 
 def writable_place(path: str | os.PathLike[str]) -> Path:

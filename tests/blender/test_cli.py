@@ -94,7 +94,7 @@ def test_what_the_format_cannot_hold_is_said(tmp_path, capsys):
 
 
 def test_too_little_memory_is_status_1(capsys, noisy, tmp_path, monkeypatch):
-    def give_up(*arguments):
+    def give_up(*arguments, **options):
         raise MemoryError
 
     monkeypatch.setattr("adaptive_fairing.blender.job.fair_steps", give_up)
@@ -342,7 +342,7 @@ def test_without_tqdm_a_terminal_gets_a_line_per_step(noisy, tmp_path):
 def test_ctrl_c_leaves_nothing_behind(capsys, noisy, tmp_path, monkeypatch):
     from adaptive_fairing.blender import job
 
-    def interrupt(*arguments):
+    def interrupt(*arguments, **options):
         raise KeyboardInterrupt
 
     monkeypatch.setattr(job, "fair_steps", interrupt)

@@ -310,8 +310,8 @@ def failing_at(step_number, monkeypatch, kind):
 
     real = job.fair_steps
 
-    def steps(vertices, faces, settings):
-        for step in real(vertices, faces, settings):
+    def steps(vertices, faces, settings, **options):
+        for step in real(vertices, faces, settings, **options):
             if step.index == step_number:
                 if kind == "raises":
                     raise SolverError("the linear system is broken")
@@ -344,7 +344,7 @@ def test_a_solve_that_fails_later_keeps_the_steps_before(
 
 
 def test_a_surface_that_the_core_refuses_is_reported(noisy, tmp_path, monkeypatch):
-    def refuse(*arguments):
+    def refuse(*arguments, **options):
         raise TopologyError("3 edges belong to more than two triangles")
 
     monkeypatch.setattr("adaptive_fairing.blender.job.fair_steps", refuse)

@@ -1,0 +1,136 @@
+"""Which files are meant: files as named, folders with all that is in them, patterns."""
+
+from __future__ import annotations
+
+import glob
+import re
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from ..formats import SUFFIXES, is_supported
+
+
+class ArgumentsError(Exception):
+    """Arguments that make no sense together; the message is one line for the user."""
+
+
+class Source(NamedTuple):
+    """A file to fair, and its place below the output folder."""
+
+    path: Path
+    relative: Path
+
+
+def find_sources(inputs: Iterable[str], output_folder: Path) -> list[Source]:
+    """Find the files that the arguments mean, in an order that does not depend on theirs.
+
+    Parameters
+    ----------
+    inputs
+        Files; folders, which stand for every mesh file in them and in their subfolders; patterns
+        such as ``scans/**/*.ply``, for shells that do not expand them.
+    output_folder
+        Its files are not taken as inputs of folders and patterns.
+
+    Returns
+    -------
+    list of Source
+        Each file once, in natural order of the names. Files of a folder keep their subfolders.
+
+    Raises
+    ------
+    ArgumentsError
+        A pattern or folder without a mesh file, or a file of an unknown kind.
+    """
+    found: dict[Path, Path] = {}
+    for text in inputs:
+        for source in _sources_of(text, output_folder.resolve()):
+            found.setdefault(source.path, source.relative)
+    return [Source(*item) for item in sorted(found.items(), key=lambda item: natural_key(item[0]))]
+
+
+def is_pattern(text: str) -> bool:
+    """Whether an argument is a pattern, not the name of an existing file."""
+    return glob.has_magic(text) and not Path(text).exists()
+
+
+def natural_key(path: Path) -> list[tuple[int, int, str]]:
+    """Sort key by which ``frame_9`` comes before ``frame_10``."""
+    parts = re.split(r"(\d+)", str(path))
+    return [(1, int(part), part) if part.isdecimal() else (0, 0, part) for part in parts]
+
+
+def frame_numbers(sources: Sequence[Source]) -> list[int]:
+    """Read the numbers of the frames of one sequence from the names of its files.
+
+    The number is the last one in a name, as in ``cloth_0012.ply``.
+
+    Raises
+    ------
+    ArgumentsError
+        A name without a number, two equal numbers, or names that differ otherwise: not one
+        sequence.
+    """
+    numbers: dict[int, Path] = {}
+    patterns: dict[str, Path] = {}
+    for source in sources:
+        match = re.fullmatch(r"(.*?)(\d+)(\D*)", source.path.stem)
+        if match is None:
+            raise ArgumentsError(f"{source.path.name} has no frame number in its name")
+        number = int(match[2])
+        if number in numbers:
+            raise ArgumentsError(f"{numbers[number]} and {source.path} are both frame {number}")
+        numbers[number] = source.path
+        patterns.setdefault(f"{match[1]}#{match[3]}{source.path.suffix}", source.path)
+    if len(patterns) > 1:
+        first, second, *_ = (path.name for path in patterns.values())
+        raise ArgumentsError(f"{first} and {second} are not frames of one sequence")
+    return list(numbers)
+
+
+def parse_frames(text: str) -> list[int]:
+    """Read a list of frames such as ``1-50`` or ``1, 5, 10-20``; ascending, each once.
+
+    Raises
+    ------
+    ArgumentsError
+        The text is no such list.
+    """
+    frames: set[int] = set()
+    for part in text.split(","):
+        match = re.fullmatch(r"\s*(\d+)(?:\s*-\s*(\d+))?\s*", part)
+        if match is None:
+            raise ArgumentsError(f"--frames {text}: give frames such as 1-50 or 1,5,10-20")
+        first, last = int(match[1]), int(match[2] or match[1])
+        if last < first:
+            raise ArgumentsError(f"--frames {text}: {last} comes before {first}")
+        frames.update(range(first, last + 1))
+    return sorted(frames)
+
+
+def _sources_of(text: str, output_folder: Path) -> list[Source]:
+    path = Path(text)
+    if path.is_dir():
+        root = path.resolve()
+        files = [file for file in root.rglob("*") if _is_wanted(file, root, output_folder)]
+        if not files:
+            raise ArgumentsError(f"folder {text} holds no mesh file ({' '.join(SUFFIXES)})")
+        return [Source(file, file.relative_to(root)) for file in files]
+    if is_pattern(text):
+        matches = (Path(each).resolve() for each in glob.glob(text, recursive=True))
+        files = [file for file in matches if _is_wanted(file, file.parent, output_folder)]
+        if not files:
+            raise ArgumentsError(f"no mesh file matches {text}")
+        return [Source(file, Path(file.name)) for file in files]
+    if not is_supported(path):
+        raise ArgumentsError(f"{path}: unknown kind of file; use one of {' '.join(SUFFIXES)}")
+    # A file that does not exist is a failure like that of any other mesh, told with its reason.
+    return [Source(path.resolve(), Path(path.name))]
+
+
+def _is_wanted(file: Path, root: Path, output_folder: Path) -> bool:
+    """Whether to take a file that was not named itself; hidden ones are drafts and the like."""
+    is_hidden = any(part.startswith(".") for part in file.relative_to(root).parts)
+    is_result = output_folder in file.parents
+    return file.is_file() and is_supported(file) and not is_hidden and not is_result

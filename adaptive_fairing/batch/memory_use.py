@@ -1,0 +1,50 @@
+"""How much memory a process uses, where the system tells, and memory sizes as users write them."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+
+from .inputs import ArgumentsError
+
+UNITS = {"": 1, "K": 10**3, "M": 10**6, "G": 10**9, "T": 10**12}
+
+
+def resident_bytes() -> int | None:
+    """Memory that this process holds now; None if the system does not tell."""
+    statm = Path("/proc/self/statm")
+    if not statm.exists():
+        return None
+    import resource
+
+    return int(statm.read_text().split()[1]) * resource.getpagesize()
+
+
+def peak_bytes() -> int | None:
+    """Most memory that this process has held at a time; None if the system does not tell."""
+    if sys.platform == "win32":
+        return None
+    import resource
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return int(peak) * (1 if sys.platform == "darwin" else 1024)
+
+
+def parse_bytes(text: str) -> int:
+    """Read a size such as ``8G`` or ``1500M``: powers of 1000.
+
+    Raises
+    ------
+    ArgumentsError
+        The text is no size.
+    """
+    match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([KMGT]?)B?", text.strip().upper())
+    if match is None or float(match[1]) == 0:
+        raise ArgumentsError(f"--memory {text}: give a size such as 8G or 1500M")
+    return int(float(match[1]) * UNITS[match[2]])
+
+
+def in_gigabytes(n_bytes: float) -> str:
+    """Write a size for a message."""
+    return f"{n_bytes / 1e9:.2f} GB"

@@ -1,0 +1,165 @@
+"""What there is to do: every mesh with its input, its output and its record."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..formats import BLEND, MESH_FORMATS, suffix_of
+from .inputs import ArgumentsError, Source, frame_numbers
+
+RECORDS = "fairing_records"
+"""Folder below the output folder with one record per mesh."""
+
+KEYED_SUFFIX = ".ply"
+"""Format of frames that are put together to one keyed object: exact, and vertices keep their
+numbers."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """One mesh to fair.
+
+    Attributes
+    ----------
+    name
+        For messages: the output, relative to the output folder.
+    input
+        File with the mesh.
+    frame
+        Frame of an animated input to fair; None takes the mesh as it is stored.
+    number
+        Of the frame on the timeline, if this is one of a sequence.
+    output, record
+        Files to write.
+    """
+
+    name: str
+    input: Path
+    frame: int | None
+    number: int | None
+    output: Path
+    record: Path
+
+    @property
+    def place(self) -> tuple[Path, int | None]:
+        """What is read: the file and the frame in it."""
+        return self.input, self.frame
+
+
+def plan_files(sources: Sequence[Source], folder: Path, suffix: str | None) -> list[Item]:
+    """Plan a batch: one output for every file.
+
+    Parameters
+    ----------
+    sources
+        The files.
+    folder
+        Output folder.
+    suffix
+        Kind of the outputs; None for that of the input.
+
+    Raises
+    ------
+    ArgumentsError
+        Two inputs have the same output.
+    """
+    items = []
+    for source in sources:
+        relative = source.relative.with_suffix(suffix or suffix_of(source.path))
+        items.append(_item(relative, folder, source.path))
+    outputs: dict[Path, Path] = {}
+    for item in items:
+        other = outputs.setdefault(item.output, item.input)
+        if other != item.input:
+            raise ArgumentsError(
+                f"{other} and {item.input} have the same output {item.name}: give the folder that "
+                "both are in, or fair them into two folders"
+            )
+    return items
+
+
+def plan_file_frames(sources: Sequence[Source], folder: Path, suffix: str | None) -> list[Item]:
+    """Plan a sequence of numbered files, each the mesh of one frame.
+
+    Parameters, errors: as `plan_files`; and the files are not frames of one sequence.
+    """
+    items = []
+    for source, number in zip(sources, frame_numbers(sources), strict=True):
+        relative = Path(source.path.name).with_suffix(suffix or suffix_of(source.path))
+        items.append(_item(relative, folder, source.path, number=number))
+    return sorted(items, key=lambda item: item.number or 0)
+
+
+def plan_animation(source: Path, frames: Sequence[int], folder: Path, suffix: str) -> list[Item]:
+    """Plan the frames of an animated object in one file.
+
+    Parameters
+    ----------
+    source
+        File with the animation.
+    frames
+        Frames to fair.
+    folder, suffix
+        Output folder, and the mesh format of the outputs.
+    """
+    width = max(4, len(str(max(frames))))
+    return [
+        _item(
+            Path(f"{source.stem}_{frame:0{width}d}{suffix}"),
+            folder,
+            source.resolve(),
+            frame=frame,
+            number=frame,
+        )
+        for frame in frames
+    ]
+
+
+def shard_of(items: Sequence[Item], shard: tuple[int, int]) -> list[Item]:
+    """Take every n-th item, from the i-th on, of shard (i, n): neighbours are alike in size."""
+    index, count = shard
+    return list(items[index - 1 :: count])
+
+
+def parse_shard(text: str) -> tuple[int, int]:
+    """Read a shard such as ``2/8``.
+
+    Raises
+    ------
+    ArgumentsError
+        The text is none, or the number is out of range.
+    """
+    match = re.fullmatch(r"(\d+)/(\d+)", text)
+    if match is None or not 1 <= int(match[1]) <= int(match[2]):
+        raise ArgumentsError(f"--shard {text}: give i/n with i from 1 to n, such as 2/8")
+    return int(match[1]), int(match[2])
+
+
+def parse_format(text: str) -> str:
+    """Read a kind of file such as ``ply`` or ``.ply``; give its suffix.
+
+    Raises
+    ------
+    ArgumentsError
+        There is no such kind.
+    """
+    suffix = f".{text.lower().removeprefix('.')}"
+    known = (BLEND, *MESH_FORMATS)
+    if suffix not in known:
+        raise ArgumentsError(f"--format {text}: use one of {' '.join(known)}")
+    return suffix
+
+
+def _item(
+    relative: Path,
+    folder: Path,
+    source: Path,
+    *,
+    frame: int | None = None,
+    number: int | None = None,
+) -> Item:
+    record = folder / RECORDS / relative.with_name(f"{relative.name}.json")
+    return Item(relative.as_posix(), source, frame, number, folder / relative, record)

@@ -1,0 +1,97 @@
+"""A worker process as its batch sees it: messages in and out, and how it ended."""
+
+from __future__ import annotations
+
+import queue
+import signal
+import subprocess
+import tempfile
+import threading
+from collections.abc import Sequence
+from typing import IO, Any
+
+from .messages import decode, encode
+
+SECONDS_TO_LEAVE = 5.0
+
+Events = queue.SimpleQueue[tuple["WorkerProcess", dict[str, Any]]]
+
+
+class WorkerProcess:
+    """A process that fairs one mesh after the other.
+
+    Parameters
+    ----------
+    command
+        Starts the program as a worker.
+    events
+        Where its messages are put, with the worker they come from; ``{"event": "ended"}`` is the
+        last one, however the process ended.
+    """
+
+    def __init__(self, command: Sequence[str], events: Events) -> None:
+        self._events = events
+        self._errors: IO[bytes] = tempfile.TemporaryFile()
+        self._process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=self._errors,
+            encoding="utf-8",
+            errors="replace",
+        )
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+
+    @property
+    def process_id(self) -> int:
+        """Number of the process."""
+        return self._process.pid
+
+    def send(self, message: dict[str, Any]) -> None:
+        """Send a message; one that a dying process cannot take is lost, its end is told anyway."""
+        try:
+            self._process.stdin.write(encode(message))
+            self._process.stdin.flush()
+        except OSError:
+            pass
+
+    def end(self) -> None:
+        """Let the process end now; an output it is writing does not come to be."""
+        try:
+            self._process.stdin.close()  # which tells a worker to leave
+        except OSError:
+            pass
+        try:
+            self._process.wait(SECONDS_TO_LEAVE)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._reader.join()
+        self._close()
+
+    def how_it_ended(self) -> str:
+        """Say how a process that has ended by itself did so."""
+        code = self._process.wait()
+        self._errors.seek(0)
+        lines = self._errors.read().decode("utf-8", "replace").split("\n")
+        last = next((line.strip() for line in reversed(lines) if line.strip()), "")
+        self._close()
+        how = f"with status {code}"
+        if code < 0:
+            how = f"by signal {-code} ({signal.Signals(-code).name})"
+        return f"the worker process was ended {how}" + (f": {last}" if last else "")
+
+    def _read(self) -> None:
+        for line in self._process.stdout:
+            message = decode(line)
+            if message is not None:
+                self._events.put((self, message))
+        self._events.put((self, {"event": "ended"}))
+
+    def _close(self) -> None:
+        for stream in (self._process.stdin, self._process.stdout, self._errors):
+            try:
+                stream.close()
+            except OSError:  # what was to be sent to a process that is gone
+                pass

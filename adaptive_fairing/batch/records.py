@@ -1,0 +1,95 @@
+"""Records: what made an output, from what, so that a later run knows whether it is finished.
+
+An output counts as finished if its record says so and these are the same as now: version of the
+program, settings, object and frame, format; size and time of the last change of the input, of the
+files that belong to it, and of the output itself. For a sequence with one strength also the input
+that the strength comes from. Anything else is made again.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..core.report import strict, write_report
+
+Json = dict[str, Any]
+
+COMPANIONS = (".bin", ".mtl")
+"""Suffixes of files that formats put beside theirs, under the same name."""
+
+
+def stamp(path: Path) -> Json | None:
+    """Size and time of the last change of a file; None if there is none."""
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return {"size": status.st_size, "modified_ns": status.st_mtime_ns}
+
+
+def input_stamp(path: Path) -> Json:
+    """Stamps of an input and of the files that belong to it."""
+    belonging = [path.with_suffix(suffix) for suffix in COMPANIONS]
+    return {each.name: stamp(each) for each in (path, *belonging) if each.exists()}
+
+
+def read_record(path: Path) -> Json | None:
+    """Read a record; None if there is none, or one that cannot be read."""
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return record if isinstance(record, dict) else None
+
+
+def is_finished(record: Json | None, made_with: Mapping[str, Any], output: Path) -> bool:
+    """Whether an output is there and was made from this, with this.
+
+    Parameters
+    ----------
+    record
+        As `read_record` gave it.
+    made_with
+        What the output would be made with now.
+    output
+        The file.
+    """
+    return (
+        record is not None
+        and record.get("status") == "done"
+        and record.get("made_with") == strict(made_with)
+        and record.get("output_stamp") is not None
+        and record["output_stamp"] == stamp(output)
+    )
+
+
+def write_record(
+    path: Path, *, status: str, made_with: Mapping[str, Any], output: Path, account: Json
+) -> Json:
+    """Write what became of an output, after it; give the record.
+
+    Parameters
+    ----------
+    path
+        File of the record; its folder is made.
+    status
+        "done" or "failed".
+    made_with
+        As for `is_finished`.
+    output
+        The file, if it was made.
+    account
+        Error, report and numbers of the run.
+    """
+    record = {
+        "status": status,
+        "output_stamp": stamp(output) if status == "done" else None,
+        "made_with": dict(made_with),
+        **account,
+    }
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_report(path, record)
+    return record

@@ -1,0 +1,177 @@
+"""Run a batch: skip what is finished, hand out the rest, keep records, give the summary."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field
+from typing import Any, Protocol
+
+from ..core import FairingError, FairingSettings
+from ..version import program_version
+from .messages import Job
+from .plan import Item
+from .records import input_stamp, is_finished, read_record, write_record
+from .schedule import Outcome, Schedule, Task, first_claim
+from .summary import DONE, FAILED, MISSING, SKIPPED, mesh_entry, summary
+
+Json = dict[str, Any]
+
+
+class Reporter(Protocol):
+    """Who is told how the batch goes on."""
+
+    def finished(self, entry: Json) -> None:
+        """Take note of a mesh that needs no more work, see `mesh_entry`."""
+
+
+@dataclass(frozen=True)
+class Batch:
+    """What to do.
+
+    Attributes
+    ----------
+    items
+        The meshes of this run.
+    settings
+        For the solver.
+    object_name
+        Mesh object of every input; None if each holds a single one.
+    reference
+        First frame, if the meshes are frames of one sequence (in a shard: of the whole).
+    same_strength
+        Whether all frames get the smoothing of the reference.
+    command
+        Starts a worker process.
+    jobs
+        Number of worker processes.
+    memory
+        Bytes that the worker processes may hold together; None for no limit.
+    """
+
+    items: Sequence[Item]
+    settings: FairingSettings
+    object_name: str | None = None
+    reference: Item | None = None
+    same_strength: bool = False
+    command: Sequence[str] = field(default=())
+    jobs: int = 1
+    memory: int | None = None
+
+    def made_with(self, item: Item) -> Json:
+        """Name what an output is made with: all that a finished one is compared by."""
+        known = {
+            "version": program_version(),
+            "settings": asdict(self.settings),
+            "object": self.object_name,
+            "input_files": input_stamp(item.input),
+            "frame": item.frame,
+            "output": item.name,
+        }
+        if self.reference is not None:
+            known["sequence"] = {
+                "reference_files": input_stamp(self.reference.input),
+                "reference_frame": self.reference.frame,
+                "same_strength": self.same_strength,
+            }
+        return known
+
+
+def run_batch(batch: Batch, reporter: Reporter) -> Json:
+    """Fair what is not finished; give the summary.
+
+    Raises
+    ------
+    FairingError
+        What all frames have in common cannot be measured.
+    OSError
+        A folder or a record cannot be written.
+    """
+    started = time.perf_counter()
+    entries: dict[Item, Json] = {}
+    made_with = {item: batch.made_with(item) for item in batch.items}
+    for item in batch.items:
+        record = read_record(item.record)
+        if is_finished(record, made_with[item], item.output):
+            entries[item] = mesh_entry(item, SKIPPED, record)
+            reporter.finished(entries[item])
+    open_items = [item for item in batch.items if item not in entries]
+    for folder in {item.output.parent for item in open_items}:
+        folder.mkdir(parents=True, exist_ok=True)
+    for outcome in _outcomes(batch, open_items):
+        item, error = outcome.item, outcome.error
+        record = write_record(
+            item.record,
+            status=FAILED if error else DONE,
+            made_with=made_with[item],
+            output=item.output,
+            account={"error": error, **outcome.account},
+        )
+        entries[item] = mesh_entry(item, record["status"], record)
+        reporter.finished(entries[item])
+    return _summary(batch, [entries[item] for item in batch.items], started)
+
+
+def merge_batch(batch: Batch) -> Json:
+    """Fair nothing: give the summary of what earlier runs with the same settings have done."""
+    started = time.perf_counter()
+    entries = []
+    for item in batch.items:
+        record, made_with = read_record(item.record), batch.made_with(item)
+        if is_finished(record, made_with, item.output):
+            entries.append(mesh_entry(item, SKIPPED, record))
+        elif record is not None and record.get("status") == FAILED:
+            entries.append(mesh_entry(item, FAILED, record))
+        else:
+            entries.append(mesh_entry(item, MISSING, None))
+    return _summary(batch, entries, started)
+
+
+def _outcomes(batch: Batch, items: Sequence[Item]) -> Iterator[Outcome]:
+    if not items:
+        return
+    schedule = Schedule(batch.command, batch.jobs, batch.memory)
+    settings, scale = asdict(batch.settings), None
+    if batch.reference is not None and batch.same_strength:
+        settings, scale = _measure(batch, schedule)
+    tasks = [Task(item, _job(batch, item, settings, scale), first_claim(item)) for item in items]
+    yield from schedule.run(tasks)
+
+
+def _measure(batch: Batch, schedule: Schedule) -> tuple[Json, float]:
+    """Let a worker find what gives all frames the smoothing of the first."""
+    first = batch.reference
+    job = Job(str(first.input), first.frame, batch.object_name, asdict(batch.settings), None)
+    (outcome,) = schedule.run([Task(first, job, first_claim(first))])
+    if outcome.error is not None:
+        raise FairingError(f"first frame, {first.input.name}: {outcome.error}")
+    return outcome.account["settings"], outcome.account["scale"]
+
+
+def _job(batch: Batch, item: Item, settings: Json, scale: float | None) -> Job:
+    first = batch.reference
+    return Job(
+        str(item.input),
+        item.frame,
+        batch.object_name,
+        settings,
+        str(item.output.resolve()),
+        None if first is None else (str(first.input), first.frame),
+        scale,
+    )
+
+
+def _summary(batch: Batch, entries: list[Json], started: float) -> Json:
+    return summary(
+        entries,
+        version=program_version(),
+        settings=asdict(batch.settings),
+        arguments={
+            "object": batch.object_name,
+            "is_sequence": batch.reference is not None,
+            "same_strength": batch.same_strength,
+            "jobs": batch.jobs,
+            "memory_limit": batch.memory,
+        },
+        seconds=time.perf_counter() - started,
+    )

@@ -1,0 +1,211 @@
+"""Hand meshes to worker processes so that what they need together fits into memory."""
+
+from __future__ import annotations
+
+import queue
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from .memory_use import in_gigabytes
+from .messages import Job
+from .plan import Item
+from .process import Events, WorkerProcess
+
+Json = dict[str, Any]
+
+START_BYTES = 400_000_000
+"""Blender with numpy and scipy, before it has a mesh: 290 MB as a module (measured)."""
+
+READING_FACTOR = 4
+"""Memory while a file is read, in sizes of the file: a first guess, before the mesh is known."""
+
+LARGE_BYTES = 1_500_000_000
+"""A process that has held more ends after it: freed memory does not always go back."""
+
+
+@dataclass
+class Task:
+    """A mesh on its way.
+
+    Attributes
+    ----------
+    item
+        The mesh.
+    job
+        As the worker gets it.
+    claim
+        Bytes that its process may come to hold: guessed from the file, then estimated from the
+        mesh.
+    """
+
+    item: Item
+    job: Job
+    claim: int
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of a mesh.
+
+    Attributes
+    ----------
+    item
+        The mesh.
+    error
+        Why there is no output, or no complete one; None if all went well.
+    account
+        What the worker tells: report, seconds, memory.
+    """
+
+    item: Item
+    error: str | None
+    account: Json
+
+
+@dataclass
+class _Worker:
+    process: WorkerProcess
+    claim: int = 0
+    task: Task | None = None
+
+
+@dataclass
+class Schedule:
+    """The worker processes of a batch and what they hold.
+
+    Attributes
+    ----------
+    command
+        Starts a worker.
+    jobs
+        Number of processes at a time.
+    limit
+        Bytes that they may hold together; None for no limit.
+    """
+
+    command: Sequence[str]
+    jobs: int
+    limit: int | None
+    _workers: dict[WorkerProcess, _Worker] = field(default_factory=dict)
+    _waiting: list[Task] = field(default_factory=list)
+    _events: Events = field(default_factory=queue.SimpleQueue)
+
+    def run(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
+        """Fair the meshes; yield what became of each as soon as it is known.
+
+        A mesh that does not fit beside what is running waits while others are faired. Processes
+        end with the generator.
+        """
+        self._waiting = list(tasks)
+        try:
+            yield from self._refuse_too_large()
+            self._hand_out()
+            while any(worker.task for worker in self._workers.values()):
+                process, message = self._events.get()
+                worker = self._workers.get(process)
+                if worker is not None:  # otherwise it was sent away
+                    yield from self._handle(worker, message)
+                    self._hand_out()
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """End all processes."""
+        for worker in list(self._workers.values()):
+            self._dismiss(worker)
+
+    def _handle(self, worker: _Worker, message: Json) -> Iterator[Outcome]:
+        event, task = message["event"], worker.task
+        if event == "needs":
+            yield from self._admit(worker, int(message["bytes"]))
+        elif event == "later":
+            self._waiting.insert(0, task)
+            self._release(worker)
+        elif event in ("done", "failed"):
+            account = {key: value for key, value in message.items() if key != "event"}
+            yield Outcome(task.item, account.pop("error", None), account)
+            self._release(worker)
+        elif event == "ended":
+            del self._workers[worker.process]
+            how = worker.process.how_it_ended()
+            if task is not None:
+                yield Outcome(task.item, how, {})
+
+    def _admit(self, worker: _Worker, needed: int) -> Iterator[Outcome]:
+        task = worker.task
+        task.claim = max(task.claim, needed)
+        if self._fits(task, worker):
+            worker.claim = max(worker.claim, task.claim)
+            worker.process.send({"answer": "go"})
+        elif self.limit is not None and task.claim > self.limit:
+            yield self._too_large(task)
+            worker.task = None
+            self._dismiss(worker)
+        else:
+            worker.process.send({"answer": "later"})
+
+    def _hand_out(self) -> None:
+        """Give waiting meshes to idle processes, or to new ones, as long as they fit."""
+        while self._waiting:
+            idle = [worker for worker in self._workers.values() if worker.task is None]
+            if not idle and len(self._workers) >= self.jobs:
+                return
+            worker = idle[0] if idle else None
+            task = next((task for task in self._waiting if self._fits(task, worker)), None)
+            if task is None and idle:
+                # What an idle process still holds may be what is missing.
+                self._dismiss(idle[0])
+                continue
+            if task is None:
+                return
+            self._waiting.remove(task)
+            if worker is None:
+                worker = self._start()
+            worker.task = task
+            worker.claim = max(worker.claim, task.claim)
+            worker.process.send(task.job.message())
+
+    def _fits(self, task: Task, worker: _Worker | None) -> bool:
+        if self.limit is None:
+            return True
+        others = sum(each.claim for each in self._workers.values() if each is not worker)
+        own = task.claim if worker is None else max(worker.claim, task.claim)
+        return others + own <= self.limit
+
+    def _refuse_too_large(self) -> Iterator[Outcome]:
+        for task in list(self._waiting):
+            if self.limit is not None and task.claim > self.limit:
+                self._waiting.remove(task)
+                yield self._too_large(task)
+
+    def _too_large(self, task: Task) -> Outcome:
+        return Outcome(
+            task.item,
+            f"needs about {in_gigabytes(task.claim)} of memory, the limit is "
+            f"{in_gigabytes(self.limit)}: raise --memory, decimate the mesh, or fair it in parts",
+            {"needed_bytes": task.claim},
+        )
+
+    def _start(self) -> _Worker:
+        process = WorkerProcess(self.command, self._events)
+        self._workers[process] = worker = _Worker(process)
+        return worker
+
+    def _release(self, worker: _Worker) -> None:
+        worker.task = None
+        if worker.claim > LARGE_BYTES:
+            self._dismiss(worker)
+
+    def _dismiss(self, worker: _Worker) -> None:
+        del self._workers[worker.process]
+        worker.process.end()
+
+
+def first_claim(item: Item) -> int:
+    """Guess what the process of a mesh needs while the file is read."""
+    try:
+        size = item.input.stat().st_size
+    except OSError:
+        size = 0
+    return START_BYTES + READING_FACTOR * size

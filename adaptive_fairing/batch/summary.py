@@ -1,0 +1,82 @@
+"""The account of a batch as JSON: what every mesh came to."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from .plan import Item
+
+Json = dict[str, Any]
+
+DONE, SKIPPED, FAILED, MISSING = "done", "skipped", "failed", "missing"
+"""Made now; finished by an earlier run; not made, with an error; not tried yet (`--merge`)."""
+
+
+def mesh_entry(item: Item, status: str, record: Json | None) -> Json:
+    """Describe one mesh.
+
+    Parameters
+    ----------
+    item
+        The mesh.
+    status
+        One of the constants of this module.
+    record
+        As the run that made or tried it has left it; None if there is none.
+    """
+    record = record or {}
+    report = record.get("report") or {}
+    steps = report.get("steps") or [{}]
+    return {
+        "output": item.name,
+        "input": str(item.input),
+        "frame": item.number,
+        "status": status,
+        "error": record.get("error"),
+        "vertices": report.get("mesh", {}).get("vertices"),
+        "triangles": report.get("mesh", {}).get("triangles"),
+        "steps": len(report.get("steps", [])),
+        "stop_reason": report.get("stop_reason"),
+        "curvature_ratio": steps[-1].get("curvature_ratio"),
+        "largest_displacement": steps[-1].get("largest_displacement"),
+        "notes": report.get("notes", []),
+        "seconds": record.get("seconds"),
+        "needed_bytes": record.get("needed_bytes"),
+        "peak_bytes": record.get("peak_bytes"),
+    }
+
+
+def summary(
+    entries: Sequence[Json], *, version: str, settings: Json, arguments: Json, seconds: float
+) -> Json:
+    """Put the account of a batch together.
+
+    Parameters
+    ----------
+    entries
+        One `mesh_entry` each.
+    version
+        Of the program.
+    settings
+        For the solver, as asked for.
+    arguments
+        What else was asked for.
+    seconds
+        Time that this run took.
+    """
+    statuses = [entry["status"] for entry in entries]
+    return {
+        "program": {"name": "adaptive-fairing", "version": version},
+        "settings": settings,
+        **arguments,
+        "seconds": seconds,
+        "counts": {"meshes": len(entries)}
+        | {status: statuses.count(status) for status in (DONE, SKIPPED, FAILED, MISSING)},
+        "meshes": list(entries),
+    }
+
+
+def is_complete(entries: Sequence[Json]) -> bool:
+    """Whether every mesh has its output."""
+    return all(entry["status"] in (DONE, SKIPPED) for entry in entries)
