@@ -293,12 +293,24 @@ def test_a_killed_worker_costs_only_its_mesh(tmp_path):
     process = command(given, "--out-dir", tmp_path / "out", "--report", tmp_path / "r.json")
     workers = []
     while not workers:
-        workers = psutil.Process(process.pid).children()
+        # Importing numpy and the like starts processes too, for a moment.
+        children = psutil.Process(process.pid).children()
+        workers = [child for child in children if "--worker" in command_line(child)]
     os.kill(workers[0].pid, signal.SIGKILL)
     _, err = process.communicate()
     assert process.returncode == 1
     assert "a_large.ply: the worker process was ended by signal 9 (SIGKILL)" in err
     assert summary(tmp_path / "r.json") == {"a_large.ply": "failed", "b_small.ply": "done"}
+
+
+def command_line(process):
+    """Arguments of a process; none if it has ended meanwhile."""
+    import psutil
+
+    try:
+        return process.cmdline()
+    except psutil.Error:
+        return []
 
 
 def test_shards_make_the_whole_and_merge_sums_them_up(meshes, faired, tmp_path, capsys):
