@@ -1,0 +1,70 @@
+"""Blender's smoothing modifiers, as peers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+import numpy as np
+
+from .geometry import Faces, FloatArray
+
+
+def smooth(vertices: FloatArray, faces: Faces, sweep: tuple[float, ...]) -> Iterator[FloatArray]:
+    """Smooth, at its factor 0.5; the sweep counts iterations."""
+    return _counted(vertices, faces, sweep, "SMOOTH")
+
+
+def corrective_smooth(
+    vertices: FloatArray, faces: Faces, sweep: tuple[float, ...], weights: str
+) -> Iterator[FloatArray]:
+    """Smooth Corrective without the correction, which would bring the noise back."""
+    return _counted(
+        vertices, faces, sweep, "CORRECTIVE_SMOOTH", use_only_smooth=True, smooth_type=weights
+    )
+
+
+def laplacian_smooth(
+    vertices: FloatArray, faces: Faces, sweep: tuple[float, ...], iterations: int
+) -> Iterator[FloatArray]:
+    """Laplacian Smooth; the sweep is its lambda for inner and boundary vertices."""
+    item = _object(vertices, faces)
+    for value in sweep:
+        yield _evaluated(
+            item,
+            "LAPLACIANSMOOTH",
+            iterations=iterations,
+            lambda_factor=value,
+            lambda_border=value,
+        )
+
+
+def _counted(vertices, faces, sweep, modifier: str, **options) -> Iterator[FloatArray]:
+    """Go on from the last result: that is what further iterations do."""
+    positions, done = vertices, 0
+    for value in sweep:
+        item = _object(positions, faces)
+        positions = _evaluated(item, modifier, iterations=int(value) - done, **options)
+        done = int(value)
+        yield positions
+
+
+def _object(vertices: FloatArray, faces: Faces) -> bpy.types.Object:
+    """Make the mesh the only object of an empty file."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    mesh = bpy.data.meshes.new("mesh")
+    mesh.from_pydata(vertices, [], faces)
+    item = bpy.data.objects.new("mesh", mesh)
+    bpy.context.scene.collection.objects.link(item)
+    return item
+
+
+def _evaluated(item: bpy.types.Object, modifier: str, **options) -> FloatArray:
+    item.modifiers.clear()
+    smoothing = item.modifiers.new("smoothing", modifier)
+    for name, value in options.items():
+        setattr(smoothing, name, value)
+    mesh = item.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    positions = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", positions)
+    return positions.reshape(-1, 3).astype(float)

@@ -1,0 +1,49 @@
+"""Local edge lengths, normals and areas of a triangle mesh: what noise and errors are measured by."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+Faces = NDArray[np.int32]
+
+
+def edges_of(faces: Faces) -> NDArray[np.int64]:
+    """Return every edge (k, 2) once, the smaller index first."""
+    pairs = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1).astype(np.int64)
+    keys = np.unique(pairs[:, 0] << 32 | pairs[:, 1])
+    return np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1)
+
+
+def local_edge_lengths(vertices: FloatArray, faces: Faces) -> FloatArray:
+    """Return the mean length (n,) of the edges at every vertex, 0 at loose ones."""
+    edges = edges_of(faces)
+    lengths = np.linalg.norm(vertices[edges[:, 0]] - vertices[edges[:, 1]], axis=1)
+    total = np.bincount(edges.ravel(), np.repeat(lengths, 2), len(vertices))
+    return total / np.maximum(np.bincount(edges.ravel(), minlength=len(vertices)), 1)
+
+
+def scaled_normals(vertices: FloatArray, faces: Faces) -> FloatArray:
+    """Return normals (m, 3) of the triangles, twice their area long."""
+    corner = vertices[faces]
+    return np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+
+
+def unit(vectors: FloatArray) -> FloatArray:
+    """Return vectors (n, 3) of length one; those of no length stay as they are."""
+    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    return vectors / np.where(lengths > 0, lengths, 1.0)
+
+
+def vertex_normals(vertices: FloatArray, faces: Faces) -> FloatArray:
+    """Return unit normals (n, 3) of the vertices, triangles weighted by area."""
+    face_normals = np.repeat(scaled_normals(vertices, faces), 3, axis=0)
+    columns = [np.bincount(faces.ravel(), column, len(vertices)) for column in face_normals.T]
+    return unit(np.stack(columns, axis=1))
+
+
+def signed_volume(vertices: FloatArray, faces: Faces) -> float:
+    """Return the volume inside a closed mesh; of an open one, that of the cone over its centre."""
+    corner = (vertices - vertices.mean(axis=0))[faces]
+    return float(np.einsum("fd,fd->", np.cross(corner[:, 0], corner[:, 1]), corner[:, 2]) / 6)

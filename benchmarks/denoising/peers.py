@@ -1,0 +1,251 @@
+"""The smoothers people use, each over a grid of parameters.
+
+A peer runs along its *sweep*, from weak to strong, once for each of its *variants*; what iterates
+goes on from its last result. Where the best parameter is the last of a sweep, the grid was too
+narrow, which the tables say.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from importlib.metadata import version
+
+import numpy as np
+from scipy.sparse import diags_array
+from scipy.sparse.linalg import cg
+
+from . import blender_modifiers
+from .geometry import Faces, FloatArray, edges_of
+
+ITERATIONS = (
+    1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 17, 20, 24, 29, 35, 42, 50, 60, 72, 86, 103, 124, 149, 179,
+    215,
+)  # fmt: skip
+"""About a fifth more from one to the next: where errors are flat, at their least."""
+
+Values = tuple[float, ...]
+
+Results = Iterator[FloatArray]
+"""Positions (n, 3) for every value of the sweep, in order."""
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A smoother and its grid.
+
+    Attributes
+    ----------
+    name
+        For the tables.
+    packages
+        What its results depend on: installed packages.
+    sweep_name, sweep
+        The parameter that says how strongly it smooths, and its values in rising order.
+    run
+        Called with positions (n, 3), triangles (m, 3), the sweep's values and a variant's options.
+    variants
+        The other parameters' values, by what they are called in the tables.
+    starts_at_least
+        The first value of the sweep is the least there is, such as one iteration.
+    """
+
+    name: str
+    packages: tuple[str, ...]
+    sweep_name: str
+    sweep: Values
+    run: Callable[..., Results]
+    variants: Mapping[str, Mapping[str, float | str | bool]] = field(default_factory=lambda: {"": {}})
+    starts_at_least: bool = True
+
+    @property
+    def version(self) -> str:
+        """Versions of all that computes."""
+        return " ".join(f"{package} {version(package)}" for package in self.packages)
+
+    def parameter(self, variant: str, value: float) -> str:
+        """Name a point of the grid."""
+        return f"{self.sweep_name} {value:g}" + (f", {variant}" if variant else "")
+
+    def results(self, vertices: FloatArray, faces: Faces) -> Iterator[tuple[str, FloatArray]]:
+        """Yield the name of every grid point and the positions there."""
+        for variant, options in self.variants.items():
+            found = self.run(vertices, faces, self.sweep, **options)
+            for value, positions in zip(self.sweep, found, strict=False):
+                yield self.parameter(variant, value), positions
+
+    def result(self, vertices: FloatArray, faces: Faces, parameter: str) -> FloatArray:
+        """Return the positions at one point of the grid."""
+        for name, positions in self.results(vertices, faces):
+            if name == parameter:
+                return positions
+        raise KeyError(f"{self.name} has no {parameter}")
+
+    def at_edge(self, parameter: str) -> bool:
+        """Tell whether the grid should have gone further at this point of it."""
+        ends = self.sweep[-1:] if self.starts_at_least else (self.sweep[0], self.sweep[-1])
+        return any(parameter == self.parameter(v, end) for v in self.variants for end in ends)
+
+
+def meshlab(
+    vertices: FloatArray, faces: Faces, sweep: Values, filter_name: str, counted: bool = True, **options
+) -> Results:
+    """Repeat one step of a filter of MeshLab, as its own count of steps does."""
+    import pymeshlab
+
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(vertices, faces))
+    if counted:
+        options["stepsmoothnum"] = 1
+    done = 0
+    for value in sweep:
+        for _ in range(int(value) - done):
+            meshes.apply_filter(filter_name, **options)
+        done = int(value)
+        yield meshes.current_mesh().vertex_matrix().copy()
+
+
+def windowed_sinc(vertices: FloatArray, faces: Faces, sweep: Values, iterations: int) -> Results:
+    """VTK's windowed sinc filter; the sweep is its pass band, where 2 lets everything through."""
+    import pyvista
+
+    mesh = pyvista.PolyData.from_regular_faces(vertices, faces)
+    for value in sweep:
+        smooth = mesh.smooth_taubin(
+            n_iter=iterations, pass_band=1 / value, normalize_coordinates=True
+        )
+        yield np.array(smooth.points, dtype=float)
+
+
+def cotangent_flow(vertices: FloatArray, faces: Faces, sweep: Values, steps: int) -> Results:
+    """Implicit mean curvature flow with libigl's matrices, one diffusion time everywhere.
+
+    The sweep is the smoothing radius √(2 t) of all steps together, in mean edges.
+    """
+    import igl
+
+    faces = faces.astype(np.int64)
+    ends = vertices[edges_of(faces)]
+    edge = np.linalg.norm(ends[:, 0] - ends[:, 1], axis=1).mean()
+    laplacian = igl.cotmatrix(vertices, faces)
+    for value in sweep:
+        time = 0.5 * (value * edge) ** 2 / steps
+        positions = vertices
+        for _ in range(steps):
+            mass = igl.massmatrix(positions, faces)
+            matrix = (mass - time * laplacian).tocsr()
+            inverse = diags_array(1 / matrix.diagonal())
+            columns = [
+                cg(matrix, right, start, rtol=1e-8, maxiter=4000, M=inverse)[0]
+                for right, start in zip((mass @ positions).T.copy(), positions.T, strict=True)
+            ]
+            positions = np.stack(columns, axis=1)
+        yield positions
+
+
+def _spread(first: float, last: float, count: int) -> Values:
+    return tuple(float(f"{value:.3g}") for value in np.geomspace(first, last, count))
+
+
+PEERS: Sequence[Peer] = (
+    Peer(
+        "MeshLab Laplacian",
+        ("pymeshlab",),
+        "iterations",
+        ITERATIONS[:20],
+        meshlab,
+        {
+            "uniform weights": {
+                "filter_name": "apply_coord_laplacian_smoothing",
+                "cotangentweight": False,
+            },
+            "cotangent weights": {
+                "filter_name": "apply_coord_laplacian_smoothing",
+                "cotangentweight": True,
+            },
+        },
+    ),
+    Peer(
+        "MeshLab Taubin",
+        ("pymeshlab",),
+        "iterations",
+        ITERATIONS,
+        meshlab,
+        {
+            f"λ {forth:g}, μ {back:g}": {
+                "filter_name": "apply_coord_taubin_smoothing",
+                "lambda_": forth,
+                "mu": back,
+            }
+            for forth, back in ((0.5, -0.53), (0.33, -0.34), (0.5, -0.6))
+        },
+    ),
+    Peer(
+        "MeshLab HC",
+        ("pymeshlab",),
+        "iterations",
+        ITERATIONS,
+        meshlab,
+        {"": {"filter_name": "apply_coord_hc_laplacian_smoothing", "counted": False}},
+    ),
+    Peer(
+        "MeshLab two-step",
+        ("pymeshlab",),
+        "iterations",
+        ITERATIONS[:18],
+        meshlab,
+        {
+            f"normals within {angle:g}°, {normal_steps} + {fit_steps} inner": {
+                "filter_name": "apply_coord_two_steps_smoothing",
+                "normalthr": float(angle),
+                "stepnormalnum": normal_steps,
+                "stepfitnum": fit_steps,
+            }
+            for angle in (30, 60)
+            for normal_steps, fit_steps in ((20, 20), (2, 3), (1, 2), (1, 1))
+        },
+    ),
+    Peer(
+        "VTK windowed sinc",
+        ("vtk",),
+        "1 / pass band",
+        _spread(0.6, 2000, 32),
+        windowed_sinc,
+        {f"{count} iterations": {"iterations": count} for count in (10, 15, 20, 30, 50, 100)},
+        starts_at_least=False,
+    ),
+    Peer(
+        "cotangent flow (libigl)",
+        ("libigl", "scipy"),
+        "radius",
+        _spread(0.03, 8, 29),
+        cotangent_flow,
+        {"1 step": {"steps": 1}, "4 steps": {"steps": 4}},
+        starts_at_least=False,
+    ),
+    Peer(
+        "Blender Smooth",
+        ("bpy",),
+        "iterations",
+        ITERATIONS[:20],
+        blender_modifiers.smooth,
+    ),
+    Peer(
+        "Blender Laplacian Smooth",
+        ("bpy",),
+        "λ",
+        _spread(0.003, 30, 24),
+        blender_modifiers.laplacian_smooth,
+        {f"{count} iterations": {"iterations": count} for count in (1, 4)},
+        starts_at_least=False,
+    ),
+    Peer(
+        "Blender Corrective Smooth",
+        ("bpy",),
+        "iterations",
+        ITERATIONS[:20],
+        blender_modifiers.corrective_smooth,
+        {"simple": {"weights": "SIMPLE"}, "length weighted": {"weights": "LENGTH_WEIGHTED"}},
+    ),
+)
+"""All of them. The parameters that are not named are at the program's defaults."""

@@ -1,0 +1,120 @@
+"""Machine parts: flat sides, sharp edges, holes, bevels; exact until they are remeshed."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+
+# isort: split
+import bmesh  # exists once bpy has been imported, like mathutils
+import numpy as np
+from mathutils import Matrix, Vector
+
+from .meshing import MeshArrays
+
+Point = Sequence[float]
+
+
+class Part:
+    """A solid made in Blender by joining and cutting; use one at a time.
+
+    Its boolean operations are Blender's exact ones, so corners and edges lie where they belong.
+    """
+
+    def __init__(self) -> None:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        self._item: bpy.types.Object | None = None
+
+    def box(self, low: Point, high: Point, cut: bool = False, turn: float = 0.0) -> Part:
+        """Join or cut a box between two corners, turned about its own z axis by degrees."""
+        mesh = bmesh.new()
+        bmesh.ops.create_cube(mesh, size=1.0)
+        low, high = Vector(low), Vector(high)
+        place = Matrix.Translation((low + high) / 2) @ Matrix.Rotation(np.radians(turn), 4, "Z")
+        size = Matrix.Diagonal((*(high - low), 1.0))
+        bmesh.ops.transform(mesh, matrix=place @ size, verts=mesh.verts)
+        return self._apply(mesh, cut)
+
+    def cylinder(
+        self,
+        centre: Point,
+        axis: Point,
+        radius: float | tuple[float, float],
+        height: float,
+        cut: bool = False,
+        segments: int = 96,
+    ) -> Part:
+        """Join or cut a cylinder, or a cone's stump where two radii are given."""
+        first, last = radius if isinstance(radius, tuple) else (radius, radius)
+        mesh = bmesh.new()
+        bmesh.ops.create_cone(
+            mesh, cap_ends=True, segments=segments, radius1=first, radius2=last, depth=height
+        )
+        turn = Vector(axis).to_track_quat("Z", "Y").to_matrix().to_4x4()
+        place = Matrix.Translation(centre) @ turn
+        bmesh.ops.transform(mesh, matrix=place, verts=mesh.verts)
+        return self._apply(mesh, cut)
+
+    def ball(self, centre: Point, radius: float, cut: bool = False) -> Part:
+        """Join or cut a ball."""
+        mesh = bmesh.new()
+        bmesh.ops.create_icosphere(
+            mesh, subdivisions=5, radius=radius, matrix=Matrix.Translation(centre)
+        )
+        return self._apply(mesh, cut)
+
+    def prism(self, outline: np.ndarray, low: float, high: float, cut: bool = False) -> Part:
+        """Join or cut an outline (n, 2), counter-clockwise, between two heights z."""
+        mesh = bmesh.new()
+        bottom = [mesh.verts.new((x, y, low)) for x, y in outline]
+        top = [mesh.verts.new((x, y, high)) for x, y in outline]
+        mesh.faces.new(bottom[::-1])
+        mesh.faces.new(top)
+        for k in range(len(outline)):
+            mesh.faces.new((bottom[k - 1], bottom[k], top[k], top[k - 1]))
+        return self._apply(mesh, cut)
+
+    def bevel(self, width: float, segments: int = 6) -> Part:
+        """Round all edges bent by more than 30 degrees."""
+        modifier = self._item.modifiers.new("bevel", "BEVEL")
+        modifier.width, modifier.segments = width, segments
+        modifier.limit_method, modifier.angle_limit = "ANGLE", np.radians(30)
+        return self
+
+    def arrays(self) -> MeshArrays:
+        """Return the vertices and triangles."""
+        graph = bpy.context.evaluated_depsgraph_get()
+        mesh = self._item.evaluated_get(graph).to_mesh()
+        mesh.calc_loop_triangles()
+        vertices = np.array([vertex.co for vertex in mesh.vertices], dtype=float)
+        faces = np.array([each.vertices for each in mesh.loop_triangles], dtype=np.int32)
+        return vertices, faces
+
+    def _apply(self, mesh: bmesh.types.BMesh, cut: bool) -> Part:
+        data = bpy.data.meshes.new("part")
+        mesh.to_mesh(data)
+        mesh.free()
+        item = bpy.data.objects.new("part", data)
+        if self._item is None:
+            bpy.context.scene.collection.objects.link(item)
+            self._item = item
+            return self
+        modifier = self._item.modifiers.new("boolean", "BOOLEAN")
+        modifier.solver, modifier.object = "EXACT", item
+        modifier.operation = "DIFFERENCE" if cut else "UNION"
+        bpy.context.scene.collection.objects.link(item)
+        return self
+
+
+def gear_outline(n_teeth: int, inner: float, outer: float, points_per_flank: int = 3) -> np.ndarray:
+    """Return a gear's outline (n, 2), counter-clockwise, its flanks leaning inwards."""
+    pitch = 2 * np.pi / n_teeth
+    root = np.linspace(-0.5, -0.27, points_per_flank), np.full(points_per_flank, inner)
+    tip = np.linspace(-0.14, 0.14, points_per_flank), np.full(points_per_flank, outer)
+    back = np.linspace(0.27, 0.5, points_per_flank)[:-1], np.full(points_per_flank - 1, inner)
+    turns = np.concatenate([root[0], tip[0], back[0]])
+    radii = np.concatenate([root[1], tip[1], back[1]])
+    angles = (turns[None] + np.arange(n_teeth)[:, None]).ravel() * pitch
+    radii = np.tile(radii, n_teeth)
+    return np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)

@@ -1,0 +1,86 @@
+"""From exact or dense meshes to clean ones of uneven density: remeshing, quadric decimation."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pymeshlab
+
+from tools.samples.adaptive import decimate, flip_edges
+
+from ..geometry import Faces, FloatArray
+
+MeshArrays = tuple[FloatArray, Faces]
+
+
+def remeshed(vertices: FloatArray, faces: Faces, edge: float, crease: float = 25.0) -> MeshArrays:
+    """Return triangles of nearly one size that keep sharp edges.
+
+    Parameters
+    ----------
+    vertices, faces
+        (n, 3) positions and (m, 3) triangles, however uneven.
+    edge
+        Length of the new edges.
+    crease
+        Edges bent by more than this many degrees are kept.
+    """
+    meshes = _loaded(vertices, faces)
+    meshes.meshing_merge_close_vertices(threshold=pymeshlab.PureValue(1e-4 * edge))
+    meshes.meshing_isotropic_explicit_remeshing(
+        iterations=12,
+        targetlen=pymeshlab.PureValue(edge),
+        featuredeg=crease,
+        checksurfdist=False,
+    )
+    return _arrays(meshes)
+
+
+def graded(
+    vertices: FloatArray, faces: Faces, n_triangles: int, importance: FloatArray
+) -> MeshArrays:
+    """Collapse edges by quadric error, more of them where the importance (n,) is small."""
+    meshes = _loaded(vertices, faces, importance)
+    meshes.meshing_decimation_quadric_edge_collapse(
+        targetfacenum=n_triangles,
+        qualitythr=0.5,
+        qualityweight=True,
+        planarquadric=True,
+        planarweight=0.002,
+        preservenormal=True,
+        preservetopology=True,
+        preserveboundary=True,
+    )
+    return _arrays(meshes)
+
+
+def uneven(
+    vertices: FloatArray, faces: Faces, n_triangles: int, importance: FloatArray
+) -> MeshArrays:
+    """Collapse edges of a closed smooth mesh where the importance (n,) in [0, 1] is small.
+
+    More uneven than `graded`; it has no eye for long flat sides.
+    """
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    vertices, faces = decimate(vertices, faces, importance, n_triangles, contrast=8.0)
+    return vertices, flip_edges(vertices, faces, flat=0.7)
+
+
+def near(vertices: FloatArray, centre: tuple[float, ...], radius: float, least: float = 1e-3):
+    """Return an importance (n,): 1 at a centre, falling to `least` beyond some radii of it."""
+    squares = np.sum(np.square((vertices - np.array(centre)) / radius), axis=1)
+    return least + (1 - least) * np.exp(-squares)
+
+
+def _loaded(
+    vertices: FloatArray, faces: Faces, quality: FloatArray | None = None
+) -> pymeshlab.MeshSet:
+    options = {} if quality is None else {"v_scalar_array": np.ascontiguousarray(quality)}
+    meshes = pymeshlab.MeshSet()
+    meshes.add_mesh(pymeshlab.Mesh(np.ascontiguousarray(vertices, dtype=float), faces, **options))
+    return meshes
+
+
+def _arrays(meshes: pymeshlab.MeshSet) -> MeshArrays:
+    mesh = meshes.current_mesh()
+    return mesh.vertex_matrix().copy(), mesh.face_matrix().astype(np.int32)
