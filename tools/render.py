@@ -77,17 +77,19 @@ def render(
     look = look or Look()
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    mesh = _add_mesh(scene, vertices, triangles, look, vertex_colors)
+    mesh = add_mesh(scene, vertices, triangles, look, vertex_colors).data
     # Lights are cast for the part in view, so that a close-up is lit like the whole.
     corners = np.array(view.box) if view.box else np.array([vertices.min(0), vertices.max(0)])
-    _add_camera(scene, corners, vertices, view, look)
-    _add_lights(scene, view)
-    mesh.materials.append(_clay(look, vertex_colors is not None))
-    _settings(scene, look, path)
+    add_camera(scene, corners, vertices, view, look)
+    add_lights(scene, view)
+    mesh.materials.append(clay(look, vertex_colors is not None))
+    set_up(scene, look)
+    scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
 
 
-def _add_mesh(scene, vertices, triangles, look, vertex_colors):
+def add_mesh(scene, vertices, triangles, look, vertex_colors=None):
+    """Return a new object of the scene."""
     mesh = bpy.data.meshes.new("mesh")
     mesh.vertices.add(len(vertices))
     mesh.vertices.foreach_set("co", np.ascontiguousarray(vertices, dtype=np.float32).ravel())
@@ -102,11 +104,13 @@ def _add_mesh(scene, vertices, triangles, look, vertex_colors):
         attribute = mesh.attributes.new("field", "FLOAT_COLOR", "POINT")
         rgba = np.column_stack([vertex_colors, np.ones(len(vertices))]).astype(np.float32)
         attribute.data.foreach_set("color", rgba.ravel())
-    scene.collection.objects.link(bpy.data.objects.new("mesh", mesh))
-    return mesh
+    item = bpy.data.objects.new("mesh", mesh)
+    scene.collection.objects.link(item)
+    return item
 
 
-def _add_camera(scene, corners, vertices, view, look):
+def add_camera(scene, corners, vertices, view, look):
+    """Place the camera so that it sees the box of `corners`, or all `vertices` if it is theirs."""
     direction = Vector(view.direction).normalized()
     turn = direction.to_track_quat("Z", "Y")
     centre = Vector(corners.mean(axis=0))
@@ -140,8 +144,8 @@ def _box_corners(corners):
     return np.array(np.meshgrid(*corners.T)).reshape(3, -1).T
 
 
-def _add_lights(scene, view):
-    """Three suns that turn with the camera: key from upper left, fill from right, rim behind."""
+def add_lights(scene, view):
+    """Add three suns that turn with the camera: key, upper left; fill, right; rim, behind."""
     turn = Vector(view.direction).normalized().to_track_quat("Z", "Y")
     for name, offset, strength, angle in (
         ("key", (-0.8, 0.75, 0.75), 3.4, 8.0),
@@ -155,7 +159,8 @@ def _add_lights(scene, view):
         scene.collection.objects.link(item)
 
 
-def _clay(look, colored):
+def clay(look, colored=False):
+    """Return the material of all meshes; `colored` takes the colours of the vertices."""
     material = bpy.data.materials.new("clay")
     material.use_nodes = True
     shader = material.node_tree.nodes["Principled BSDF"]
@@ -169,7 +174,8 @@ def _clay(look, colored):
     return material
 
 
-def _settings(scene, look, path):
+def set_up(scene, look):
+    """Choose Cycles on the CPU, a picture that is the same on every run, and even light."""
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
     scene.cycles.samples = look.samples
@@ -181,7 +187,6 @@ def _settings(scene, look, path):
     scene.render.film_transparent = True
     scene.render.image_settings.file_format = "PNG"
     scene.render.image_settings.color_mode = "RGBA"
-    scene.render.filepath = str(path)
     scene.view_settings.view_transform = "Standard"
     world = bpy.data.worlds.new("world")
     world.use_nodes = True

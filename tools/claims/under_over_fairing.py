@@ -2,19 +2,32 @@
 
 The noise that is left is the distance between the faired noisy mesh and the faired clean mesh; the
 detail that is lost is the distance between the faired clean mesh and the clean mesh itself. A
-scheme under-fairs where the first is large and over-fairs where the second is.
+scheme under-fairs where the first is large and over-fairs where the second is. The radius is that
+of the smoothing, in local edge lengths, in the coarsest and the densest hundredth of the vertices.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
+from adaptive_fairing.core.smoothing_radius import radius_scale
+
 from .findings import Findings
 from .measures import SCHEMES, Scheme, matched_tau
 from .pairs import MeshPair
 from .tables import Cell, Table
 
-COLUMNS = ("scheme", "τ", "coarsest fifth", "2nd", "3rd", "4th", "densest fifth", "worst error")
+COLUMNS = (
+    "scheme",
+    "τ",
+    "radius",
+    "coarsest fifth",
+    "2nd",
+    "3rd",
+    "4th",
+    "densest fifth",
+    "worst error",
+)
 
 
 def run(pairs: Sequence[MeshPair]) -> Findings:
@@ -25,7 +38,7 @@ def run(pairs: Sequence[MeshPair]) -> Findings:
 def _tables(pair: MeshPair) -> list[Table]:
     steps = pair.published.steps
     untouched = pair.classes.by_fifth(pair.noisy, pair.clean)
-    noisy = ["input", None, *((noise, 0.0) for noise in untouched), max(untouched)]
+    noisy = ["input", None, None, *((noise, 0.0) for noise in untouched), max(untouched)]
     published = [noisy]
     matched = [noisy]
     for scheme in SCHEMES:
@@ -46,4 +59,6 @@ def _row(pair: MeshPair, scheme: Scheme, tau: float) -> list[Cell]:
     noise = pair.classes.by_fifth(from_noisy, from_clean)
     detail = pair.classes.by_fifth(from_clean, pair.clean)
     error = pair.classes.by_fifth(from_noisy, pair.clean)
-    return [scheme.label, tau, *zip(noise, detail, strict=True), max(error)]
+    scale = radius_scale(pair.noisy, pair.triangles, scheme.settings(tau, steps))
+    densest, _, coarsest = scale.radii(steps * tau)
+    return [scheme.label, tau, (coarsest, densest), *zip(noise, detail, strict=True), max(error)]
