@@ -7,15 +7,16 @@ import json
 import numpy as np
 import pytest
 
-from adaptive_fairing.core import FairingSettings, fair
+from adaptive_fairing.core import FairingSettings, TriangleTopology, fair
+from adaptive_fairing.core.density import smoothed
 from claims import __main__ as command
-from claims import differences, stopping, under_over_fairing
+from claims import convergence, density_passes, differences, stopping, under_over_fairing
 from claims.homogenisation import DISC_STEPS, quality
 from claims.homogenisation import run as homogenisation
-from claims.measures import TENSOR, TIMESTEP, UNIFORM, matched_tau
+from claims.measures import TENSOR, TIMESTEP, UNIFORM, DensityClasses, matched_tau
 from claims.page import replace_tables
 from claims.pairs import HEAD, MeshPair
-from claims.shapes import graded_hexagon, icosphere
+from claims.shapes import flat_hexagon, graded_hexagon, icosphere
 from claims.tables import Table, shown
 from samples.noise import add_noise
 from samples.triangles import density_ratio, edge_lengths, vertex_normals
@@ -46,6 +47,17 @@ def test_distance_counts_local_edges_along_normals_only(pair):
     assert classes.by_fifth(raised, pair.clean) == pytest.approx([0.3] * 5)
     slide = np.cross(normal, [0.3, 0.5, 0.7])
     assert classes.distance(pair.clean + slide, pair.clean) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_roughness_has_no_unit_and_is_that_of_a_raised_vertex(pair):
+    everywhere = np.ones(len(pair.clean), dtype=bool)
+    rough = pair.classes.roughness(pair.noisy, everywhere)
+    larger = DensityClasses(5 * pair.clean, pair.triangles)
+    assert larger.roughness(5 * pair.noisy, everywhere) == pytest.approx(rough)
+    flat, triangles = flat_hexagon(3)
+    centre = np.arange(len(flat)) == 0
+    flat[0, 2] = 0.1  # the mean of the neighbours stays in the plane, the normal upright
+    assert DensityClasses(flat, triangles).roughness(flat, centre) == pytest.approx(0.1, rel=0.01)
 
 
 def test_matched_tau_makes_the_coarse_part_as_rough_as_the_clean_one(pair):
@@ -97,6 +109,27 @@ def test_rate_stop_is_the_solver_s(pair, bound):
     stopped = fair(pair.noisy, pair.triangles, TIMESTEP.settings(0.01, 6, stop_rate=bound))
     expected = len(stopped.steps) if stopped.stop_reason == "rate" else None
     assert stopping.rate_stop(energy, 0.01, bound) == expected
+
+
+def test_three_passes_differ_from_themselves_in_nothing_and_from_others_in_something(pair):
+    _, differences_of = density_passes.run([pair]).tables
+    for row in differences_of.rows:
+        by_passes = dict(zip(differences_of.columns[2:], row[2:], strict=True))
+        assert by_passes.pop("3") == 0.0
+        assert 0 < by_passes["2"] < by_passes["1"] < by_passes["0"] < 0.2
+        assert by_passes["2"] < by_passes["5"] < by_passes["10"] < 0.2
+
+
+def test_limit_surface_of_the_interpolating_control_points_is_the_sphere():
+    vertices, triangles = icosphere(1)
+    topology = TriangleTopology(triangles, len(vertices))
+    control = convergence.interpolating(topology, vertices)
+    limit = np.stack([smoothed(topology, column, 1) for column in control.T], axis=1)
+    np.testing.assert_allclose(limit, vertices, atol=1e-12)
+
+
+def test_orders_of_errors_that_fall_with_the_square():
+    assert convergence.orders([1.0, 0.25, 0.0625]) == [None, 2.0, 2.0]
 
 
 def test_quality_of_known_triangles():
