@@ -2,9 +2,70 @@
 
 from __future__ import annotations
 
-import bpy
+from collections.abc import Iterable
+from dataclasses import dataclass
 
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
+from numpy.typing import NDArray
+
+from ..core import InputError
 from .files import FileError
+from .mesh_data import MeshData, read_mesh
+
+
+@dataclass(frozen=True)
+class Frame:
+    """The surface of an object at a frame.
+
+    Attributes
+    ----------
+    number
+        Of the frame.
+    data
+        In object space.
+    matrix
+        (4, 4), from object space into the world.
+    """
+
+    number: int
+    data: MeshData
+    matrix: NDArray[np.float64]
+
+
+def read_frames(obj: bpy.types.Object, numbers: Iterable[int]) -> list[Frame]:
+    """Read an animated object at several frames; the scene comes back to the frame it is at.
+
+    Raises
+    ------
+    InputError
+        There are no faces, or not the same ones in all frames.
+    """
+    scene = obj.users_scene[0]
+    current = scene.frame_current
+    frames: list[Frame] = []
+    try:
+        for number in numbers:
+            mesh, matrix = evaluated_mesh(obj, number)
+            frames.append(Frame(number, read_mesh(mesh), np.array(matrix, dtype=np.float64)))
+            bpy.data.meshes.remove(mesh)
+            _require_same_faces(frames[0], frames[-1])
+    finally:
+        scene.frame_set(current)
+    return frames
+
+
+def _require_same_faces(first: Frame, frame: Frame) -> None:
+    if len(first.data.triangles) == 0:
+        raise InputError(rpt_("there are no faces at frame {:d}").format(first.number))
+    same_vertices = len(frame.data.vertices) == len(first.data.vertices)
+    if not (same_vertices and np.array_equal(frame.data.triangles, first.data.triangles)):
+        raise InputError(
+            rpt_("the faces at frame {:d} are not those of frame {:d}").format(
+                frame.number, first.number
+            )
+        )
 
 
 def object_at_frame(obj: bpy.types.Object, frame: int) -> bpy.types.Object:

@@ -14,7 +14,7 @@ from ..core import FairingError
 from ..formats import keeps_axes
 from . import compatibility
 from .files import import_mesh, save_blend
-from .frames import object_at_frame
+from .frames import Frame, object_at_frame
 from .mesh_data import flat_float32, read_positions
 
 
@@ -97,6 +97,34 @@ def write_keyed_file(items: Sequence[Item], object_name: str | None, output: Pat
         scene.frame_start, scene.frame_end = frames[0], frames[-1]
     scene.frame_set(frames[0])
     save_blend(output)
+
+
+def show_frames(
+    obj: bpy.types.Object, frames: Sequence[Frame], positions: Sequence[ArrayLike]
+) -> bpy.types.Object:
+    """Make an object that plays faired frames beside the animated one, which is hidden.
+
+    Parameters
+    ----------
+    obj
+        Mesh object in the view layer, in Object Mode.
+    frames
+        As they were read, in order.
+    positions
+        Faired, (n, 3) each, in the object's space at that frame.
+    """
+    scene = obj.users_scene[0]
+    current = scene.frame_current
+    result = _beside(obj, frames[0].number)
+    to_result = np.linalg.inv(frames[0].matrix)
+    shapes = []
+    for frame, shape in zip(frames, positions, strict=True):
+        # The object moves from frame to frame; the result stays where the first frame was.
+        matrix = to_result @ frame.matrix
+        shapes.append(shape @ matrix[:3, :3].T + matrix[:3, 3])
+    write_frame_keys(result, [frame.number for frame in frames], shapes)
+    scene.frame_set(current)
+    return result
 
 
 def _beside(obj: bpy.types.Object, frame: int) -> bpy.types.Object:

@@ -220,6 +220,11 @@ class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.Propert
         soft_max=10.0,
         precision=2,
     )
+    same_strength: BoolProperty(
+        name="Same Strength",
+        description="Smooth every frame as the first one, so that nothing flickers",
+        default=True,
+    )
     frame_start: IntProperty(
         name="From Frame", description="Frame that shows the mesh before the first step", default=1
     )

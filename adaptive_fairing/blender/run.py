@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core import FairingError, FairingSettings, FairingStep, fair_steps
+from ..core import FairingError, FairingSettings, FairingStep, PreparedMesh, fair_steps
 
 
 @dataclass
@@ -44,17 +44,26 @@ class FairingTask:
     seconds: float = 0.0
 
 
-def run_tasks(tasks: Iterable[FairingTask]) -> Iterator[FairingTask]:
+def run_tasks(
+    tasks: Iterable[FairingTask], prepared: PreparedMesh | None = None
+) -> Iterator[FairingTask]:
     """Fair one mesh after the other; yield the task at hand after every step.
 
-    A mesh that cannot be faired does not keep the others from it: its task says why.
+    A mesh that cannot be faired does not keep the others from it: its task says why. All tasks
+    must have the triangles that were prepared, if any were.
     """
     for task in tasks:
         if task.error is not None:
             continue
         started = time.perf_counter()
         try:
-            steps = fair_steps(task.vertices, task.triangles, task.settings, weights=task.weights)
+            steps = fair_steps(
+                task.vertices,
+                task.triangles,
+                task.settings,
+                weights=task.weights,
+                prepared=prepared,
+            )
             for step in steps:
                 task.seconds = time.perf_counter() - started
                 if not step.solve.converged:

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ..core import FairingSettings, PreparedMesh, fair
+from ..core import FairingError, FairingSettings, PreparedMesh, fair
 from .files import import_mesh
 from .frames import object_at_frame
 from .job import solved_surface
 from .mesh_data import MeshData, read_mesh
+from .run import FairingTask, run_tasks
 
 Place = tuple[Path, int | None]
 """A file, and a frame in it; None for the mesh as it is stored."""
@@ -92,3 +94,30 @@ def same_strength(data: MeshData, settings: FairingSettings) -> tuple[FairingSet
         result = fair(data.vertices, data.triangles, settings, prepared=prepared)
         settings = replace(settings, steps=len(result.steps), stop_curvature=None, stop_rate=None)
     return settings, prepared.own_scale
+
+
+def run_frames(tasks: Sequence[FairingTask], *, one_strength: bool) -> Iterator[FairingTask]:
+    """Fair frames with the same triangles; yield the task at hand after every step.
+
+    Touches no Blender data. Of a finished task only the last step is kept.
+
+    Parameters
+    ----------
+    tasks
+        The frames, with one settings for all.
+    one_strength
+        Whether to smooth all of them as the first, see `same_strength`.
+    """
+    first = tasks[0]
+    data, settings, scale = MeshData(first.vertices, first.triangles), first.settings, None
+    try:
+        if one_strength:
+            settings, scale = same_strength(data, settings)
+        prepared = PreparedMesh(data.vertices, data.triangles, settings, scale=scale)
+    except FairingError as error:
+        first.error = str(error)
+        return
+    for task in tasks:
+        task.settings = settings
+        yield from run_tasks([task], prepared)
+        task.steps = task.steps[-1:]

@@ -169,6 +169,29 @@ GERMAN = {
     "Curvature": "Krümmung",
     "Mean curvature: bright where the surface bulges outward": "Mittlere Krümmung: hell, wo sich "
     "die Fläche nach außen wölbt",
+    # Sequences
+    "Frame Sequence": "Bildfolge",
+    "Fair Frames": "Bilder glätten",
+    "Fair the active object as it is shown at each frame of a range, modifiers and simulations "
+    "included, and make a new object that plays the faired frames; bake simulations first": "Das "
+    "aktive Objekt so glätten, wie es in jedem Bild eines Bereichs erscheint, mit Modifikatoren "
+    "und Simulationen, und ein neues Objekt machen, das die geglätteten Bilder abspielt; "
+    "Simulationen vorher backen",
+    "First Frame": "Erstes Bild",
+    "First frame to fair": "Erstes Bild, das geglättet wird",
+    "Last Frame": "Letztes Bild",
+    "Last frame to fair": "Letztes Bild, das geglättet wird",
+    "Same Strength": "Gleiche Stärke",
+    "Smooth every frame as the first one, so that nothing flickers": "Jedes Bild so glätten wie "
+    "das erste, damit nichts flackert",
+    "Fair {:d} Frames": "{:d} Bilder glätten",
+    "Frame {:d}": "Bild {:d}",
+    "Faired {:d} frames, {:.1f} s": "{:d} Bilder geglättet, {:.1f} s",
+    "Stopped before the first frame was done": "Angehalten, bevor das erste Bild fertig war",
+    "there are no faces at frame {:d}": "in Bild {:d} gibt es keine Flächen",
+    "the faces at frame {:d} are not those of frame {:d}": "die Flächen von Bild {:d} sind nicht "
+    "die von Bild {:d}",
+    "Change to Object Mode": "In den Objektmodus wechseln",
     # Panels
     "Smoothing Radius in Edges": "Glättungsradius in Kanten",
     "Densest": "Dichteste",

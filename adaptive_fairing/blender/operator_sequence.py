@@ -1,0 +1,107 @@
+"""The operator that fairs an animated object over a range of frames."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from .modal_run import ModalRun, progress
+from .properties import SolverProperties, solver_settings
+from .requirements import scipy_problem
+
+
+class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_sequence"
+    bl_label = "Fair Frames"
+    bl_description = (
+        "Fair the active object as it is shown at each frame of a range, modifiers and simulations "
+        "included, and make a new object that plays the faired frames; bake simulations first"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    frame_start: bpy.props.IntProperty(
+        name="First Frame", description="First frame to fair", default=1
+    )
+    frame_end: bpy.props.IntProperty(
+        name="Last Frame", description="Last frame to fair", default=250
+    )
+    same_strength: bpy.props.BoolProperty(
+        name="Same Strength",
+        description="Smooth every frame as the first one, so that nothing flickers",
+        default=True,
+    )
+
+    @classmethod
+    def poll(cls, context):
+        message = scipy_problem()
+        obj = context.active_object
+        if obj is None or obj.type != "MESH":
+            message = "Make a mesh object active"
+        elif obj.mode != "OBJECT":
+            message = "Change to Object Mode"
+        elif progress() is not None:
+            message = "A run is going on: wait for it, or stop it with Esc"
+        if message is not None:
+            cls.poll_message_set(message)
+        return message is None
+
+    def prepare(self, context):
+        from ..core import InputError
+        from .frames import read_frames
+        from .run import FairingTask
+
+        settings = solver_settings(self)
+        if self.frame_end <= self.frame_start:
+            raise InputError(rpt_("The last frame must come after the first"))
+        obj = context.active_object
+        numbers = range(self.frame_start, self.frame_end + 1)
+        self._name = obj.name
+        self._frames = read_frames(obj, numbers)
+        return [
+            FairingTask(
+                rpt_("Frame {:d}").format(frame.number),
+                frame.data.vertices,
+                frame.data.triangles,
+                None,
+                settings,
+            )
+            for frame in self._frames
+        ]
+
+    def conclude(self, context, tasks, *, is_stopped):
+        from .keyed_object import show_frames
+
+        done = [
+            (frame, task.steps[-1].positions)
+            for frame, task in zip(self._frames, tasks, strict=True)
+            if task.error is None and task.steps and task.steps[-1].stop_reason is not None
+        ]
+        problems = [f"{task.name}: {task.error}" for task in tasks if task.error is not None]
+        for problem in problems:
+            self.report({"WARNING"} if done else {"ERROR"}, problem)
+        obj = bpy.data.objects.get(self._name)
+        if obj is None:
+            self.report({"ERROR"}, rpt_("the object was deleted or renamed during the run"))
+            return {"CANCELLED"}
+        if not done:
+            if not problems:
+                self.report({"INFO"}, rpt_("Stopped before the first frame was done"))
+            return {"CANCELLED"}
+        result = show_frames(obj, *zip(*done, strict=True))
+        for each in context.selected_objects:
+            each.select_set(False)
+        result.select_set(True)
+        context.view_layer.objects.active = result
+        text = rpt_("Faired {:d} frames, {:.1f} s").format(
+            len(done), sum(task.seconds for task in tasks)
+        )
+        self.report({"INFO"}, rpt_("Stopped early. {:s}").format(text) if is_stopped else text)
+        return {"FINISHED"}
+
+    def _generator(self, tasks):
+        from .sequence import run_frames
+
+        return run_frames(tasks, one_strength=self.same_strength)
+
+
+register, unregister = bpy.utils.register_classes_factory((OBJECT_OT_adaptive_fairing_sequence,))
