@@ -1,15 +1,18 @@
-"""Run peers over their grids and keep the scores: they change only with their version."""
+"""Run all on one pair. Scores of peers are kept: they change only with the peer's version."""
 
 from __future__ import annotations
 
 import hashlib
 import json
 import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from .measures import Reference, Score
+from .ours import auto
 from .pairs import Pair
 from .peers import Peer
 
@@ -74,3 +77,39 @@ def _file(pair: Pair, peer: Peer, cache: Path | None) -> Path | None:
     digest = hashlib.sha256(grid.encode()).hexdigest()[:10]
     name = re.sub(r"[^\w.]+", "_", f"{peer.name} {peer.version} {digest}")
     return cache / pair.digest / f"{name}.json"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """All scores on one pair.
+
+    Attributes
+    ----------
+    pair
+        The mesh.
+    noisy
+        Score of the noisy mesh as it is.
+    auto
+        Score of method "auto", None where it was not asked for.
+    seconds
+        Wall-clock time of "auto".
+    peers
+        By name, the scores at all parameters.
+    """
+
+    pair: Pair
+    noisy: Score
+    auto: Score | None
+    seconds: float | None
+    peers: Mapping[str, Scores]
+
+
+def contest(pair: Pair, peers: Sequence[Peer], cache: Path | None, with_auto: bool) -> Entry:
+    """Score the noisy mesh, auto and all peers on one pair."""
+    reference = Reference(pair.clean, pair.faces)
+    score, seconds = None, None
+    if with_auto:
+        run = auto(pair.noisy, pair.faces)
+        score, seconds = reference.score(run.positions), run.seconds
+    found = {peer.name: peer_scores(pair, peer, cache) for peer in peers}
+    return Entry(pair, reference.score(pair.noisy), score, seconds, found)

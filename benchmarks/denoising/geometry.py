@@ -1,4 +1,4 @@
-"""Local edge lengths, normals and areas of a triangle mesh: what noise and errors are measured by."""
+"""Edge lengths, normals and volumes of triangle meshes: what noise and errors are measured by."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far a denoised mesh is from the clean one: distances by density class, normals, volume, flips.
+"""How far a result is from the clean mesh: distances by density class, normals, volume, flips.
 
 `score(clean, faces, result)` measures one result. For many results of one mesh make a `Reference`
 once and call its `score`.

@@ -55,7 +55,9 @@ class Peer:
     sweep_name: str
     sweep: Values
     run: Callable[..., Results]
-    variants: Mapping[str, Mapping[str, float | str | bool]] = field(default_factory=lambda: {"": {}})
+    variants: Mapping[str, Mapping[str, float | str | bool]] = field(
+        default_factory=lambda: {"": {}}
+    )
     starts_at_least: bool = True
 
     @property
@@ -88,7 +90,12 @@ class Peer:
 
 
 def meshlab(
-    vertices: FloatArray, faces: Faces, sweep: Values, filter_name: str, counted: bool = True, **options
+    vertices: FloatArray,
+    faces: Faces,
+    sweep: Values,
+    filter_name: str,
+    counted: bool = True,
+    **options,
 ) -> Results:
     """Repeat one step of a filter of MeshLab, as its own count of steps does."""
     import pymeshlab
@@ -143,7 +150,8 @@ def cotangent_flow(vertices: FloatArray, faces: Faces, sweep: Values, steps: int
         yield positions
 
 
-def _spread(first: float, last: float, count: int) -> Values:
+def spread(first: float, last: float, count: int) -> Values:
+    """Return values in even ratios, rounded to three digits."""
     return tuple(float(f"{value:.3g}") for value in np.geomspace(first, last, count))
 
 
@@ -192,7 +200,7 @@ PEERS: Sequence[Peer] = (
         "MeshLab two-step",
         ("pymeshlab",),
         "iterations",
-        ITERATIONS[:18],
+        ITERATIONS[:22],
         meshlab,
         {
             f"normals within {angle:g}°, {normal_steps} + {fit_steps} inner": {
@@ -209,7 +217,7 @@ PEERS: Sequence[Peer] = (
         "VTK windowed sinc",
         ("vtk",),
         "1 / pass band",
-        _spread(0.6, 2000, 32),
+        spread(0.6, 2000, 32),
         windowed_sinc,
         {f"{count} iterations": {"iterations": count} for count in (10, 15, 20, 30, 50, 100)},
         starts_at_least=False,
@@ -218,7 +226,7 @@ PEERS: Sequence[Peer] = (
         "cotangent flow (libigl)",
         ("libigl", "scipy"),
         "radius",
-        _spread(0.03, 8, 29),
+        spread(0.03, 8, 29),
         cotangent_flow,
         {"1 step": {"steps": 1}, "4 steps": {"steps": 4}},
         starts_at_least=False,
@@ -234,7 +242,7 @@ PEERS: Sequence[Peer] = (
         "Blender Laplacian Smooth",
         ("bpy",),
         "λ",
-        _spread(0.003, 30, 24),
+        spread(0.003, 30, 24),
         blender_modifiers.laplacian_smooth,
         {f"{count} iterations": {"iterations": count} for count in (1, 4)},
         starts_at_least=False,

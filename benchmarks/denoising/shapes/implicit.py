@@ -29,7 +29,7 @@ class Zeros:
 
 
 def coral() -> MeshArrays:
-    """Tubes that branch and thin out from a foot, dense at the tips."""
+    """Make tubes that branch and thin out from a foot, dense at the tips."""
     generator = np.random.default_rng(5)
     solid = Solid()
     _branch(solid, generator, np.zeros(3), np.array([0.0, 0.0, 1.0]), 0.42, 4)
@@ -51,7 +51,7 @@ def _branch(solid, generator, start, direction, radius, depth) -> None:
 
 
 def pebble() -> MeshArrays:
-    """A smooth lump with fine ripples on one side, where it is also meshed finely."""
+    """Make a smooth lump with fine ripples on one side, where it is also meshed finely."""
 
     def formula(points: FloatArray) -> FloatArray:
         x, y, z = (points / [1.3, 1.0, 0.8]).T
@@ -65,7 +65,7 @@ def pebble() -> MeshArrays:
 
 
 def molecule() -> MeshArrays:
-    """Marching cubes of a sum of Gaussian atoms, as it comes: slivers and all."""
+    """Make a sum of Gaussian atoms by marching cubes, as it comes: slivers and all."""
     generator = np.random.default_rng(8)
     step, atoms = np.array([0.0, 0.0, 0.0]), []
     for _ in range(42):
@@ -87,7 +87,7 @@ def molecule() -> MeshArrays:
 
 
 def gyroid() -> MeshArrays:
-    """A piece of a minimal surface: saddles everywhere, open at the rim."""
+    """Make a piece of a minimal surface: saddles everywhere, open at the rim."""
     n, reach = 90, 2.9
     axis = np.linspace(-reach, reach, n)
     x, y, z = np.meshgrid(axis, axis, axis, indexing="ij")

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull, Delaunay
 
-from ..geometry import Faces, FloatArray
+from ..geometry import FloatArray
 from .meshing import MeshArrays, graded, near, remeshed, uneven
 
 
 def pole_sphere(n_around: int, n_rings: int, bumps: float) -> MeshArrays:
-    """A sphere of longitudes and latitudes, all of whose longitudes meet in two poles."""
+    """Make a sphere of longitudes and latitudes, all of whose longitudes meet in two poles."""
     polar = np.pi * np.arange(1, n_rings) / n_rings
     around = 2 * np.pi * np.arange(n_around) / n_around
     ring = np.stack(np.broadcast_arrays(polar[:, None], around[None]), axis=-1).reshape(-1, 2)
@@ -34,7 +34,7 @@ def pole_sphere(n_around: int, n_rings: int, bumps: float) -> MeshArrays:
 
 
 def terrain(seed: int, n_points: int, ridged: bool) -> MeshArrays:
-    """A landscape over a square: points on a jittered lattice, dense at one place, and a rim."""
+    """Make a landscape over a square: points on a jittered lattice, dense at one place."""
     generator = np.random.default_rng(seed)
     n = round(n_points**0.5)
     share = np.stack(np.meshgrid(*[np.linspace(-1, 1, n)] * 2), axis=-1).reshape(-1, 2)
@@ -61,7 +61,7 @@ def terrain(seed: int, n_points: int, ridged: bool) -> MeshArrays:
 
 
 def turned(profile: FloatArray, n_around: int, crease: float, edge: float) -> MeshArrays:
-    """A solid of revolution: outline (n, 2) of radius and height, from axis to axis."""
+    """Make a solid of revolution from radii and heights (n, 2), from axis to axis."""
     angle = 2 * np.pi * np.arange(n_around) / n_around
     radius, height = profile[1:-1].T
     ring = np.stack(
@@ -88,7 +88,7 @@ def turned(profile: FloatArray, n_around: int, crease: float, edge: float) -> Me
 
 
 def pawn() -> MeshArrays:
-    """A chessman: smooth curves that meet in sharp rims; finer at the head."""
+    """Make a chessman: smooth curves that meet in sharp rims; finer at the head."""
     curve = [
         (0, 0), (1.0, 0), (1.0, 0.25), (0.8, 0.3), (0.8, 0.5),
         *[(0.33 + 0.47 * (1 - t) ** 2.2, 0.5 + 1.5 * t) for t in np.linspace(0.05, 1, 22)],
@@ -101,7 +101,7 @@ def pawn() -> MeshArrays:
 
 
 def jittered_ball(generator: np.random.Generator, n_points: int) -> MeshArrays:
-    """A unit sphere of irregular triangles."""
+    """Make a unit sphere of irregular triangles."""
     height = 1 - (2 * np.arange(n_points) + 1) / n_points
     angle = np.pi * (3 - 5**0.5) * np.arange(n_points)
     radius = np.sqrt(1 - height**2)
@@ -116,7 +116,7 @@ def jittered_ball(generator: np.random.Generator, n_points: int) -> MeshArrays:
 
 
 def pieces(seed: int, sizes: tuple[int, ...]) -> MeshArrays:
-    """Separate lumps of alike size, each of another density."""
+    """Make separate lumps of alike size, each of another density."""
     generator = np.random.default_rng(seed)
     vertices, faces, count = [], [], 0
     for k, size in enumerate(sizes):
@@ -130,7 +130,7 @@ def pieces(seed: int, sizes: tuple[int, ...]) -> MeshArrays:
 
 
 def engraved() -> MeshArrays:
-    """A ball with lines engraved at the scale of the edges, where the edges are short."""
+    """Engrave a ball with lines at the scale of the edges, where the edges are short."""
     generator = np.random.default_rng(12)
     points, faces = jittered_ball(generator, 90_000)
     points, faces = uneven(points, faces, 16_000, near(points, (0, -1, 0.2), 0.7, 0.06))
@@ -139,5 +139,3 @@ def engraved() -> MeshArrays:
     lines = 0.012 * front * (np.sin(46 * x + 9 * z) + np.sin(52 * z - 14 * x))
     lump = 1 + 0.1 * np.sin(2 * x + 1) * np.cos(3 * z)
     return points * (lump + lines)[:, None], faces
-
-

@@ -1,0 +1,146 @@
+"""Compare method "auto" with the smoothers in use, on meshes whose clean surface is known.
+
+    python -m benchmarks.denoising                             the held-out shapes, main noise
+    python -m benchmarks.denoising --shapes gear foot --noise normal:0.1 correlated:0.2
+    python -m benchmarks.denoising --pairs FOLDER --output FOLDER --pictures
+
+Prints tables in Markdown. What auto may be tuned on is the group "tuning" alone.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from tqdm import tqdm
+
+from . import shapes, tables
+from .contest import Entry, contest
+from .ours import PAPER_SCHEMES, core_digest
+from .pairs import ALL_NOISE, CLEAN, MAIN_NOISE, Pair, in_folder, made, noise_name
+from .peers import PEERS
+from .pictures import picture
+from .verdict import clean_criterion, criteria, grouped
+
+GROUPS = {
+    "held-out": tuple(shapes.HELD_OUT),
+    "tuning": tuple(shapes.TUNING),
+    "all": tuple(shapes.SHAPES),
+    "none": (),
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the contest on the pairs that the command line names."""
+    options = _parser().parse_args(arguments)
+    schemes = PAPER_SCHEMES if options.paper_schemes else ()
+    peers = [peer for peer in PEERS if not options.peers or peer.name in options.peers]
+    entries = [
+        # On a clean mesh no peer has anything to do: its best parameter would be none.
+        contest(
+            pair,
+            [] if pair.noise == CLEAN else [*peers, *schemes],
+            options.cache,
+            with_auto=not options.no_auto,
+        )
+        for pair in tqdm(list(_chosen(options)), unit="mesh")
+    ]
+    text = report(entries, peers, schemes)
+    print(text)
+    if options.output:
+        options.output.mkdir(parents=True, exist_ok=True)
+        (options.output / "tables.md").write_text(text + "\n", encoding="utf-8")
+        data = {"core": core_digest(), "pairs": tables.as_data(entries, [*peers, *schemes])}
+        (options.output / "scores.json").write_text(json.dumps(data, indent=1), encoding="utf-8")
+        if options.pictures:
+            for entry in tqdm(_noisy(entries), unit="picture"):
+                picture(entry, peers, options.output)
+
+
+def report(entries: Sequence[Entry], peers: Sequence, schemes: Sequence) -> str:
+    """Return all tables of a run as one text in Markdown."""
+    names = [peer.name for peer in peers]
+    noisy = _noisy(entries)
+    clean = [entry for entry in entries if entry.pair.noise == CLEAN and entry.auto]
+    parts = []
+    if noisy:
+        if noisy[0].auto:
+            parts += ["## Mesh by mesh", tables.by_mesh(noisy, names)]
+            parts += ["## Must show", tables.of_criteria(criteria(noisy, names))]
+            groups = grouped(noisy, lambda entry: entry.pair.noise)
+            if len(groups) > 1:
+                parts += ["## By kind of noise", tables.by_noise(groups, names)]
+        parts += ["## Method by method", tables.by_peer(noisy, [*peers, *schemes])]
+    if clean:
+        parts += ["## Clean meshes", tables.of_clean(clean)]
+        parts += [tables.of_criteria([clean_criterion(clean)])]
+    return "\n\n".join(parts)
+
+
+def _noisy(entries: Sequence[Entry]) -> list[Entry]:
+    return [entry for entry in entries if entry.pair.noise != CLEAN]
+
+
+def _chosen(options: argparse.Namespace) -> Iterator[Pair]:
+    names = options.shapes if options.shapes is not None else GROUPS[options.group]
+    yield from made(names, options.noise)
+    for folder in options.pairs:
+        yield from in_folder(folder)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="python -m benchmarks.denoising",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument(
+        "--group",
+        choices=GROUPS,
+        default="held-out",
+        help="which of our shapes (default %(default)s)",
+    )
+    parser.add_argument(
+        "--shapes", nargs="*", choices=shapes.SHAPES, metavar="NAME", help=", ".join(shapes.SHAPES)
+    )
+    parser.add_argument(
+        "--noise",
+        nargs="+",
+        type=noise_name,
+        default=[MAIN_NOISE, CLEAN],
+        metavar="KIND:AMPLITUDE",
+        help=f"in local edge lengths: {', '.join(ALL_NOISE)} (default {MAIN_NOISE} {CLEAN})",
+    )
+    parser.add_argument(
+        "--pairs",
+        nargs="+",
+        type=Path,
+        default=[],
+        metavar="FOLDER",
+        help="folders of NAME.clean.EXT and NAME.noisy.EXT as well",
+    )
+    parser.add_argument(
+        "--peers",
+        nargs="+",
+        choices=[peer.name for peer in PEERS],
+        metavar="NAME",
+        help="only these",
+    )
+    parser.add_argument(
+        "--paper-schemes", action="store_true", help="the paper's schemes as well, over their radii"
+    )
+    parser.add_argument("--no-auto", action="store_true", help="peers alone")
+    parser.add_argument(
+        "--cache", type=Path, metavar="FOLDER", help="keep the scores of peers from run to run"
+    )
+    parser.add_argument(
+        "--output", type=Path, metavar="FOLDER", help="write tables.md, scores.json and pictures"
+    )
+    parser.add_argument("--pictures", action="store_true", help="a picture per mesh, into --output")
+    return parser
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,89 @@
+"""Our own methods: auto, which has no parameter, and the paper's schemes over a grid of radii."""
+
+from __future__ import annotations
+
+import hashlib
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import adaptive_fairing.core
+from adaptive_fairing.core import FairingSettings, fair, fair_steps
+from adaptive_fairing.core.smoothing_radius import radius_scale, suggest_tau
+
+from .geometry import Faces, FloatArray
+from .peers import Peer, Values, spread
+
+STEPS = 4
+"""Steps of the paper's schemes, as in its figures."""
+
+RADII = spread(0.2, 4, 16)
+
+
+@dataclass(frozen=True)
+class AutoRun:
+    """What method "auto" made of a mesh, and the seconds it took."""
+
+    positions: FloatArray
+    seconds: float
+
+
+def auto(vertices: FloatArray, faces: Faces) -> AutoRun:
+    """Denoise with method "auto" and all its defaults."""
+    start = time.perf_counter()
+    result = fair(vertices, faces, FairingSettings(method="auto"))
+    return AutoRun(result.positions, time.perf_counter() - start)
+
+
+def paper_scheme(
+    vertices: FloatArray, faces: Faces, sweep: Values, method: str, density: str = "edge_length"
+) -> Iterator[FloatArray]:
+    """Run one of the paper's schemes; the sweep is its smoothing radius in local edges."""
+    settings = FairingSettings(method=method, density=density, steps=STEPS)
+    scale = radius_scale(vertices, faces, settings)
+    for radius in sweep:
+        options = vars(settings) | {"tau": suggest_tau(scale, radius, STEPS)}
+        for step in fair_steps(vertices, faces, FairingSettings(**options)):
+            positions = step.positions
+        yield positions
+
+
+@dataclass(frozen=True)
+class OwnScheme(Peer):
+    """A method of ours, of the version that the sources of the core have now."""
+
+    @property
+    def version(self) -> str:
+        """Digest of the sources: any change of the core may change the result."""
+        return core_digest()
+
+
+@cache
+def core_digest() -> str:
+    """Name the state of the numeric core."""
+    content = hashlib.sha256()
+    for path in sorted(Path(adaptive_fairing.core.__file__).parent.glob("*.py")):
+        content.update(path.read_bytes())
+    return content.hexdigest()[:12]
+
+
+PAPER_SCHEMES: Sequence[Peer] = tuple(
+    OwnScheme(
+        f"ours, {name}",
+        (),
+        "radius",
+        RADII,
+        paper_scheme,
+        {"": {"method": method, "density": density}},
+        starts_at_least=False,
+    )
+    for name, method, density in (
+        ("uniform", "uniform", "edge_length"),
+        ("timestep, edge length", "adaptive_timestep", "edge_length"),
+        ("timestep, area", "adaptive_timestep", "area"),
+        ("tensor, area", "adaptive_tensor", "area"),
+    )
+)
+"""The schemes of the paper."""

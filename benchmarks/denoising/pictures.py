@@ -1,0 +1,80 @@
+"""One picture per mesh: noisy, auto, best peer and clean, whole and where they differ most."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from .contest import Entry
+from .geometry import FloatArray, local_edge_lengths, vertex_normals
+from .measures import Reference
+from .ours import auto
+from .peers import Peer
+from .verdict import best_peer
+
+TOOLS = Path(__file__).resolve().parents[2] / "tools"
+
+VIEWS = ((0.5, -1, 0.6), (-0.8, -0.7, 0.5), (0.8, 0.7, 0.5), (-0.6, 0.9, 0.5), (0.3, -0.5, -0.9))
+"""Towards the camera; of these, the one that sees the place of the close-up best is taken."""
+
+CLOSE = 14
+"""Half the width of a close-up, in local edges of its place."""
+
+WHOLE_SIZE, CLOSE_SIZE, SAMPLES = (430, 430), (430, 430), 12
+
+
+def picture(entry: Entry, peers: Sequence[Peer], folder: Path) -> Path:
+    """Render the four meshes side by side, flat shaded, into FOLDER/LABEL.png."""
+    if str(TOOLS) not in sys.path:
+        sys.path.append(str(TOOLS))  # where scripts know each other by their bare names
+    from figures.layout import Panel, Shot, figure
+    from render import View
+
+    pair = entry.pair
+    best = best_peer(entry, [peer.name for peer in peers])
+    peer = next(peer for peer in peers if peer.name == best.peer)
+    ours = auto(pair.noisy, pair.faces).positions
+    theirs = peer.result(pair.noisy, pair.faces, best.parameter)
+    vertex = _most_different(Reference(pair.clean, pair.faces), ours, theirs)
+    normal = vertex_normals(pair.clean, pair.faces)[vertex]
+    reach = CLOSE * local_edge_lengths(pair.clean, pair.faces)[vertex]
+    place = pair.clean[vertex]
+    whole = max(VIEWS, key=lambda view: np.dot(view, normal) / np.linalg.norm(view))
+    close = View(tuple(_slanted(normal)), box=(place - reach, place + reach), margin=0.0)
+    shots = [[Shot(View(whole), WHOLE_SIZE), Shot(close, CLOSE_SIZE)]]
+    panels = [
+        Panel(pair.noisy, f"{pair.name}: noisy", f"{pair.noise}; {_text(entry.noisy)}"),
+        Panel(ours, "auto", _text(entry.auto)),
+        Panel(theirs, best.peer, f"{best.parameter}; {_text(best.score)}"),
+        Panel(pair.clean, "clean", "below: where auto and the peer differ most"),
+    ]
+    path = folder / f"{pair.label.replace(':', '_')}.png"
+    figure(path, [panels], pair.faces, shots, SAMPLES)
+    return path
+
+
+def _most_different(reference: Reference, ours: FloatArray, theirs: FloatArray) -> int:
+    """Return the vertex around which the squared errors differ most, averaged over its region."""
+    gap = np.square(reference.distances(ours)) - np.square(reference.distances(theirs))
+    used = np.unique(reference.faces)
+    smooth = np.zeros(len(reference.vertices))
+    smooth[used] = gap
+    first, second = reference.faces, reference.faces[:, [1, 2, 0]]
+    valence = np.bincount(first.ravel(), minlength=len(smooth)) + 1
+    for _ in range(12):
+        total = smooth + np.bincount(first.ravel(), smooth[second].ravel(), len(smooth))
+        smooth = total / valence
+    return int(np.argmax(np.abs(smooth)))
+
+
+def _slanted(normal: FloatArray) -> FloatArray:
+    """Look along the surface a little, as relief shows best."""
+    side = np.cross(normal, [0.0, 0.0, 1.0] if abs(normal[2]) < 0.8 else [0.0, 1.0, 0.0])
+    return normal + 0.35 * side / np.linalg.norm(side)
+
+
+def _text(score) -> str:
+    return f"error {score['mean']:.3f}, worst {score['worst']:.3f}, flips {score['flips']}"

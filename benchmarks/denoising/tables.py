@@ -1,0 +1,148 @@
+"""Tables in Markdown, and the same as data for JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..measuring import table
+from .contest import Entry
+from .measures import Score
+from .peers import Peer
+from .verdict import (
+    Criterion,
+    best_of,
+    best_peer,
+    criteria,
+    geometric_mean,
+    one_parameter,
+)
+
+Rows = list[list[str]]
+
+
+def by_mesh(entries: Sequence[Entry], names: Sequence[str]) -> str:
+    """Auto against the best peer at its best parameter, mesh by mesh."""
+    header = (
+        "mesh", "vertices", "noisy", "auto", "best peer", "ratio", "worst class", "ratio",
+        "normals", "volume", "flips", "seconds", "which peer",
+    )  # fmt: skip
+    rows: Rows = []
+    for entry in entries:
+        best, worst = best_peer(entry, names), best_peer(entry, names, "worst")
+        own = entry.auto
+        rows.append(
+            [
+                entry.pair.label,
+                f"{len(entry.pair.clean)}",
+                f"{entry.noisy['mean']:.4f}",
+                f"{own['mean']:.4f}",
+                f"{best.score['mean']:.4f}",
+                f"{own['mean'] / best.score['mean']:.2f}",
+                f"{own['worst']:.4f}",
+                f"{own['worst'] / worst.score['worst']:.2f}",
+                f"{own['normals']:.1f}° / {best.score['normals']:.1f}°",
+                f"{100 * own['volume']:+.2f} / {100 * best.score['volume']:+.2f} %",
+                f"{own['flips']} / {best.score['flips']}",
+                f"{entry.seconds:.1f}",
+                f"{best.peer}, {best.parameter}",
+            ]
+        )
+    return table(header, rows)
+
+
+def by_peer(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
+    """Every peer at its best parameter per mesh and at one for all, geometric means."""
+    header = (
+        "method", "mean, best parameters", "worst class", "mean, one parameter", "worst class",
+        "auto is below on", "auto over it: mean", "largest", "the one parameter", "grid too narrow",
+    )  # fmt: skip
+    rows: Rows = []
+    autos = [entry.auto for entry in entries if entry.auto]
+    if autos:
+        mean, worst = (geometric_mean([s[key] for s in autos]) for key in ("mean", "worst"))
+        rows.append(["auto", *[f"{mean:.4f}", f"{worst:.4f}"] * 2, *["–"] * 5])
+    for peer in peers:
+        best = [best_of(entry, peer.name) for entry in entries]
+        single = one_parameter(entries, peer.name)
+        narrow = sum(peer.at_edge(point.parameter) for point in best)
+        ratios = [own["mean"] / other["mean"] for own, other in zip(autos, single.scores)]  # noqa: B905
+        rows.append(
+            [
+                peer.name,
+                f"{geometric_mean([point.score['mean'] for point in best]):.4f}",
+                f"{geometric_mean([point.score['worst'] for point in best]):.4f}",
+                f"{geometric_mean([score['mean'] for score in single.scores]):.4f}",
+                f"{geometric_mean([score['worst'] for score in single.scores]):.4f}",
+                f"{sum(ratio < 1 for ratio in ratios)} of {len(entries)}" if autos else "–",
+                f"{geometric_mean(ratios):.2f}" if autos else "–",
+                f"{max(ratios):.2f}" if autos else "–",
+                single.parameter,
+                f"{narrow} meshes" if narrow else "no",
+            ]
+        )
+    return table(header, rows)
+
+
+def of_criteria(found: Sequence[Criterion]) -> str:
+    """List what must be shown, what was found, and whether that passes."""
+    rows = [[each.text, each.found, "pass" if each.passed else "FAIL"] for each in found]
+    return table(("must show", "found", ""), rows)
+
+
+def by_noise(groups: dict[str, list[Entry]], names: Sequence[str]) -> str:
+    """Return the criteria of every kind of noise in one line."""
+    header = (
+        "noise", "meshes", "mean ratio", "largest", "below all at one parameter", "worst class",
+        "largest", "flips",
+    )  # fmt: skip
+    rows: Rows = []
+    for noise, entries in groups.items():
+        found = criteria(entries, names)
+        cells = [each.found + ("" if each.passed else " ✗") for each in found]
+        rows.append([noise, str(len(entries)), *cells])
+    return table(header, rows)
+
+
+def of_clean(entries: Sequence[Entry]) -> str:
+    """How far auto moves meshes without noise."""
+    rows = [
+        [entry.pair.name, f"{entry.auto['moved']:.4f}", f"{entry.auto['mean']:.4f}"]
+        for entry in entries
+    ]
+    return table(("clean mesh", "moved, in edges", "distance to the surface"), rows)
+
+
+def as_data(entries: Sequence[Entry], peers: Sequence[Peer]) -> list[dict]:
+    """Return all of it for a JSON file: per pair the scores at every peer's best parameter."""
+    return [
+        {
+            "name": entry.pair.name,
+            "kind": entry.pair.kind,
+            "group": entry.pair.group,
+            "noise": entry.pair.noise,
+            "vertices": len(entry.pair.clean),
+            "triangles": len(entry.pair.faces),
+            "noisy": entry.noisy,
+            "auto": entry.auto,
+            "auto_seconds": entry.seconds,
+            "peers": {
+                peer.name: {
+                    key: _point(entry, peer, measure)
+                    for key, measure in (("best_mean", "mean"), ("best_worst", "worst"))
+                }
+                for peer in peers
+                if entry.peers.get(peer.name)
+            },
+        }
+        for entry in entries
+    ]
+
+
+def _point(entry: Entry, peer: Peer, measure: str) -> dict[str, str | bool | Score]:
+    point = best_of(entry, peer.name, measure)
+    return {
+        "version": peer.version,
+        "parameter": point.parameter,
+        "at_edge_of_grid": peer.at_edge(point.parameter),
+        "score": point.score,
+    }

@@ -1,0 +1,141 @@
+"""From scores to a verdict: best parameters, one parameter for all meshes, what must be shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from .contest import Entry
+from .measures import Score
+
+MEAN_GOAL, MEAN_LIMIT, WORST_GOAL, CLEAN_GOAL = 0.90, 1.05, 0.95, 0.01
+
+
+@dataclass(frozen=True)
+class Point:
+    """A peer at one parameter, on one mesh."""
+
+    peer: str
+    parameter: str
+    score: Score
+
+
+@dataclass(frozen=True)
+class OneParameter:
+    """A peer at the one parameter that is best for all meshes together.
+
+    Attributes
+    ----------
+    peer, parameter
+        Names.
+    scores
+        On every mesh, in their order.
+    """
+
+    peer: str
+    parameter: str
+    scores: tuple[Score, ...]
+
+
+@dataclass(frozen=True)
+class Criterion:
+    """One thing that must be shown, and whether it was."""
+
+    text: str
+    found: str
+    passed: bool
+
+
+def geometric_mean(values: Sequence[float]) -> float:
+    """Return exp of the mean logarithm."""
+    return float(np.exp(np.mean(np.log(values))))
+
+
+def best_of(entry: Entry, peer: str, measure: str = "mean") -> Point:
+    """Return a peer at the parameter that makes a measure least on this mesh."""
+    scores = entry.peers[peer]
+    parameter = min(scores, key=lambda name: scores[name][measure])
+    return Point(peer, parameter, scores[parameter])
+
+
+def best_peer(entry: Entry, names: Sequence[str], measure: str = "mean") -> Point:
+    """Return the best of the peers at the best of its parameters."""
+    points = [best_of(entry, name, measure) for name in names if entry.peers[name]]
+    return min(points, key=lambda point: point.score[measure])
+
+
+def one_parameter(entries: Sequence[Entry], peer: str) -> OneParameter:
+    """Return a peer at the parameter with the least geometric mean of its mean errors.
+
+    Only parameters with a score on every mesh count: where one has none, the peer failed with it or
+    was far past its best.
+    """
+    grids = [entry.peers[peer] for entry in entries]
+    common = [name for name in grids[0] if all(name in grid for grid in grids)]
+    if not common:
+        raise ValueError(f"{peer} has no parameter that works on every mesh")
+    errors = {name: geometric_mean([grid[name]["mean"] for grid in grids]) for name in common}
+    best = min(errors, key=errors.__getitem__)
+    return OneParameter(peer, best, tuple(grid[best] for grid in grids))
+
+
+def criteria(entries: Sequence[Entry], names: Sequence[str]) -> list[Criterion]:
+    """Judge auto on noisy meshes against the peers of these names."""
+    best = [best_peer(entry, names).score for entry in entries]
+    worst = [best_peer(entry, names, "worst").score for entry in entries]
+    ours = [entry.auto for entry in entries]
+
+    def ratios(measure: str, others: Sequence[Score]) -> list[float]:
+        return [own[measure] / other[measure] for own, other in zip(ours, others, strict=True)]
+
+    mean, low = ratios("mean", best), ratios("worst", worst)
+    singles = [one_parameter(entries, name) for name in names]
+    below = sum(
+        all(own["mean"] < single.scores[k]["mean"] for single in singles)
+        for k, own in enumerate(ours)
+    )
+    flips = sum(own["flips"] <= other["flips"] for own, other in zip(ours, best, strict=True))
+    n = len(entries)
+
+    def at_most(text: str, value: float, goal: float) -> Criterion:
+        return Criterion(f"{text} ≤ {goal:.2f}", f"{value:.3f}", value <= goal)
+
+    def all_of(text: str, count: int) -> Criterion:
+        return Criterion(text, f"{count} of {n} meshes", count == n)
+
+    return [
+        at_most(
+            "mean error over the best peer's at its best parameter, geometric mean",
+            geometric_mean(mean),
+            MEAN_GOAL,
+        ),
+        at_most("the same, largest of all meshes", max(mean), MEAN_LIMIT),
+        all_of("mean error below every peer's at one parameter", below),
+        at_most(
+            "worst class over the best peer's at its best parameter, geometric mean",
+            geometric_mean(low),
+            WORST_GOAL,
+        ),
+        at_most("the same, largest of all meshes", max(low), MEAN_LIMIT),
+        all_of("flipped faces no more than the best peer's", flips),
+    ]
+
+
+def clean_criterion(entries: Sequence[Entry]) -> Criterion:
+    """Judge auto on clean meshes: they must come back as they were."""
+    moved = max(entry.auto["moved"] for entry in entries)
+    return Criterion(
+        f"clean meshes moved by less than {CLEAN_GOAL:g} edges, largest of {len(entries)} meshes",
+        f"{moved:.4f}",
+        moved < CLEAN_GOAL,
+    )
+
+
+def grouped(entries: Sequence[Entry], key: Callable[[Entry], str]) -> dict[str, list[Entry]]:
+    """Return entries by a key, in the order in which the keys appear."""
+    groups: dict[str, list[Entry]] = {}
+    for entry in entries:
+        groups.setdefault(key(entry), []).append(entry)
+    return groups
