@@ -42,7 +42,7 @@ VIEWS = {
 }
 SIZES = {"head": (560, 500), "foot": (640, 420), "crocodile": (960, 320)}
 SAMPLES = 8
-GREYS = 40
+GREYS = 48
 """Grey levels kept in a .gif: plenty for clay, and a third of the size."""
 
 
@@ -153,14 +153,14 @@ def _render_gif(path: Path) -> None:
         bpy.context.scene.render.filepath = str(Path(folder) / "frame")
         bpy.context.scene.render.image_settings.color_mode = "RGB"
         bpy.ops.render.render(animation=True)
-        frames = [Image.open(file).convert("RGB") for file in sorted(Path(folder).glob("*.png"))]
-    # One palette for all frames: nothing flickers, and frames that are alike become one.
-    palette = frames[len(frames) // 2].quantize(GREYS)
-    reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
-    reduced[0].save(
+        frames = [Image.open(file).convert("L") for file in sorted(Path(folder).glob("*.png"))]
+    # The same greys in all frames: nothing flickers, and frames that are alike become one.
+    levels = [round(round(v / 255 * (GREYS - 1)) * 255 / (GREYS - 1)) for v in range(256)]
+    frames = [frame.point(levels) for frame in frames]
+    frames[0].save(
         path,
         save_all=True,
-        append_images=reduced[1:],
+        append_images=frames[1:],
         duration=1000 // FRAMES_PER_SECOND,
         loop=0,
         optimize=True,

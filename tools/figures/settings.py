@@ -17,8 +17,8 @@ FOLDER = ROOT / "assets" / "figures"
 STEPS = 4
 TAUS = (0.0027, 0.0107, 0.043, 0.17)
 FACE = View((0.75, -1.0, 0.1), box=((-5.0, -11.0, 2.0), (8.5, 4.0, 15.0)))
-FRONT = View((0.1, -1.0, 0.05), box=((-7.0, -11.0, 1.0), (7.0, 0.0, 17.0)))
-ANKLE = View((0.5, -0.8, 0.75), box=((-5.0, -2.0, 4.0), (5.0, 13.0, 13.0)))
+FRONT = View((0.1, -1.0, 0.05), box=((-9.5, -11.0, 1.0), (8.5, 0.0, 20.0)))
+ANKLE = View((0.5, -0.8, 0.75), box=((-3.5, 1.0, 4.0), (4.0, 12.0, 11.0)))
 LEG_CUT = 11.0
 """Height at which the leg of the foot is cut off, for a mesh with a boundary."""
 
@@ -87,7 +87,7 @@ def _boundary(foot: MeshPair) -> None:
     ):
         settings = FairingSettings(density="area", tau=BOUNDARY_TAU, steps=STEPS, boundary=boundary)
         panels.append(Panel(fair(noisy, triangles, settings).positions, boundary, text))
-    figure(FOLDER / "settings_boundary.png", [panels], triangles, [[Shot(ANKLE, (260, 260))]])
+    figure(FOLDER / "settings_boundary.png", [panels], triangles, [[Shot(ANKLE, (260, 230))]])
 
 
 if __name__ == "__main__":
