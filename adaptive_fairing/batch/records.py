@@ -66,6 +66,15 @@ def is_finished(record: Json | None, made_with: Mapping[str, Any], output: Path)
     )
 
 
+def has_failed(record: Json | None, made_with: Mapping[str, Any]) -> bool:
+    """Whether an output was tried from this, with this, and could not be made."""
+    return (
+        record is not None
+        and record.get("status") == "failed"
+        and record.get("made_with") == strict(made_with)
+    )
+
+
 def write_record(
     path: Path, *, status: str, made_with: Mapping[str, Any], output: Path, account: Json
 ) -> Json:

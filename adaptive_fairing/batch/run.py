@@ -11,7 +11,7 @@ from ..core import FairingError, FairingSettings
 from ..version import program_version
 from .messages import Job
 from .plan import Item
-from .records import input_stamp, is_finished, read_record, write_record
+from .records import has_failed, input_stamp, is_finished, read_record, write_record
 from .schedule import Outcome, Schedule, Task, first_claim
 from .summary import DONE, FAILED, MISSING, SKIPPED, mesh_entry, summary
 
@@ -120,7 +120,7 @@ def merge_batch(batch: Batch) -> Json:
         record, made_with = read_record(item.record), batch.made_with(item)
         if is_finished(record, made_with, item.output):
             entries.append(mesh_entry(item, SKIPPED, record))
-        elif record is not None and record.get("status") == FAILED:
+        elif has_failed(record, made_with):
             entries.append(mesh_entry(item, FAILED, record))
         else:
             entries.append(mesh_entry(item, MISSING, None))

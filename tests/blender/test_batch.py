@@ -340,6 +340,10 @@ def test_failures_may_be_allowed(meshes, tmp_path, capsys):
     assert "1 of 2 meshes have no output, the first is bad.ply: cannot read" in (
         capsys.readouterr().err
     )
+    assert batch(*common, "--merge", "--steps", "3") == 1
+    assert "2 of 2 meshes have no output, the first is bad.ply: not tried yet" in (
+        capsys.readouterr().err
+    )
 
 
 def test_lines_that_flamenco_counts(meshes, tmp_path, capsys):
