@@ -11,9 +11,16 @@ Faces = NDArray[np.int32]
 
 def edges_of(faces: Faces) -> NDArray[np.int64]:
     """Return every edge (k, 2) once, the smaller index first."""
-    pairs = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1).astype(np.int64)
-    keys = np.unique(pairs[:, 0] << 32 | pairs[:, 1])
-    return np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1)
+    return np.unique(_sides(faces), axis=0)
+
+
+def is_closed(faces: Faces) -> bool:
+    """Tell whether every edge has two triangles."""
+    return bool(np.all(np.unique(_sides(faces), axis=0, return_counts=True)[1] == 2))
+
+
+def _sides(faces: Faces) -> NDArray[np.int64]:
+    return np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1).astype(np.int64)
 
 
 def local_edge_lengths(vertices: FloatArray, faces: Faces) -> FloatArray:
@@ -44,6 +51,6 @@ def vertex_normals(vertices: FloatArray, faces: Faces) -> FloatArray:
 
 
 def signed_volume(vertices: FloatArray, faces: Faces) -> float:
-    """Return the volume inside a closed mesh; of an open one, that of the cone over its centre."""
+    """Return the volume inside a closed mesh, negative where its triangles face inwards."""
     corner = (vertices - vertices.mean(axis=0))[faces]
     return float(np.einsum("fd,fd->", np.cross(corner[:, 0], corner[:, 1]), corner[:, 2]) / 6)

@@ -14,6 +14,7 @@ import numpy as np
 from .geometry import (
     Faces,
     FloatArray,
+    is_closed,
     local_edge_lengths,
     scaled_normals,
     signed_volume,
@@ -23,7 +24,7 @@ from .geometry import (
 N_CLASSES = 5
 """Density classes: equal shares of the vertices by local edge length, densest first."""
 
-Score = dict[str, float | int | list[float]]
+Score = dict[str, float | int | list[float] | None]
 
 
 class Reference:
@@ -55,6 +56,10 @@ class Reference:
     def _face_normals(self) -> FloatArray:
         return scaled_normals(self.vertices, self.faces)
 
+    @cached_property
+    def _volume(self) -> float | None:
+        return signed_volume(self.vertices, self.faces) if is_closed(self.faces) else None
+
     def distances(self, result: FloatArray) -> FloatArray:
         """Distance of every result vertex to the clean surface, over the local edge length."""
         points = np.ascontiguousarray(result[self._used], dtype=np.float64)
@@ -70,8 +75,8 @@ class Reference:
             mean, worst, classes: root mean square of `distances` over all vertices, in the worst
             density class, and in every class. moved: root mean square of the distance of every
             vertex to its own clean place, over the local edge. normals: mean angle to the clean
-            faces' normals in degrees, weighted by clean area. volume: relative error of the signed
-            volume. flips: faces whose normal points against the clean one.
+            faces' normals in degrees, weighted by clean area. volume: relative error of the
+            volume, None for open meshes. flips: faces whose normal points against the clean one.
         """
         squares = np.square(self.distances(result))
         counts = np.maximum(np.bincount(self.density_class, minlength=N_CLASSES), 1)
@@ -82,14 +87,15 @@ class Reference:
             "fd,fd->f", unit(self._face_normals), unit(scaled_normals(result, self.faces))
         )
         angles = np.degrees(np.arccos(np.clip(cosines, -1, 1)))
-        volume = signed_volume(self.vertices, self.faces)
         return {
             "mean": float(np.sqrt(squares.mean())),
             "worst": float(classes.max()),
             "classes": classes.tolist(),
             "moved": float(np.sqrt(np.mean(np.square(moves)))),
             "normals": float(np.average(angles, weights=areas)),
-            "volume": signed_volume(result, self.faces) / volume - 1,
+            "volume": signed_volume(result, self.faces) / self._volume - 1
+            if self._volume
+            else None,
             "flips": int(np.count_nonzero(cosines < 0)),
         }
 

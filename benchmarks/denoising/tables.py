@@ -41,7 +41,7 @@ def by_mesh(entries: Sequence[Entry], names: Sequence[str]) -> str:
                 f"{own['worst']:.4f}",
                 f"{own['worst'] / worst.score['worst']:.2f}",
                 f"{own['normals']:.1f}° / {best.score['normals']:.1f}°",
-                f"{100 * own['volume']:+.2f} / {100 * best.score['volume']:+.2f} %",
+                f"{_percent(own['volume'])} / {_percent(best.score['volume'])}",
                 f"{own['flips']} / {best.score['flips']}",
                 f"{entry.seconds:.1f}",
                 f"{best.peer}, {best.parameter}",
@@ -136,6 +136,10 @@ def as_data(entries: Sequence[Entry], peers: Sequence[Peer]) -> list[dict]:
         }
         for entry in entries
     ]
+
+
+def _percent(share: float | None) -> str:
+    return "–" if share is None else f"{100 * share:+.2f} %"
 
 
 def _point(entry: Entry, peer: Peer, measure: str) -> dict[str, str | bool | Score]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,8 +14,7 @@ from .measures import Score
 MEAN_GOAL, MEAN_LIMIT, WORST_GOAL, CLEAN_GOAL = 0.90, 1.05, 0.95, 0.01
 
 
-@dataclass(frozen=True)
-class Point:
+class Point(NamedTuple):
     """A peer at one parameter, on one mesh."""
 
     peer: str

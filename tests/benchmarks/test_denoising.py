@@ -1,0 +1,279 @@
+"""The benchmark of denoising: its noise has the strength it says, its measures and verdict hold.
+
+The peers and shapes that need the extra "bench" are not run here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from support.meshes import flat_grid, graded_sphere, icosphere
+
+from benchmarks.denoising import blender_modifiers, contest, noise, pairs, verdict
+from benchmarks.denoising.geometry import edges_of, local_edge_lengths, vertex_normals
+from benchmarks.denoising.measures import N_CLASSES, Reference, score
+from benchmarks.denoising.peers import Peer
+from samples.ply import write_ply
+
+AMPLITUDE = 0.1
+
+
+@pytest.fixture(scope="module")
+def ball() -> tuple[np.ndarray, np.ndarray]:
+    """Make a sphere of uneven density."""
+    return graded_sphere(4)
+
+
+def heights(ball, kind: str, amplitude: float = AMPLITUDE) -> np.ndarray:
+    """Return the noise along the normals, over the local edge length."""
+    vertices, faces = ball
+    moves = noise.add_noise(vertices, faces, kind, amplitude, seed=3) - vertices
+    normal = vertex_normals(vertices, faces)
+    return np.einsum("nd,nd->n", moves, normal) / local_edge_lengths(vertices, faces)
+
+
+@pytest.mark.parametrize("kind", ["normal", "isotropic", "correlated"])
+def test_noise_is_as_strong_as_it_says_everywhere(ball, kind):
+    vertices, faces = ball
+    found = heights(ball, kind)
+    edges = local_edge_lengths(vertices, faces)
+    for part in (edges < np.median(edges), edges >= np.median(edges)):
+        assert np.sqrt(np.mean(np.square(found[part]))) == pytest.approx(AMPLITUDE, rel=0.08)
+
+
+def test_uniform_noise_is_as_strong_in_lengths_everywhere(ball):
+    edges = local_edge_lengths(*ball)
+    lengths = heights(ball, "uniform") * edges
+    for part in (edges < np.median(edges), edges >= np.median(edges)):
+        expected = AMPLITUDE * edges.mean()
+        assert np.sqrt(np.mean(np.square(lengths[part]))) == pytest.approx(expected, rel=0.08)
+
+
+def test_only_isotropic_noise_moves_sideways(ball):
+    vertices, faces = ball
+    edges = local_edge_lengths(vertices, faces)
+    for kind in noise.KINDS:
+        moves = noise.add_noise(vertices, faces, kind, AMPLITUDE, seed=3) - vertices
+        normal = vertex_normals(vertices, faces)
+        sideways = np.linalg.norm(np.cross(moves, normal), axis=1) / edges
+        expected = AMPLITUDE * 2**0.5 if kind == "isotropic" else 0.0
+        assert np.sqrt(np.mean(np.square(sideways))) == pytest.approx(expected, rel=0.08, abs=1e-12)
+
+
+def test_only_correlated_noise_is_shared_by_neighbours(ball):
+    first, second = edges_of(ball[1]).T
+    shared = {}
+    for kind in noise.KINDS:
+        found = heights(ball, kind)
+        shared[kind] = np.corrcoef(found[first], found[second])[0, 1]
+    assert shared.pop("correlated") > 0.7
+    assert max(np.abs(list(shared.values()))) < 0.05
+
+
+def test_noise_is_the_same_on_every_run(ball):
+    once, again = (noise.add_noise(*ball, "normal", AMPLITUDE, seed=5) for _ in range(2))
+    np.testing.assert_array_equal(once, again)
+    other = noise.add_noise(*ball, "normal", AMPLITUDE, seed=6)
+    assert np.abs(other - once).max() > 0
+
+
+def test_a_clean_result_has_no_errors(ball):
+    vertices, faces = ball
+    found = score(vertices, faces, vertices)
+    assert found["volume"] is not None
+    assert found.pop("classes") == pytest.approx([0.0] * N_CLASSES, abs=1e-12)
+    assert found == pytest.approx(dict.fromkeys(found, 0.0), abs=1e-5)  # arccos near 1 is coarse
+
+
+def test_a_swollen_sphere_is_measured_exactly():
+    vertices, faces = icosphere(3)
+    reference = Reference(vertices, faces)
+    found = reference.score(1.01 * vertices)
+    # Nearest to a point straight above a corner of a convex body is the corner.
+    expected = 0.01 / reference.local_edges
+    np.testing.assert_allclose(reference.distances(1.01 * vertices), expected, rtol=1e-9)
+    assert found["mean"] == pytest.approx(np.sqrt(np.mean(expected**2)), rel=1e-9)
+    assert found["moved"] == pytest.approx(found["mean"], rel=1e-9)
+    assert found["volume"] == pytest.approx(1.01**3 - 1, rel=1e-9)
+    assert found["normals"] == pytest.approx(0, abs=1e-5)
+    assert found["flips"] == 0
+
+
+def test_sliding_within_the_surface_is_no_error_but_a_move():
+    vertices, faces = flat_grid(12, 12)
+    inside = np.ones(len(vertices), dtype=bool)
+    inside[np.unique(edges_of(faces)[_boundary(faces)])] = False
+    slid = vertices.copy()
+    slid[inside, 0] += 0.2 * local_edge_lengths(vertices, faces)[inside]
+    found = score(vertices, faces, slid)
+    assert found["mean"] == pytest.approx(0, abs=1e-12)
+    assert found["volume"] is None  # it is open
+    assert found["moved"] == pytest.approx(0.2 * np.sqrt(inside.mean()), rel=1e-9)
+    assert found["flips"] == 0
+
+
+def _boundary(faces: np.ndarray) -> np.ndarray:
+    pairs_of_ends = np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    counts = np.unique(pairs_of_ends, axis=0, return_counts=True)[1]
+    return counts == 1
+
+
+def test_noise_along_the_normals_is_the_distance_measured(ball):
+    vertices, faces = ball
+    noisy = noise.add_noise(vertices, faces, "normal", AMPLITUDE, seed=3)
+    found = score(vertices, faces, noisy)
+    assert found["mean"] == pytest.approx(AMPLITUDE, rel=0.05)
+    assert found["classes"] == pytest.approx([AMPLITUDE] * N_CLASSES, rel=0.1)
+    assert found["worst"] == max(found["classes"])
+
+
+def test_turned_faces_are_counted():
+    vertices, faces = flat_grid(6, 6)
+    found = score(vertices, faces, vertices * [-1, 1, 1])
+    assert found["flips"] == len(faces)
+    assert found["normals"] == pytest.approx(180)
+
+
+def test_density_classes_are_equal_shares_from_dense_to_coarse(ball):
+    reference = Reference(*ball)
+    counts = np.bincount(reference.density_class)
+    assert len(counts) == N_CLASSES
+    assert np.ptp(counts) <= 0.01 * len(ball[0])
+    for k in range(N_CLASSES - 1):
+        longest = reference.local_edges[reference.density_class == k].max()
+        assert longest <= reference.local_edges[reference.density_class == k + 1].min()
+
+
+def test_pairs_of_a_folder_are_read_with_their_faces(ball, tmp_path):
+    vertices, faces = ball
+    noisy = noise.add_noise(vertices, faces, "normal", AMPLITUDE, seed=3)
+    write_ply(tmp_path / "some.ball.clean.ply", vertices, faces, "test")
+    write_ply(tmp_path / "some.ball.noisy.ply", noisy, faces, "test")
+    write_ply(tmp_path / "alone.ply", vertices, faces, "test")
+    (found,) = pairs.in_folder(tmp_path)
+    assert (found.name, found.label) == ("some.ball", "some.ball")
+    np.testing.assert_array_equal(found.faces, faces)
+    np.testing.assert_allclose(found.clean, vertices, atol=1e-6)
+    np.testing.assert_allclose(found.noisy, noisy, atol=1e-6)
+
+
+def test_a_pair_with_other_faces_is_refused(ball, tmp_path):
+    vertices, faces = ball
+    write_ply(tmp_path / "a.clean.ply", vertices, faces, "test")
+    write_ply(tmp_path / "a.noisy.ply", vertices, faces[:, [1, 2, 0]], "test")
+    with pytest.raises(ValueError, match="other faces"):
+        list(pairs.in_folder(tmp_path))
+
+
+@pytest.mark.parametrize("text", ["normal", "normal:0", "normal:-1", "nothing:0.1", "none:0.1"])
+def test_a_noise_that_is_none_is_refused(text):
+    with pytest.raises(ValueError):
+        pairs.noise_name(text)
+
+
+def test_every_kind_of_noise_has_a_name_that_is_understood():
+    assert [pairs.noise_name(text) for text in pairs.ALL_NOISE] == list(pairs.ALL_NOISE)
+
+
+class Shrinking:
+    """A peer's run that counts how often it is called: towards the sphere, then far past it."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+
+    def __call__(self, vertices, faces, sweep) -> Iterator[np.ndarray]:
+        radius = np.linalg.norm(vertices, axis=1, keepdims=True)
+        for value in sweep:
+            self.calls += 1
+            yield vertices * (1 + value * (1 / radius - 1))
+
+
+@pytest.fixture
+def pair(ball) -> pairs.Pair:
+    vertices, faces = ball
+    noisy = noise.add_noise(vertices, faces, "normal", AMPLITUDE, seed=3)
+    return pairs.Pair("ball", "test", "test", "normal:0.1", vertices, noisy, faces)
+
+
+def test_scores_of_a_peer_are_kept_until_its_grid_changes(pair, tmp_path):
+    run = Shrinking()
+    peer = Peer("shrinking", (), "share", (0.5, 1.0), run)
+    once = contest.peer_scores(pair, peer, tmp_path)
+    assert run.calls == 2
+    assert contest.peer_scores(pair, peer, tmp_path) == once
+    assert run.calls == 2
+    wider = Peer("shrinking", (), "share", (0.5, 1.0, 1.5), run)
+    assert len(contest.peer_scores(pair, wider, tmp_path)) == 3
+    assert once["share 1"]["mean"] < 0.02 < once["share 0.5"]["mean"]
+
+
+def test_a_sweep_ends_where_it_is_hopeless(pair):
+    run = Shrinking()
+    peer = Peer("shrinking", (), "share", (0.5, 0.9, 3.0, 5.0, 7.0), run)
+    assert list(contest.peer_scores(pair, peer)) == ["share 0.5", "share 0.9", "share 3"]
+
+
+def test_the_ends_of_a_grid_are_known():
+    counted = Peer("counted", (), "iterations", (1, 2, 4), Shrinking(), {"a": {}, "b": {}})
+    names = [counted.parameter(variant, value) for variant in "ab" for value in (1, 2, 4)]
+    assert [counted.at_edge(name) for name in names] == [False, False, True] * 2
+    timed = Peer("timed", (), "time", (1, 2, 4), Shrinking(), starts_at_least=False)
+    assert [timed.at_edge(timed.parameter("", value)) for value in (1, 2, 4)] == [True, False, True]
+
+
+def made_up(mean: float, **others) -> dict:
+    return {"mean": mean, "worst": mean, "flips": 0, "moved": 0.0} | others
+
+
+def entry(own: float, first: list[float], second: list[float], **others) -> contest.Entry:
+    """Make an entry with scores of two peers, at parameters called 0, 1 ..."""
+    scores = {
+        name: {str(k): made_up(mean) for k, mean in enumerate(means)}
+        for name, means in (("first", first), ("second", second))
+    }
+    nothing = np.empty((0, 3))
+    mesh = pairs.Pair("mesh", "test", "test", "normal:0.1", nothing, nothing, nothing)
+    return contest.Entry(mesh, made_up(0.2), made_up(own, **others), 1.0, scores)
+
+
+def test_the_verdict_takes_the_best_parameter_per_mesh_and_one_for_all():
+    entries = [entry(0.09, [0.1, 0.2], [0.4, 0.4]), entry(0.08, [0.5, 0.12], [0.1, 0.3])]
+    assert verdict.best_peer(entries[0], ["first", "second"])[:2] == ("first", "0")
+    assert verdict.best_peer(entries[1], ["first", "second"])[:2] == ("second", "0")
+    single = verdict.one_parameter(entries, "first")
+    assert single.parameter == "1"  # 0.2 · 0.12 is less than 0.1 · 0.5
+    assert [each["mean"] for each in single.scores] == [0.2, 0.12]
+    found = verdict.criteria(entries, ["first", "second"])
+    assert [each.passed for each in found] == [True] * 6
+    assert found[0].found == f"{(0.9 * 0.8) ** 0.5:.3f}"
+    assert found[1].found == "0.900"
+
+
+def test_the_verdict_fails_what_does_not_hold():
+    good, bad = entry(0.05, [0.1], [0.1]), entry(0.11, [0.1], [0.1], flips=1)
+    found = verdict.criteria([good, bad], ["first", "second"])
+    assert [each.passed for each in found] == [True, False, False, True, False, False]
+    assert not verdict.clean_criterion([entry(0.1, [0.1], [0.1], moved=0.02), good]).passed
+    assert verdict.clean_criterion([good]).passed
+
+
+def test_a_parameter_that_failed_on_one_mesh_is_not_the_one_for_all():
+    entries = [entry(0.1, [0.1, 0.2], [0.1]), entry(0.1, [0.1, 0.2], [0.1])]
+    del entries[1].peers["first"]["0"]
+    assert verdict.one_parameter(entries, "first").parameter == "1"
+
+
+@pytest.mark.parametrize(
+    ("run", "options"),
+    [
+        (blender_modifiers.smooth, {}),
+        (blender_modifiers.corrective_smooth, {"weights": "LENGTH_WEIGHTED"}),
+    ],
+)
+def test_going_on_from_the_last_result_is_what_more_iterations_do(ball, run, options):
+    *_, piecewise = run(*ball, (1, 2, 5), **options)
+    (at_once,) = run(*ball, (5,), **options)
+    np.testing.assert_allclose(piecewise, at_once, atol=2e-6)
+    assert np.abs(at_once - ball[0]).max() > 1e-3
