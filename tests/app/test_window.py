@@ -107,3 +107,22 @@ def test_the_window_keeps_drawing_while_200000_triangles_are_faired(app):
     mean_step = run["seconds"] / (len(EVOLUTION) - 1)
     assert run["draws"] / run["seconds"] > 0.2 * idle["draws"] / idle["seconds"]
     assert run["longest gap"] < mean_step
+
+
+def test_the_button_for_frames_makes_an_object_that_plays_them(app):
+    seen = app.play("sequence")
+    assert seen["keys"] == [f"Frame {frame}" for frame in range(1, 6)]
+    assert seen["result"].endswith(" faired")
+    assert seen["hidden"]
+    assert seen["eval_time"] == seen["frames of the keys"]
+    assert len(seen["after undo"]) == 1
+    kept = seen["kept after escape"]
+    assert 1 <= len(kept) < 200
+    assert kept == [f"Frame {frame}" for frame in range(1, len(kept) + 1)]
+    pictures = seen["pictures"]
+    for name, parts in pictures.items():
+        assert parts["UI"]["colours"] > N_COLOURS_OF_AN_INTERFACE, name
+    assert (
+        pictures["sequence-before"]["WINDOW"]["checksum"]
+        != pictures["sequence-after"]["WINDOW"]["checksum"]
+    )

@@ -102,8 +102,9 @@ class Stage:
         return region.x + region.width // 2, region.y + region.height // 2
 
     def is_running(self) -> bool:
-        """Tell whether the modal operator is at work."""
-        return any(operator.bl_idname == OPERATOR for operator in self.window.modal_operators)
+        """Tell whether one of the modal operators is at work."""
+        names = [operator.bl_idname for operator in self.window.modal_operators]
+        return any(name.startswith(OPERATOR) for name in names)
 
     # --- what a person does ---------------------------------------------------------------------
 

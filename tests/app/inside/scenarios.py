@@ -164,6 +164,58 @@ def quit_program(stage: Stage) -> Scenario:
     stage.results["running at the end"] = stage.is_running()
 
 
+def sequence(stage: Stage) -> Scenario:
+    """Press the button for frames; Esc in a second run keeps the frames that are finished."""
+    obj = add_noisy("ico_sphere", 0.01, subdivisions=5)
+    wave = obj.modifiers.new("Wave", "WAVE")
+    wave.height, wave.width, wave.narrowness, wave.time_offset = 0.3, 1.0, 2.0, -20
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 5
+    scene.adaptive_fairing.steps = 2
+    open_at_first("VIEW3D_PT_adaptive_fairing_sequence")
+    yield from stage.open_sidebar("Fairing")
+    x, y = yield from stage.find_button("object.adaptive_fairing_sequence(")
+    yield from stage.picture("sequence-before")
+    stage.click(x, y)
+    yield stage.until(stage.is_running, 20, "start of the modal run")
+    yield from stage.picture("sequence-running")
+    yield stage.until(lambda: not stage.is_running(), 120, "end of the run")
+    yield 1.0
+    result = bpy.context.object
+    stage.results["result"] = result.name
+    stage.results["keys"] = key_names()
+    stage.results["hidden"] = not obj.visible_get()
+    stage.results["eval_time"] = []
+    for frame in range(1, 6):
+        scene.frame_set(frame)
+        stage.results["eval_time"].append(result.data.shape_keys.eval_time)
+    stage.results["frames of the keys"] = [key.frame for key in result.data.shape_keys.key_blocks]
+    yield from stage.picture("sequence-after")
+    yield from stage.press_in_view("ctrl+z")
+    stage.results["after undo"] = sorted(each.name for each in bpy.data.objects)
+
+    obj = bpy.data.objects[0]
+    bpy.context.view_layer.objects.active = obj
+    scene = bpy.context.scene
+    scene.frame_end = 200
+    x, y = yield from stage.find_button("object.adaptive_fairing_sequence(")
+    stage.click(x, y)
+    yield stage.until(stage.is_running, 60, "start of the second run")
+    yield 3.0
+    yield from stage.press_in_view("Escape")
+    yield stage.until(lambda: not stage.is_running(), 60, "end after Esc")
+    yield 1.0
+    stage.results["kept after escape"] = key_names()
+
+
+def open_at_first(panel: str) -> None:
+    """Let a panel that is closed at first be open, as a click on its header would."""
+    panel_class = getattr(bpy.types, panel)
+    bpy.utils.unregister_class(panel_class)
+    panel_class.bl_options = set()
+    bpy.utils.register_class(panel_class)
+
+
 def large_mesh(stage: Stage) -> Scenario:
     """Fair 200 000 triangles, and count how often the window is drawn meanwhile."""
     obj = add_noisy("grid", 0.0005, x_subdivisions=320, y_subdivisions=320)
