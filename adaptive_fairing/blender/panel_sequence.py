@@ -19,13 +19,21 @@ class VIEW3D_PT_adaptive_fairing_sequence(FairingPanel, bpy.types.Panel):
         layout = self.layout
         scene = context.scene
         settings = scene.adaptive_fairing
-        layout.active = modal_run.progress() is None
-        row = layout.row(align=True)
+        current = modal_run.progress()
+        column = layout.column()
+        column.active = current is None
+        row = column.row(align=True)
         row.prop(scene, "frame_start", text=iface_("Start"))
         row.prop(scene, "frame_end", text=iface_("End"))
-        layout.prop(settings, "same_strength")
+        column.prop(settings, "same_strength")
         row = layout.row()
         row.scale_y = 1.3
+        if current is not None:
+            # A button that is greyed out under the pointer would stay so after the run.
+            row.enabled = not current.worker.is_stopping
+            text = iface_("Stop, Keep Frames")
+            row.operator("object.adaptive_fairing_stop", text=text, icon="CANCEL")
+            return
         n_frames = max(scene.frame_end - scene.frame_start + 1, 0)
         operator = row.operator(
             OBJECT_OT_adaptive_fairing_sequence.bl_idname,

@@ -185,6 +185,7 @@ GERMAN = {
     "Smooth every frame as the first one, so that nothing flickers": "Jedes Bild so glätten wie "
     "das erste, damit nichts flackert",
     "Fair {:d} Frames": "{:d} Bilder glätten",
+    "Stop, Keep Frames": "Anhalten, Bilder behalten",
     "Frame {:d}": "Bild {:d}",
     "Faired {:d} frames, {:.1f} s": "{:d} Bilder geglättet, {:.1f} s",
     "Stopped before the first frame was done": "Angehalten, bevor das erste Bild fertig war",

@@ -13,6 +13,7 @@ from adaptive_fairing.blender import (
     mesh_scale,
     modal_run,
     panel_results,
+    panel_sequence,
     panel_settings,
 )
 from adaptive_fairing.blender.run import FairingTask, run_tasks
@@ -22,7 +23,7 @@ pytestmark = pytest.mark.usefixtures("addon")
 
 PANELS = [
     panel
-    for module in (panel_settings, panel_results)
+    for module in (panel_settings, panel_sequence, panel_results)
     for name, panel in vars(module).items()
     if name.startswith("VIEW3D_PT_adaptive") and panel.__module__ == module.__name__
 ]
@@ -110,6 +111,19 @@ class TestBeforeTheRun:
         assert "scipy is missing: get it" in " ".join(drawn.texts)
 
 
+def test_the_button_for_frames_has_the_scenes_range_and_the_panels_settings(sphere):
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 11, 20
+    scene.adaptive_fairing.tau = 0.25
+    scene.adaptive_fairing.same_strength = False
+    drawn = draw(panel_sequence.VIEW3D_PT_adaptive_fairing_sequence)
+    found = button(drawn, "object.adaptive_fairing_sequence")
+    assert found["text"] == "Fair 10 Frames"
+    assert (found["frame_start"], found["frame_end"]) == (11, 20)
+    assert found["tau"] == 0.25
+    assert found["same_strength"] is False
+
+
 class TestDuringTheRun:
     class StandingWorker:
         is_stopping = False
@@ -168,9 +182,14 @@ class TestDuringTheRun:
         drawn = draw(panel_settings.VIEW3D_PT_adaptive_fairing)
         assert button(drawn, "object.adaptive_fairing_stop")["text"] == "Stopping…"
 
+    def test_the_panel_for_frames_offers_to_stop_in_place_of_its_button(self, current):
+        drawn = draw(panel_sequence.VIEW3D_PT_adaptive_fairing_sequence)
+        assert [each["name"] for each in drawn.operators] == ["object.adaptive_fairing_stop"]
+
     def test_a_second_run_is_refused(self, current):
-        with pytest.raises(RuntimeError, match="A run is going on"):
-            bpy.ops.object.adaptive_fairing()
+        for run in (bpy.ops.object.adaptive_fairing, bpy.ops.object.adaptive_fairing_sequence):
+            with pytest.raises(RuntimeError, match="A run is going on"):
+                run()
 
     def test_several_objects_are_named(self, current):
         current.tasks.append(current.tasks[0])
