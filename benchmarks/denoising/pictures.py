@@ -10,7 +10,7 @@ import numpy as np
 
 from .contest import Entry
 from .geometry import FloatArray, local_edge_lengths, vertex_normals
-from .measures import Reference
+from .measures import Reference, Score
 from .ours import auto
 from .peers import Peer
 from .verdict import best_peer
@@ -20,10 +20,10 @@ TOOLS = Path(__file__).resolve().parents[2] / "tools"
 VIEWS = ((0.5, -1, 0.6), (-0.8, -0.7, 0.5), (0.8, 0.7, 0.5), (-0.6, 0.9, 0.5), (0.3, -0.5, -0.9))
 """Towards the camera; of these, the one that sees the place of the close-up best is taken."""
 
-CLOSE = 14
+CLOSE = 10
 """Half the width of a close-up, in local edges of its place."""
 
-WHOLE_SIZE, CLOSE_SIZE, SAMPLES = (430, 430), (430, 430), 12
+WHOLE_SIZE, CLOSE_SIZE, SAMPLES = (430, 360), (430, 400), 6
 
 
 def picture(entry: Entry, peers: Sequence[Peer], folder: Path) -> Path:
@@ -76,5 +76,5 @@ def _slanted(normal: FloatArray) -> FloatArray:
     return normal + 0.35 * side / np.linalg.norm(side)
 
 
-def _text(score) -> str:
-    return f"error {score['mean']:.3f}, worst {score['worst']:.3f}, flips {score['flips']}"
+def _text(score: Score) -> str:
+    return f"error {score['mean']:.3f}"
