@@ -50,7 +50,7 @@ SETUP = (
 STEP = (
     Stage("density", "fairing:mesh_density"),
     Stage("evaluation", "assembly:evaluate"),
-    Stage("coefficients", "assembly:_Form.coefficients"),
+    Stage("coefficients", "forms:ScalarForm.coefficients"),
     Stage("measures", "assembly:integrate_measures"),
     Stage("local matrices", "class_tables:ClassTables.local_matrices"),
     Stage("scatter, right side", "assembly:_integrate"),

@@ -14,9 +14,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
-from .blocks import Chunk, SurfaceBlock, evaluate, integrate_measures
+from .blocks import Chunk, evaluate, integrate_measures
 from .class_tables import ClassTables
 from .errors import InputError
+from .forms import Form, ScalarForm
 from .geometry import SurfaceMeasures
 from .loop_basis import basis_table
 from .parallel import ordered_map
@@ -86,7 +87,7 @@ class LoopSpace:
 
         Source: M of (3.4) and (3.9).
         """
-        form = _Form(with_mass=True, inverse_mass=timestep is not None)
+        form = ScalarForm(with_mass=True, inverse_mass=timestep is not None)
         return self._assemble(form, positions, timestep).matrix
 
     def stiffness_matrix(
@@ -108,7 +109,7 @@ class LoopSpace:
 
         Source: L of (3.4) and (3.9).
         """
-        form = _Form(with_stiffness=True, scaled_stiffness=diffusivity is not None)
+        form = ScalarForm(with_stiffness=True, scaled_stiffness=diffusivity is not None)
         return self._assemble(form, positions, diffusivity).matrix
 
     def step_system(
@@ -126,7 +127,7 @@ class LoopSpace:
         """
         if timestep is not None and diffusivity is not None:
             raise InputError("give either a timestep or a diffusivity, not both")
-        form = _Form(
+        form = ScalarForm(
             with_mass=True,
             with_stiffness=True,
             inverse_mass=timestep is not None,
@@ -134,6 +135,12 @@ class LoopSpace:
             measured=True,
         )
         return self._assemble(form, positions, timestep if diffusivity is None else diffusivity)
+
+    def form_matrix(
+        self, form: Form, positions: ArrayLike, field: ArrayLike | None = None
+    ) -> sparse.csr_array:
+        """Assemble any symmetric form, see `Form`, on the surface of `positions`."""
+        return self._assemble(form, positions, field).matrix
 
     def measures(self, positions: ArrayLike) -> SurfaceMeasures:
         """Integrate curvature energy, area and volume of the limit surface of `positions`."""
@@ -143,12 +150,12 @@ class LoopSpace:
             window = columns[:, chunk.low : chunk.high]
             totals = np.zeros(3)
             for block in chunk.blocks:
-                totals += integrate_measures(block, evaluate(block, window, measured=True))
+                totals += integrate_measures(block, evaluate(block, window, curved=True))
             return totals
 
         return self._as_measures(sum(ordered_map(of_chunk, self._chunks), np.zeros(3)))
 
-    def _assemble(self, form: _Form, positions: ArrayLike, field: ArrayLike | None) -> StepSystem:
+    def _assemble(self, form: Form, positions: ArrayLike, field: ArrayLike | None) -> StepSystem:
         columns = self._columns(positions, field)
         upper = np.zeros(self.pattern.n_upper)
         right_side = np.zeros((3, self.topology.n_vertices))
@@ -188,30 +195,6 @@ class LoopSpace:
     def _as_measures(self, totals: FloatArray) -> SurfaceMeasures:
         energy, area, volume = totals.tolist()
         return SurfaceMeasures(energy, area, volume if self.topology.is_closed else np.nan)
-
-
-class _Form(NamedTuple):
-    """Which bilinear form to assemble, and what the scalar field means in it."""
-
-    with_mass: bool = False
-    with_stiffness: bool = False
-    inverse_mass: bool = False
-    scaled_stiffness: bool = False
-    measured: bool = False
-
-    def coefficients(self, surface: SurfaceBlock) -> FloatArray:
-        """Factors of the product table at each point, (4, n_points): t⁻¹ √g, then c √g g⁻¹."""
-        metric, field = surface.metric, surface.values[3]
-        coefficients = np.zeros((4, len(field)))
-        if self.with_mass:
-            np.divide(metric.area_element, field if self.inverse_mass else 1, out=coefficients[0])
-        if self.with_stiffness:
-            factor = (field if self.scaled_stiffness else 1) / metric.area_element
-            np.multiply(metric.g22, factor, out=coefficients[1])
-            np.multiply(metric.g11, factor, out=coefficients[3])
-            np.multiply(metric.g12, factor, out=factor)
-            np.negative(factor, out=coefficients[2])
-        return coefficients
 
 
 class _ChunkEntries:
@@ -260,7 +243,7 @@ class _Contribution(NamedTuple):
 
 
 def _integrate(
-    chunk: Chunk, entries: _ChunkEntries, columns: FloatArray, form: _Form
+    chunk: Chunk, entries: _ChunkEntries, columns: FloatArray, form: Form
 ) -> _Contribution:
     window = columns[:, chunk.low : chunk.high]
     local = np.empty(chunk.n_entries)
@@ -268,7 +251,7 @@ def _integrate(
     totals = np.zeros(3)
     n_done = n_loaded = 0
     for block in chunk.blocks:
-        surface = evaluate(block, window, form.measured)
+        surface = evaluate(block, window, form.curved)
         coefficients = form.coefficients(surface)
         if form.measured:
             totals += integrate_measures(block, surface)

@@ -106,15 +106,16 @@ class SurfaceBlock(NamedTuple):
     values : (4, n_points)
         Coordinates and a scalar field.
     metric : Metric
-    curvature : (n_points,) or None
+    second_derivatives : (3, 3, n_points) or None
+        ∂11 x, ∂12 x, ∂22 x, if they were asked for.
     """
 
     values: FloatArray
     metric: Metric
-    curvature: FloatArray | None
+    second_derivatives: FloatArray | None
 
 
-def evaluate(block: Block, columns: FloatArray, measured: bool) -> SurfaceBlock:
+def evaluate(block: Block, columns: FloatArray, curved: bool) -> SurfaceBlock:
     """Evaluate the surface at the quadrature points of a block.
 
     Parameters
@@ -122,13 +123,13 @@ def evaluate(block: Block, columns: FloatArray, measured: bool) -> SurfaceBlock:
     block : Block
     columns : (4, n)
         Coordinates and field of the chunk's vertices, from its lowest one on.
-    measured : bool
-        Whether the mean curvature is wanted.
+    curved : bool
+        Whether second derivatives are wanted.
     """
     n_points = block[-1].points.stop
     values = np.empty((4, n_points))
     tangents = np.empty((2, 3, n_points))
-    seconds = np.empty((3, 3, n_points)) if measured else None
+    seconds = np.empty((3, 3, n_points)) if curved else None
     for part in block:
         tables, control = part.tables, part.control_points
         shape = (tables.n_points, part.n_triangles)
@@ -141,17 +142,16 @@ def evaluate(block: Block, columns: FloatArray, measured: bool) -> SurfaceBlock:
         if seconds is not None:
             out = seconds[..., part.points].reshape(3, 3, *shape)
             np.matmul(tables.second_derivatives, local[:3], out=out)
-    metric = metric_at(tangents)
-    curvature = mean_curvature(metric, seconds) if seconds is not None else None
-    return SurfaceBlock(values, metric, curvature)
+    return SurfaceBlock(values, metric_at(tangents), seconds)
 
 
 def integrate_measures(block: Block, surface: SurfaceBlock) -> FloatArray:
     """Curvature energy, area and volume of a block, (3,)."""
     metric = surface.metric
     integrands = np.empty((3, len(metric.area_element)))
-    if surface.curvature is not None:
-        np.multiply(metric.area_element, np.square(surface.curvature), out=integrands[0])
+    if surface.second_derivatives is not None:
+        curvature = mean_curvature(metric, surface.second_derivatives)
+        np.multiply(metric.area_element, np.square(curvature), out=integrands[0])
     integrands[1] = metric.area_element
     np.einsum("dp,dp->p", surface.values[:3], metric.normal, out=integrands[2])
     integrands[2] /= 3
