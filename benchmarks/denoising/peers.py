@@ -69,18 +69,13 @@ class Peer:
         """Name a point of the grid."""
         return f"{self.sweep_name} {value:g}" + (f", {variant}" if variant else "")
 
-    def results(self, vertices: FloatArray, faces: Faces) -> Iterator[tuple[str, FloatArray]]:
-        """Yield the name of every grid point and the positions there."""
-        for variant, options in self.variants.items():
-            found = self.run(vertices, faces, self.sweep, **options)
-            for value, positions in zip(self.sweep, found, strict=False):
-                yield self.parameter(variant, value), positions
-
     def result(self, vertices: FloatArray, faces: Faces, parameter: str) -> FloatArray:
         """Return the positions at one point of the grid."""
-        for name, positions in self.results(vertices, faces):
-            if name == parameter:
-                return positions
+        for variant, options in self.variants.items():
+            for k, value in enumerate(self.sweep):
+                if self.parameter(variant, value) == parameter:
+                    *_, positions = self.run(vertices, faces, self.sweep[: k + 1], **options)
+                    return positions
         raise KeyError(f"{self.name} has no {parameter}")
 
     def at_edge(self, parameter: str) -> bool:

@@ -209,6 +209,15 @@ def test_scores_of_a_peer_are_kept_until_its_grid_changes(pair, tmp_path):
     assert once["share 1"]["mean"] < 0.02 < once["share 0.5"]["mean"]
 
 
+def test_the_result_at_a_point_of_the_grid_is_the_one_that_was_scored(pair):
+    peer = Peer("shrinking", (), "share", (0.5, 1.0, 1.2), Shrinking(), {"a": {}, "b": {}})
+    positions = peer.result(pair.noisy, pair.faces, "share 1, b")
+    expected = contest.peer_scores(pair, peer)["share 1, b"]
+    assert score(pair.clean, pair.faces, positions) == expected
+    with pytest.raises(KeyError, match="no share 2"):
+        peer.result(pair.noisy, pair.faces, "share 2")
+
+
 def test_a_sweep_ends_where_it_is_hopeless(pair):
     run = Shrinking()
     peer = Peer("shrinking", (), "share", (0.5, 0.9, 3.0, 5.0, 7.0), run)
