@@ -1,0 +1,273 @@
+"""Fair some two hundred meshes as a batch: failures, a kill, two workers, a limit of memory.
+
+    python benchmarks/batch.py [--count 200] [--meshes FOLDER] [--memory 3G] [--work DIR]
+
+The meshes are those of FOLDER, made ones of many sizes and valences, and some that cannot be
+faired. They are faired by one worker and by two, in turns on shares of the meshes, so that what
+else the machine does hits both; by two, killed when half is done and run again; and by four under
+the limit. The outputs of all runs are compared byte by byte.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from collections import Counter
+from dataclasses import dataclass
+from pathlib import Path
+
+import psutil
+from measuring import describe, load, machine, table
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+import meshes as made  # noqa: E402
+
+from adaptive_fairing.batch.plan import RECORDS  # noqa: E402
+from adaptive_fairing.formats import SUFFIXES  # noqa: E402
+
+SIZES = (200, 500, 1000, 2000, 5000, 10000, 20000, 50000, 100000)
+"""Triangles of the made meshes."""
+
+BROKEN = {
+    "empty.ply": "",
+    "no_mesh.ply": "this is no mesh\n",
+    "cut_off.ply": "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n",
+    "no_numbers.obj": "v nan 0 0\nv inf 0 0\nv 0 1 0\nf 1 2 3\n",
+    "points_only.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\n",
+    "no_surface.obj": "v 0 0 0\nv 1 0 0\nf 1 2 1\n",
+    "no_gltf.glb": "glTF, but not really\n",
+}
+N_SHARES = 4
+EVERY_BROKEN = 20  # of so many meshes one is broken
+
+
+@dataclass
+class Run:
+    """One run of the command line.
+
+    Attributes
+    ----------
+    status
+        Exit status; None if it was killed.
+    seconds
+        By the wall clock.
+    processor_seconds
+        Of all its processes, as far as they have ended by themselves.
+    largest_bytes
+        Most memory that the worker processes held together, sampled; pages that they share are
+        counted in each.
+    summary
+        What it wrote.
+    """
+
+    status: int | None
+    seconds: float
+    processor_seconds: float
+    largest_bytes: int
+    summary: dict
+
+
+def main() -> int:
+    """Make the meshes, run the batches, print the tables."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--count", type=int, default=200, help="meshes (default: %(default)s)")
+    parser.add_argument("--meshes", type=Path, help="folder with more meshes")
+    parser.add_argument("--memory", default="3G", help="limit (default: %(default)s)")
+    parser.add_argument("--work", type=Path, help="where to work (default: a temporary folder)")
+    options = parser.parse_args()
+    print(f"{describe(machine())}; {load()}\n")
+    with tempfile.TemporaryDirectory() as temporary:
+        work = options.work or Path(temporary)
+        given = work / "given"
+        collect(given, options.count, options.meshes)
+        one, whole = in_turns(given, work / "one", work / "whole")
+        print_outcomes(one)
+        killed = run_batch(
+            given, work / "two", "--jobs", "2", kill_at=one.summary["counts"]["done"] // 2
+        )
+        resumed = run_batch(given, work / "two", "--jobs", "2")
+        limited = run_batch(given, work / "limited", "--jobs", "4", "--memory", options.memory)
+        print_runs({
+            "1 worker": one, "2 workers": whole, "2 workers, killed": killed,
+            "2 workers, run again": resumed, f"4 workers, {options.memory}": limited,
+        })  # fmt: skip
+        print(f"\n2 workers against 1: {one.seconds / whole.seconds:.2f} times as fast")
+        print(f"memory limit {options.memory}: {limited.largest_bytes / 1e9:.2f} GB held at most")
+        folders = [work / name for name in ("two", "whole", "limited")]
+        differing = sum(len(differences(work / "one", folder)) for folder in folders)
+        print(f"outputs that differ from those of one worker: {differing}")
+    return 1 if differing else 0
+
+
+def collect(folder: Path, count: int, more: Path | None) -> None:
+    """Fill a folder with meshes; one that is there already is left as it is."""
+    if folder.exists():
+        return
+    folder.mkdir(parents=True)
+    if more is not None:
+        for path in sorted(more.iterdir()):
+            if path.suffix.lower() in SUFFIXES:
+                shutil.copy(path, folder / path.name)
+    for index in range(max(count // EVERY_BROKEN, 1)):
+        name, text = list(BROKEN.items())[index % len(BROKEN)]
+        (folder / f"broken_{index:02d}_{name}").write_text(text)
+    for index in range(max(count - len(list(folder.iterdir())), 0)):
+        size = SIZES[index % len(SIZES)]
+        mesh = made.irregular(size) if index % 2 else made.sphere(size)
+        # Other coordinates for each, so that no two outputs are the same.
+        mesh = mesh._replace(vertices=mesh.vertices * (1 + 0.01 * index))
+        made.write_ply(mesh, folder / f"made_{index:03d}_{size}.ply")
+
+
+def in_turns(given: Path, one: Path, two: Path) -> tuple[Run, Run]:
+    """Run the batch with one worker and with two, share by share in turns."""
+    totals = {one: Run(0, 0.0, 0.0, 0, {}), two: Run(0, 0.0, 0.0, 0, {})}
+    for share in range(1, N_SHARES + 1):
+        turns = [(one, "1"), (two, "2")]
+        for folder, jobs in turns if share % 2 else turns[::-1]:
+            run = run_batch(given, folder, "--jobs", jobs, "--shard", f"{share}/{N_SHARES}")
+            total = totals[folder]
+            total.status = max(total.status, run.status)
+            total.seconds += run.seconds
+            total.processor_seconds += run.processor_seconds
+            total.largest_bytes = max(total.largest_bytes, run.largest_bytes)
+    for folder, total in totals.items():
+        total.summary = run_batch(given, folder, "--merge").summary
+        for mesh in total.summary["meshes"]:
+            mesh["status"] = mesh["status"].replace("skipped", "done")
+        counts = total.summary["counts"]
+        counts["done"], counts["skipped"] = counts["skipped"], 0
+    return totals[one], totals[two]
+
+
+def run_batch(given: Path, output: Path, *options: str, kill_at: int | None = None) -> Run:
+    """Run the command line on all meshes; kill it when so many are done."""
+    report = output.with_suffix(".json")
+    report.unlink(missing_ok=True)
+    command = [
+        sys.executable, "-m", "adaptive_fairing", str(given), "--out-dir", str(output),
+        "--report", str(report), *options,
+    ]  # fmt: skip
+    started, before = time.perf_counter(), os.times()
+    with tempfile.TemporaryFile() as errors:
+        process = subprocess.Popen(command, cwd=ROOT, stderr=errors)
+        sampler = Sampler(process.pid)
+        if kill_at is not None:
+            while len(list(output.glob(f"{RECORDS}/*"))) < kill_at and process.poll() is None:
+                time.sleep(0.05)
+            process.kill()
+        status = process.wait()
+    seconds = time.perf_counter() - started
+    sampler.stop()
+    after = os.times()
+    used = sum(after[2:4]) - sum(before[2:4])
+    summary = json.loads(report.read_text()) if report.exists() else {}
+    return Run(None if kill_at else status, seconds, used, sampler.largest, summary)
+
+
+class Sampler:
+    """Looks again and again at how much memory the child processes of a process hold."""
+
+    def __init__(self, process_id: int) -> None:
+        self.largest = 0
+        self._parent = psutil.Process(process_id)
+        self._is_stopped = threading.Event()
+        self._thread = threading.Thread(target=self._look, daemon=True)
+        self._thread.start()
+
+    def stop(self) -> None:
+        """Look no more."""
+        self._is_stopped.set()
+        self._thread.join()
+
+    def _look(self) -> None:
+        while not self._is_stopped.wait(0.02):
+            held = 0
+            try:
+                for child in self._parent.children():
+                    held += child.memory_info().rss
+            except psutil.Error:  # one has just ended
+                continue
+            self.largest = max(self.largest, held)
+
+
+def print_outcomes(run: Run) -> None:
+    """Print what the meshes came to, by kind, and every reason to fail."""
+    groups: dict[str, list[dict]] = {}
+    for mesh in run.summary["meshes"]:
+        groups.setdefault(kind_of(mesh), []).append(mesh)
+    rows = []
+    for kind, members in groups.items():
+        done = [mesh for mesh in members if mesh["status"] == "done"]
+        row = [kind, str(len(members)), str(len(done)), str(len(members) - len(done))]
+        if done:
+            row += [
+                f"{min(m['triangles'] for m in done)} to {max(m['triangles'] for m in done)}",
+                f"{sum(m['seconds'] for m in done):.1f}",
+                f"{max(m['needed_bytes'] for m in done) / 1e6:.0f}",
+                f"{max(m['peak_bytes'] for m in done) / 1e6:.0f}",
+            ]
+        rows.append(row + [""] * (8 - len(row)))
+    header = ("kind", "meshes", "faired", "failed", "triangles", "s", "needs MB", "peak MB")
+    print(table(header, rows))
+    failed = Counter(
+        reason_of(mesh) for mesh in run.summary["meshes"] if mesh["status"] == "failed"
+    )
+    print("\n" + table(("failed", "because"), [[str(n), text] for text, n in failed.items()]))
+
+
+def kind_of(mesh: dict) -> str:
+    """Name the group of a mesh by its file."""
+    name = mesh["output"]
+    if name.startswith("broken_"):
+        return "broken on purpose"
+    if name.startswith("made_"):
+        return "made, up to 10,000 triangles" if _size(name) <= 10000 else "made, larger"
+    return "from the folder"
+
+
+def reason_of(mesh: dict) -> str:
+    """Shorten an error message: without names of files, numbers and advice."""
+    text = mesh["error"].replace(str(mesh["input"]), "FILE")
+    return text.replace(Path(mesh["input"]).name, "FILE").split(";")[0][:90]
+
+
+def print_runs(runs: dict[str, Run]) -> None:
+    """Print a row for each run."""
+    rows = []
+    for name, run in runs.items():
+        counts = run.summary.get("counts", {})
+        rows.append([
+            name, *(str(counts.get(key, "")) for key in ("done", "skipped", "failed")),
+            "killed" if run.status is None else str(run.status),
+            f"{run.seconds:.1f}", f"{run.processor_seconds:.1f}", f"{run.largest_bytes / 1e6:.0f}",
+        ])  # fmt: skip
+    header = ("run", "faired", "skipped", "failed", "exit", "s", "processor s", "held MB")
+    print("\n" + table(header, rows))
+
+
+def differences(first: Path, second: Path) -> list[str]:
+    """Names of the outputs that are not the same in two folders, byte by byte."""
+    names = {path.name for folder in (first, second) for path in folder.iterdir() if path.is_file()}
+    return [name for name in sorted(names) if _bytes(first / name) != _bytes(second / name)]
+
+
+def _bytes(path: Path) -> bytes | None:
+    return path.read_bytes() if path.exists() else None
+
+
+def _size(name: str) -> int:
+    return int(Path(name).stem.rpartition("_")[2])
+
+
+if __name__ == "__main__":
+    sys.exit(main())
