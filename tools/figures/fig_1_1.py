@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from claims.measures import TENSOR, TIMESTEP, TIMESTEP_AREA, UNIFORM
 from render import View
 
 from .layout import Shot, figure
@@ -19,14 +20,15 @@ def main() -> None:
     rows = [
         [
             head.input(),
-            head.at("adaptive_timestep", 0.016, STEPS),
-            head.at("uniform", 0.001, STEPS, show=1),
-            head.at("uniform", 0.001, STEPS),
+            head.at(TIMESTEP, 0.016, STEPS),
+            head.at(UNIFORM, 0.001, STEPS, show=1),
+            head.at(UNIFORM, 0.001, STEPS),
         ],
         [
-            head.matched("adaptive_timestep", STEPS),
-            head.matched("adaptive_tensor", STEPS),
-            head.matched("uniform", STEPS),
+            head.matched(TIMESTEP, STEPS),
+            head.matched(TENSOR, STEPS),
+            head.matched(UNIFORM, STEPS),
+            head.matched(TIMESTEP_AREA, STEPS),
         ],
     ]
     shots = [[Shot(WHOLE, (300, 480))], [Shot(EAR, (170, 220)), Shot(FACE, (170, 260))]]

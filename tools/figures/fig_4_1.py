@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from claims.measures import TENSOR, TIMESTEP, TIMESTEP_AREA, UNIFORM
 from render import View
 
 from .layout import Shot, figure
@@ -18,14 +19,15 @@ def main() -> None:
     rows = [
         [
             foot.input(),
-            foot.at("uniform", 0.0011, STEPS),
-            foot.at("adaptive_timestep", 0.025, STEPS),
-            foot.at("adaptive_tensor", 0.025, STEPS),
+            foot.at(UNIFORM, 0.0011, STEPS),
+            foot.at(TIMESTEP, 0.025, STEPS),
+            foot.at(TENSOR, 0.025, STEPS),
         ],
         [
-            foot.matched("uniform", STEPS),
-            foot.matched("adaptive_timestep", STEPS),
-            foot.matched("adaptive_tensor", STEPS),
+            foot.matched(UNIFORM, STEPS),
+            foot.matched(TIMESTEP, STEPS),
+            foot.matched(TENSOR, STEPS),
+            foot.matched(TIMESTEP_AREA, STEPS),
         ],
     ]
     shots = [[Shot(WHOLE, (430, 400)), Shot(TOES, (430, 290))]]

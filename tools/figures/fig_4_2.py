@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from claims.measures import TIMESTEP, UNIFORM
 from render import View
 
 from .layout import Shot, figure
@@ -19,12 +20,12 @@ def main() -> None:
         [panel]
         for panel in (
             animal.input(),
-            animal.at("uniform", 0.0001, 2),
-            animal.at("uniform", 0.0001, 4),
-            animal.at("adaptive_timestep", 0.0016, 2),
-            animal.at("adaptive_timestep", 0.0016, 4),
-            animal.matched("uniform", 4),
-            animal.matched("adaptive_timestep", 4),
+            animal.at(UNIFORM, 0.0001, 2),
+            animal.at(UNIFORM, 0.0001, 4),
+            animal.at(TIMESTEP, 0.0016, 2),
+            animal.at(TIMESTEP, 0.0016, 4),
+            animal.matched(UNIFORM, 4),
+            animal.matched(TIMESTEP, 4),
         )
     ]
     shots = [[Shot(WHOLE, (760, 240))], [Shot(SNOUT, (400, 240))], [Shot(BACK, (360, 240))]]

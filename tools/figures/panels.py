@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from claims.measures import TENSOR, TIMESTEP, UNIFORM, matched_tau
+from claims.measures import TENSOR, TIMESTEP, TIMESTEP_AREA, UNIFORM, Scheme, matched_tau
 from claims.pairs import sample_pair
 
 from .layout import Panel
 
 ROOT = Path(__file__).resolve().parents[2]
-SCHEMES = {scheme.method: scheme for scheme in (UNIFORM, TIMESTEP, TENSOR)}
 TITLES = {
-    "uniform": "Uniform timestep",
-    "adaptive_timestep": "Adaptive timestep",
-    "adaptive_tensor": "Adaptive tensor",
+    UNIFORM: "Uniform timestep",
+    TIMESTEP: "Adaptive timestep",
+    TIMESTEP_AREA: "Adaptive timestep, area",
+    TENSOR: "Adaptive tensor",
 }
 
 
@@ -29,19 +29,19 @@ class Comparison:
         """Return the noisy input."""
         return Panel(self.pair.noisy, "Input", self._errors(self.pair.noisy))
 
-    def at(self, method: str, tau: float, steps: int, show: int | None = None) -> Panel:
+    def at(self, scheme: Scheme, tau: float, steps: int, show: int | None = None) -> Panel:
         """Return the surface after `show` (or all) of the steps at the given τ."""
         count = show or steps
-        positions = SCHEMES[method].faired(self.pair.noisy, self.triangles, tau, count)
+        positions = scheme.faired(self.pair.noisy, self.triangles, tau, count)
         plural = "step" if count == 1 else "steps"
-        title = f"{TITLES[method]}, τ = {tau:.3g}, {count} {plural}"
+        title = f"{TITLES[scheme]}, τ = {tau:.3g}, {count} {plural}"
         return Panel(positions, title, self._errors(positions))
 
-    def matched(self, method: str, steps: int) -> Panel:
+    def matched(self, scheme: Scheme, steps: int) -> Panel:
         """Return the surface at the τ that leaves the coarse parts as rough as without noise."""
         pair = self.pair
-        tau = matched_tau(SCHEMES[method], pair.noisy, pair.clean, pair.classes, steps)
-        return self.at(method, tau, steps)
+        tau = matched_tau(scheme, pair.noisy, pair.clean, pair.classes, steps)
+        return self.at(scheme, tau, steps)
 
     def _errors(self, positions) -> str:
         classes, clean = self.pair.classes, self.pair.clean
