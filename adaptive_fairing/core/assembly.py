@@ -23,7 +23,7 @@ from .loop_basis import basis_table
 from .parallel import ordered_map
 from .patches import PatchSet
 from .quadrature import quadrature_choice
-from .sparsity import SymmetricPattern
+from .sparsity import SymmetricPattern, scattered
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
@@ -175,7 +175,9 @@ class LoopSpace:
     @cached_property
     def _entries(self) -> list[_ChunkEntries]:
         pattern = self.pattern
-        return list(ordered_map(lambda chunk: _ChunkEntries(chunk, pattern), self._chunks))
+        entries = list(ordered_map(lambda chunk: _ChunkEntries(chunk, pattern), self._chunks))
+        pattern.forget_tables()
+        return entries
 
     def _columns(self, positions: ArrayLike, field: ArrayLike | None) -> FloatArray:
         """Stack the coordinates and a scalar field as rows, (4, n_vertices)."""
@@ -211,24 +213,22 @@ class _ChunkEntries:
     """
 
     def __init__(self, chunk: Chunk, pattern: SymmetricPattern) -> None:
-        rows = np.empty(chunk.n_entries, dtype=np.int32)
-        columns = np.empty(chunk.n_entries, dtype=np.int32)
+        self.numbers = np.empty(chunk.n_entries, dtype=np.int32)
+        places = pattern.places(chunk.low, chunk.high)
         doubled = [np.empty(0, dtype=np.intp)]
         done = 0
         for block in chunk.blocks:
-            for part in block:
+            for part in block.parts:
+                vertices = part.of_control(block.control_points)
                 a, b = part.tables.pairs
-                vertices = part.control_points + np.int32(chunk.low)
-                place = slice(done, done + part.n_entries)
-                np.take(vertices, a, axis=0, out=rows[place].reshape(len(a), -1), mode="clip")
-                np.take(vertices, b, axis=0, out=columns[place].reshape(len(b), -1), mode="clip")
+                first, second = vertices[a], vertices[b]
+                out = self.numbers[done : done + part.n_entries].reshape(first.shape)
+                places.numbers(first, second, out)
                 ordered = np.sort(vertices, axis=0)
                 if (ordered[1:] == ordered[:-1]).any():
-                    merged = (vertices[a] == vertices[b]) & (a != b)[:, None]
+                    merged = (first == second) & (a != b)[:, None]
                     doubled.append(done + np.flatnonzero(merged))
                 done += part.n_entries
-        # One look-up for the whole chunk: each call checks the whole pattern first.
-        self.numbers = pattern.entries(rows, columns)
         self.doubled = np.concatenate(doubled)
         self.low, self.high = int(self.numbers.min()), int(self.numbers.max()) + 1
         self.numbers -= np.int32(self.low)
@@ -247,36 +247,32 @@ def _integrate(
 ) -> _Contribution:
     window = columns[:, chunk.low : chunk.high]
     local = np.empty(chunk.n_entries)
-    loads = np.empty((3, len(chunk.control_points)))
+    loads = np.empty((3, chunk.n_control if form.measured else 0))
     totals = np.zeros(3)
     n_done = n_loaded = 0
     for block in chunk.blocks:
         surface = evaluate(block, window, form.curved)
-        coefficients = form.coefficients(surface)
-        if form.measured:
-            totals += integrate_measures(block, surface)
-            moved = surface.values[:3] * coefficients[0]  # t⁻¹ √g x
-        for part in block:
-            n, shape = part.n_triangles, part.control_points.shape
+        coefficients = form.coefficients(surface).reshape(4, block.n_points, -1)
+        for part in block.parts:
             part.tables.local_matrices(
-                coefficients[:, part.points].reshape(4, -1, n),
-                out=local[n_done : n_done + part.n_entries].reshape(-1, n),
+                coefficients[..., part.columns],
+                out=local[n_done : n_done + part.n_entries].reshape(-1, part.n_triangles),
             )
             n_done += part.n_entries
-            if form.measured:
-                out = loads[:, n_loaded : n_loaded + part.control_points.size]
-                at_points = moved[:, part.points].reshape(3, -1, n)
-                np.matmul(part.tables.weighted_values, at_points, out=out.reshape(3, *shape))
-                n_loaded += part.control_points.size
+        if form.measured:
+            totals += integrate_measures(block, surface)
+            moved = surface.values[:3].reshape(3, block.n_points, -1) * coefficients[0]  # t⁻¹ √g x
+            own = loads[:, n_loaded : n_loaded + len(block.control_points)]
+            for part in block.parts:
+                part.tables.weighted_sums(moved[..., part.columns], out=part.of_control(own))
+            n_loaded += len(block.control_points)
     local[entries.doubled] *= 2
+    control = [block.control_points for block in chunk.blocks] if form.measured else []
+    size = chunk.high - chunk.low
     return _Contribution(
-        np.bincount(entries.numbers, local, entries.high - entries.low).astype(float, copy=False),
-        _scattered_loads(chunk, loads) if form.measured else loads[:, :0],
+        scattered(entries.numbers, local, entries.high - entries.low),
+        np.stack([scattered(np.concatenate(control), load, size) for load in loads])
+        if form.measured
+        else loads,
         totals,
     )
-
-
-def _scattered_loads(chunk: Chunk, loads: FloatArray) -> FloatArray:
-    vertices = chunk.control_points.astype(np.intp)
-    size = chunk.high - chunk.low
-    return np.stack([np.bincount(vertices, load, minlength=size) for load in loads])

@@ -1,14 +1,14 @@
 """Blocks: the triangles that are integrated in one go, with the surface at their points.
 
 A block is as many triangles as fill the cache with quadrature points.  It may hold parts of
-several patch classes: what differs by class is a matrix product per part, everything between the
-products runs over all points of the block at once.
+several patch classes that have equally many points: what differs by class is a matrix product per
+part, everything between the products runs over all points of the block at once.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +18,7 @@ from .geometry import Metric, mean_curvature, metric_at
 from .patches import Segment
 
 FloatArray = NDArray[np.float64]
+Value = TypeVar("Value", np.float64, np.int32)
 
 # Large enough to hide the cost of a numpy call, small enough for the cache of one core.
 POINTS_PER_BLOCK = 6144
@@ -29,28 +30,64 @@ class Part(NamedTuple):
     Attributes
     ----------
     tables : ClassTables
-    control_points : (K, n) int32
-        Vertex numbers relative to the chunk's lowest one.
-    points : slice
-        Place of the (q, n) quadrature points in the block.
+    columns : slice
+        The triangles' places among those of the block.
+    control : slice
+        Place of the (K, n) control points among those of the block.
     """
 
     tables: ClassTables
-    control_points: NDArray[np.int32]
-    points: slice
+    columns: slice
+    control: slice
 
     @property
     def n_triangles(self) -> int:
         """Number of triangles."""
-        return self.control_points.shape[1]
+        return int(self.columns.stop - self.columns.start)
 
     @property
     def n_entries(self) -> int:
         """Number of local matrix entries."""
         return len(self.tables.pairs[0]) * self.n_triangles
 
+    def of_control(self, values: NDArray[Value]) -> NDArray[Value]:
+        """View values (…, n_control) at a block's control points as those of this part's."""
+        own = values[..., self.control]
+        return own.reshape(*values.shape[:-1], self.tables.n_control_points, -1)
 
-Block = list[Part]
+
+class Block:
+    """Triangles of one or several classes with q quadrature points each.
+
+    Attributes
+    ----------
+    parts : list of Part
+    n_points : int
+        Points of one triangle, q.
+    n_triangles : int
+    control_points : (n_control,) int32
+        Vertex numbers relative to the chunk's lowest one, part by part.
+    triangles : (n_triangles,) int32
+        Which triangles of the topology.
+    """
+
+    def __init__(self, pieces: list[tuple[ClassTables, Segment]], low: int) -> None:
+        self.n_points = pieces[0][0].n_points
+        self.control_points = np.concatenate([s.control_points.reshape(-1) for _, s in pieces])
+        self.control_points -= np.int32(low)
+        self.triangles = np.concatenate([s.triangles for _, s in pieces]).astype(np.int32)
+        self.n_triangles = len(self.triangles)
+        self.parts: list[Part] = []
+        column = control = 0
+        for tables, segment in pieces:
+            ends = column + len(segment.triangles), control + segment.control_points.size
+            self.parts.append(Part(tables, slice(column, ends[0]), slice(control, ends[1])))
+            column, control = ends
+
+    @property
+    def n_entries(self) -> int:
+        """Number of local matrix entries."""
+        return sum(part.n_entries for part in self.parts)
 
 
 class Chunk:
@@ -61,45 +98,51 @@ class Chunk:
     blocks : list of Block
     low, high : int
         Range of the vertices of all control points.
-    control_points : (n_loads,) int32
-        Those of all parts one after the other, minus `low`.
     n_entries : int
         Number of local matrix entries.
+    n_control : int
+        Number of control points of all triangles, not distinct ones.
     """
 
     def __init__(self, segments: list[Segment], tables: list[ClassTables]) -> None:
         self.low = min(int(segment.control_points.min()) for segment in segments)
         self.high = max(int(segment.control_points.max()) for segment in segments) + 1
-        n_loads = sum(segment.control_points.size for segment in segments)
-        self.control_points = np.empty(n_loads, dtype=np.int32)
-        self.blocks: list[Block] = [[]]
-        filled = done = 0
-        for class_tables, control in _pieces(segments, tables):
-            size = class_tables.n_points * control.shape[1]
-            if self.blocks[-1] and filled + size > POINTS_PER_BLOCK:
-                self.blocks.append([])
-                filled = 0
-            local = self.control_points[done : done + control.size].reshape(control.shape)
-            np.subtract(control, np.int32(self.low), out=local)
-            self.blocks[-1].append(Part(class_tables, local, slice(filled, filled + size)))
-            filled += size
-            done += control.size
-        self.n_entries = sum(part.n_entries for block in self.blocks for part in block)
+        self.blocks = [Block(pieces, self.low) for pieces in _blocks(segments, tables)]
+        self.n_entries = sum(block.n_entries for block in self.blocks)
+        self.n_control = sum(len(block.control_points) for block in self.blocks)
 
 
-def _pieces(
+def _blocks(
     segments: list[Segment], tables: list[ClassTables]
-) -> Iterator[tuple[ClassTables, NDArray[np.int32]]]:
-    """Cut segments into pieces that fit a block."""
-    for segment in segments:
-        class_tables = tables[segment.class_index]
-        step = max(POINTS_PER_BLOCK // class_tables.n_points, 1)
-        for first in range(0, len(segment.triangles), step):
-            yield class_tables, segment.control_points[:, first : first + step]
+) -> Iterator[list[tuple[ClassTables, Segment]]]:
+    """Cut segments into pieces, and gather pieces of equally many points to full blocks."""
+    pieces: list[tuple[ClassTables, Segment]] = []
+    room = 0
+    for segment in sorted(segments, key=lambda s: tables[s.class_index].n_points):
+        own = tables[segment.class_index]
+        capacity = max(POINTS_PER_BLOCK // own.n_points, 1)
+        if pieces and pieces[0][0].n_points != own.n_points:
+            yield pieces
+            pieces = []
+        first, count = 0, len(segment.triangles)
+        while first < count:
+            room = room if pieces else capacity
+            last = min(first + room, count)
+            pieces.append((own, segment.part(first, last)))
+            room -= last - first
+            first = last
+            if not room:
+                yield pieces
+                pieces = []
+    if pieces:
+        yield pieces
 
 
 class SurfaceBlock(NamedTuple):
     """Surface and field at the quadrature points of a block.
+
+    Points run over the quadrature points first, then over the triangles: arrays (…, n_points) can
+    be seen as (…, q, n_triangles).
 
     Attributes
     ----------
@@ -126,37 +169,36 @@ def evaluate(block: Block, columns: FloatArray, curved: bool) -> SurfaceBlock:
     curved : bool
         Whether second derivatives are wanted.
     """
-    n_points = block[-1].points.stop
-    values = np.empty((4, n_points))
-    tangents = np.empty((2, 3, n_points))
-    seconds = np.empty((3, 3, n_points)) if curved else None
-    for part in block:
-        tables, control = part.tables, part.control_points
-        shape = (tables.n_points, part.n_triangles)
-        local = np.empty((4, *control.shape))
-        for column, row in zip(columns, local, strict=True):
-            np.take(column, control, out=row, mode="clip")
-        np.matmul(tables.values, local, out=values[:, part.points].reshape(4, *shape))
-        out = tangents[..., part.points].reshape(2, 3, *shape)
-        np.matmul(tables.gradients, local[:3], out=out)
-        if seconds is not None:
-            out = seconds[..., part.points].reshape(3, 3, *shape)
-            np.matmul(tables.second_derivatives, local[:3], out=out)
-    return SurfaceBlock(values, metric_at(tangents), seconds)
+    control = np.empty((4, len(block.control_points)))
+    for column, row in zip(columns, control, strict=True):
+        np.take(column, block.control_points, out=row, mode="clip")
+    n_derivatives = 6 if curved else 3
+    shape = block.n_points, block.n_triangles
+    values = np.empty((4, *shape))
+    jets = np.empty((3, n_derivatives, *shape))
+    rows = jets.reshape(3, -1, block.n_triangles)
+    for part in block.parts:
+        own = part.of_control(control)
+        part.tables.evaluate(own[:3], n_derivatives, out=rows[..., part.columns])
+        part.tables.evaluate(own[3:], 1, out=values[3:, :, part.columns])
+    values[:3] = jets[:, 0]
+    by_derivative = jets.reshape(3, n_derivatives, -1).swapaxes(0, 1)
+    metric = metric_at(by_derivative[1:3])
+    return SurfaceBlock(values.reshape(4, -1), metric, by_derivative[3:] if curved else None)
 
 
 def integrate_measures(block: Block, surface: SurfaceBlock) -> FloatArray:
     """Curvature energy, area and volume of a block, (3,)."""
     metric = surface.metric
-    integrands = np.empty((3, len(metric.area_element)))
+    integrands = np.zeros((3, len(metric.area_element)))
     if surface.second_derivatives is not None:
-        curvature = mean_curvature(metric, surface.second_derivatives)
-        np.multiply(metric.area_element, np.square(curvature), out=integrands[0])
+        np.square(mean_curvature(metric, surface.second_derivatives), out=integrands[0])
+        integrands[0] *= metric.area_element
     integrands[1] = metric.area_element
     np.einsum("dp,dp->p", surface.values[:3], metric.normal, out=integrands[2])
-    integrands[2] /= 3
-    totals = np.zeros(3)
-    for part in block:
-        at_points = integrands[:, part.points].reshape(3, part.tables.n_points, -1)
-        totals += at_points.sum(axis=2) @ part.tables.weights
+    by_point = integrands.reshape(3, block.n_points, block.n_triangles)
+    sums = np.add.reduceat(by_point, [part.columns.start for part in block.parts], axis=2)
+    weights = np.stack([part.tables.weights for part in block.parts], axis=1)
+    totals: FloatArray = np.einsum("iqp,qp->i", sums, weights)
+    totals[2] /= 3
     return totals

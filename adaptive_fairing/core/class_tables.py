@@ -26,7 +26,8 @@ class ClassTables:
 
     Attributes
     ----------
-    values : (q, K), gradients : (2, 1, q, K), second_derivatives : (3, 1, q, K)
+    basis : (6 q, K)
+        Values, ∂1, ∂2, ∂11, ∂12, ∂22 of all basis functions at all points.
     weights : (q,)
     weighted_values : (K, q)
         Transposed values times the weights.
@@ -37,14 +38,35 @@ class ClassTables:
     def __init__(self, table: BasisTable) -> None:
         basis, self.weights = table
         self.n_points, self.n_control_points = basis.shape[1:]
-        self.values = np.ascontiguousarray(basis[0])
-        self.gradients = np.ascontiguousarray(basis[1:3, None])
-        self.second_derivatives = np.ascontiguousarray(basis[3:6, None])
+        self.basis = np.ascontiguousarray(basis).reshape(-1, self.n_control_points)
         self.weighted_values = np.ascontiguousarray(basis[0].T * self.weights)
         self.pairs = np.triu_indices(self.n_control_points)
         self._products: FloatArray | None = None
         if 4 * self.n_points * len(self.pairs[0]) <= LARGEST_PRODUCT_TABLE:
             self._products = self._product_table()
+
+    def evaluate(self, control: FloatArray, n_derivatives: int, out: FloatArray) -> None:
+        """Evaluate functions over n triangles, given by their control values.
+
+        Parameters
+        ----------
+        control : (k, K, n)
+            Control values of k functions.
+        n_derivatives : int
+            1 for values alone, 3 with the first derivatives, 6 with the second ones.
+        out : (k, n_derivatives q, n)
+        """
+        _multiply(self.basis[: n_derivatives * self.n_points], control, out)
+
+    def weighted_sums(self, values: FloatArray, out: FloatArray) -> None:
+        """Integrate functions times each basis function over n triangles.
+
+        Parameters
+        ----------
+        values : (k, q, n)
+        out : (k, K, n)
+        """
+        _multiply(self.weighted_values, values, out)
 
     def local_matrices(self, coefficients: FloatArray, out: FloatArray) -> None:
         """Integrate products of basis functions over n triangles.
@@ -58,21 +80,9 @@ class ClassTables:
         """
         n_triangles = coefficients.shape[2]
         if self._products is not None:
-            stacked = coefficients.reshape(-1, n_triangles)
-            # Never one column alone: OpenBLAS starts threads for much smaller vectors.
-            if n_triangles == 1:
-                out[:] = (self._products @ np.repeat(stacked, 2, axis=1))[:, :1]
-                return
-            width = max(LARGEST_PRODUCT // self._products.size, 2)
-            whole = n_triangles - n_triangles % width
-            if whole:
-                slabs = _slabs(stacked[:, :whole], width)
-                np.matmul(self._products, slabs, out=_slabs(out[:, :whole], width))
-            if whole < n_triangles:
-                rest = slice(min(whole, n_triangles - 2), None)
-                np.matmul(self._products, stacked[:, rest], out=out[:, rest])
+            _multiply(self._products, coefficients.reshape(-1, n_triangles), out)
             return
-        phi, d1, d2 = self.values, self.gradients[0, 0], self.gradients[1, 0]
+        phi, d1, d2 = self.basis.reshape(6, self.n_points, -1)[:3]
         for triangle in range(n_triangles):
             mass, first, mixed, second = (coefficients[..., triangle] * self.weights)[..., None]
             local = phi.T @ (mass * phi)
@@ -83,19 +93,34 @@ class ClassTables:
     def _product_table(self) -> FloatArray:
         """Weighted products of all pairs of basis functions at all points, (p, 4 q)."""
         a, b = self.pairs
-        phi, d1, d2 = self.values, self.gradients[0, 0], self.gradients[1, 0]
-        products = np.stack(
-            [
-                phi[:, a] * phi[:, b],
-                d1[:, a] * d1[:, b],
-                d1[:, a] * d2[:, b] + d2[:, a] * d1[:, b],
-                d2[:, a] * d2[:, b],
-            ]
-        )
-        products *= self.weights[:, None]
-        return np.ascontiguousarray(products.reshape(-1, len(a)).T)
+        phi, d1, d2 = self.basis.reshape(6, self.n_points, -1)[:3].transpose(0, 2, 1)
+        products = np.empty((len(a), 4, self.n_points))
+        weighted = phi * self.weights, d1 * self.weights, d2 * self.weights
+        np.multiply(weighted[0][a], phi[b], out=products[:, 0])
+        np.multiply(weighted[1][a], d1[b], out=products[:, 1])
+        np.multiply(weighted[1][a], d2[b], out=products[:, 2])
+        products[:, 2] += weighted[2][a] * d1[b]
+        np.multiply(weighted[2][a], d2[b], out=products[:, 3])
+        return products.reshape(len(a), -1)
 
 
-def _slabs(matrix: FloatArray, width: int) -> FloatArray:
-    """View a matrix as a stack of slabs of `width` columns each."""
-    return matrix.reshape(len(matrix), -1, width).transpose(1, 0, 2)
+def _multiply(table: FloatArray, columns: FloatArray, out: FloatArray) -> None:
+    """Matrix product in slabs of columns, each below the size at which OpenBLAS starts threads."""
+    n_columns = columns.shape[-1]
+    width = max(LARGEST_PRODUCT // table.size, 2)
+    if n_columns == 1:
+        # Never one column alone: OpenBLAS starts threads for much smaller vectors.
+        out[:] = np.matmul(table, np.repeat(columns, 2, axis=-1))[..., :1]
+    elif n_columns <= width:
+        np.matmul(table, columns, out=out)
+    else:
+        whole = n_columns - n_columns % width
+        np.matmul(table, _slabs(columns[..., :whole], width), out=_slabs(out[..., :whole], width))
+        if whole < n_columns:
+            rest = min(whole, n_columns - 2)
+            np.matmul(table, columns[..., rest:], out=out[..., rest:])
+
+
+def _slabs(matrices: FloatArray, width: int) -> FloatArray:
+    """View matrices (…, rows, columns) as stacks of slabs of `width` columns each."""
+    return matrices.reshape(*matrices.shape[:-1], -1, width).swapaxes(-3, -2)

@@ -69,16 +69,20 @@ class Metric(NamedTuple):
 
 def metric_at(tangents: FloatArray) -> Metric:
     """Compute the metric from the tangents ∂1 x, ∂2 x, given as (2, 3, n_points)."""
-    (u0, u1, u2), (v0, v1, v2) = tangents
-    g11 = u0 * u0 + u1 * u1 + u2 * u2
-    g12 = u0 * v0 + u1 * v1 + u2 * v2
-    g22 = v0 * v0 + v1 * v1 + v2 * v2
-    normal = np.stack([u1 * v2 - u2 * v1, u2 * v0 - u0 * v2, u0 * v1 - u1 * v0])
-    area_element = np.sqrt(np.einsum("dp,dp->p", normal, normal))
+    u, v = tangents
+    g11, g12, g22 = _product(u, u), _product(u, v), _product(v, v)
+    normal = np.empty((3, len(g11)))
+    # Two components at once: (u1, u2) with (v2, v0), and (u2, u0) with (v1, v2).
+    np.multiply(u[1:], v[2::-2], out=normal[:2])
+    normal[:2] -= u[2::-2] * v[1:]
+    np.multiply(u[0], v[1], out=normal[2])
+    normal[2] -= u[1] * v[0]
+    area_element = _product(normal, normal)
+    np.sqrt(area_element, out=area_element)
     trace = g11 + g22
     bound = THINNEST_ASPECT * trace
-    thin = np.flatnonzero(area_element < bound)
-    if len(thin):
+    if (area_element < bound).any():
+        thin = np.flatnonzero(area_element < bound)
         # The metric with the bounded area element: g stays definite beyond doubt by rounding.
         g11[thin] += THINNEST_ASPECT**2 * trace[thin]
         g22[thin] += THINNEST_ASPECT**2 * trace[thin]
@@ -99,13 +103,25 @@ def mean_curvature(metric: Metric, second_derivatives: FloatArray) -> FloatArray
     Source: 2 H = tr(g⁻¹ h) up to the sign, with the second fundamental form h.
     """
     trace: FloatArray
-    h11, h12, h22 = np.einsum("adp,dp->ap", second_derivatives, metric.normal)
-    trace = h12 * metric.g12
+    x11, x12, x22 = second_derivatives
+    trace = _product(x12, metric.normal)
+    trace *= metric.g12
     trace *= -2
-    trace += h11 * metric.g22
-    trace += h22 * metric.g11
+    for x, g in ((x11, metric.g22), (x22, metric.g11)):
+        h = _product(x, metric.normal)
+        h *= g
+        trace += h
     # One division at a time: the cube of a tiny area element would underflow.
     for _ in range(3):
         trace /= metric.area_element
     trace *= -0.5
     return trace
+
+
+def _product(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Scalar products of vectors at points, (3, n_points) each."""
+    products = a * b
+    products[0] += products[1]
+    products[0] += products[2]
+    first: FloatArray = products[0]
+    return first

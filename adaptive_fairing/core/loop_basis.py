@@ -17,9 +17,10 @@ from numpy.typing import NDArray
 
 from .box_splines import box_splines, ghost_matrix
 from .errors import InputError
+from .fitted_rule import BARYCENTRIC, POINTS, fitted_weights, is_fitted
 from .patch_class import PatchClass, is_regular_patch
 from .quadrature import QuadratureChoice, QuadratureRule
-from .refinement import refine
+from .refinement import child_map, refine
 
 FloatArray = NDArray[np.float64]
 
@@ -54,7 +55,7 @@ def evaluate_basis(patch_class: PatchClass, points: FloatArray) -> FloatArray:
     bary = np.stack([1 - points.sum(axis=1), points[:, 0], points[:, 1]], axis=1)
     if bary.max(initial=0) == 1:
         raise InputError("the basis of an irregular patch cannot be evaluated at a corner itself")
-    home = np.where(bary.max(axis=1) > 0.5, bary.argmax(axis=1), 3)
+    home = _home(bary)
     for index, child in enumerate(children):
         inside = np.flatnonzero(home == index)
         if len(inside):
@@ -97,12 +98,13 @@ class BasisTable(NamedTuple):
     weights: FloatArray
 
 
-@lru_cache(maxsize=4096)
 def basis_table(patch_class: PatchClass, choice: QuadratureChoice) -> BasisTable:
     """Tabulate a patch class at the quadrature points that `choice` prescribes for it."""
     if is_regular_patch(patch_class):
         return _table_at(patch_class, choice.regular)
-    return _refined_table(patch_class, choice.irregular, table_depth(patch_class, choice))
+    if choice.prefers_fitted and is_fitted(patch_class):
+        return _fitted_table(patch_class)
+    return refined_table(patch_class, choice.irregular, table_depth(patch_class, choice))
 
 
 def table_depth(patch_class: PatchClass, choice: QuadratureChoice) -> int:
@@ -112,14 +114,14 @@ def table_depth(patch_class: PatchClass, choice: QuadratureChoice) -> int:
 
 
 @lru_cache(maxsize=4096)
-def _refined_table(patch_class: PatchClass, rule: QuadratureRule, depth: int) -> BasisTable:
+def refined_table(patch_class: PatchClass, rule: QuadratureRule, depth: int) -> BasisTable:
     """Compose the table of a patch from those of its children, refining irregular ones."""
     if depth == 0 or is_regular_patch(patch_class):
         return _table_at(patch_class, rule)
     matrix, children = refine(patch_class)
     tables, weights = [], []
     for child in children:
-        part = _refined_table(child.patch_class, rule, depth - 1)
+        part = refined_table(child.patch_class, rule, depth - 1)
         tables.append(_chain_rule(part.values @ matrix[child.rows], child.jacobian))
         weights.append(part.weights / 4)
     return BasisTable(np.concatenate(tables, axis=1), np.concatenate(weights))
@@ -128,3 +130,29 @@ def _refined_table(patch_class: PatchClass, rule: QuadratureRule, depth: int) ->
 @lru_cache(maxsize=4096)
 def _table_at(patch_class: PatchClass, rule: QuadratureRule) -> BasisTable:
     return BasisTable(evaluate_basis(patch_class, rule.points), rule.weights)
+
+
+@lru_cache(maxsize=4096)
+def _fitted_table(patch_class: PatchClass) -> BasisTable:
+    """Compose a table from those of children: there are few of these, whatever the classes."""
+    matrix, children = refine(patch_class)
+    values = np.empty((N_DERIVATIVES, len(POINTS), matrix.shape[1]))
+    for index, child in enumerate(children):
+        part, inside = _fitted_part(child.patch_class, index)
+        values[:, inside] = part @ matrix[child.rows]
+    return BasisTable(values, fitted_weights(tuple(corner.ring_size for corner in patch_class)))
+
+
+@lru_cache(maxsize=256)
+def _fitted_part(child_class: PatchClass, index: int) -> tuple[FloatArray, NDArray[np.intp]]:
+    """Basis of a child, by parameters of its parent, at the fitted points; and which they are."""
+    inside = np.flatnonzero(_home(BARYCENTRIC) == index)
+    origin, jacobian = child_map(index)
+    values = evaluate_basis(child_class, origin + POINTS[inside] @ jacobian.T)
+    return _chain_rule(values, jacobian), inside
+
+
+def _home(bary: FloatArray) -> NDArray[np.intp]:
+    """Which of the four children points with these barycentric coordinates lie in."""
+    home: NDArray[np.intp] = np.where(bary.max(axis=1) > 0.5, bary.argmax(axis=1), 3)
+    return home

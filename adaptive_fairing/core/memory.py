@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from .errors import FairingError
+from .fitted_rule import POINTS, is_fitted
 from .loop_basis import table_depth
 from .parallel import n_threads
 from .patch_class import ControlPoints, PatchClass, is_regular_patch
@@ -21,7 +22,7 @@ from .topology import TriangleTopology
 FIXED_BYTES = 50_000_000
 BYTES_PER_TRIANGLE = 850  # topology, patches, sparsity pattern, matrix, vectors of the solver
 BYTES_PER_LOCAL_ENTRY = 4  # place in the matrix of an entry of a triangle's local matrix
-BYTES_PER_ENTRY_IN_WORK = 24  # the same while its chunk is assembled, and places are looked up
+BYTES_PER_ENTRY_IN_WORK = 16  # the same while its chunk is assembled, and places are looked up
 BYTES_PER_TABLE_NUMBER = 16  # basis functions at quadrature points: in the table and its parts
 LARGEST_PRODUCT_BYTES = 32_000_000  # of the table of products of one class
 
@@ -107,6 +108,8 @@ def _n_points(patch_class: PatchClass, choice: QuadratureChoice) -> int:
     """Bound the number of quadrature points: all three corners refined to the choice's depth."""
     if is_regular_patch(patch_class):
         return len(choice.regular.weights)
+    if choice.prefers_fitted and is_fitted(patch_class):
+        return len(POINTS)
     return len(choice.irregular.weights) * max(9 * table_depth(patch_class, choice) - 5, 1)
 
 

@@ -35,6 +35,12 @@ class Segment(NamedTuple):
     triangles: NDArray[np.intp]
     control_points: NDArray[np.int32]
 
+    def part(self, first: int, last: int) -> Segment:
+        """Return the triangles `first` to `last` - 1 of this segment."""
+        return Segment(
+            self.class_index, self.triangles[first:last], self.control_points[:, first:last]
+        )
+
 
 class PatchSet:
     """All patches of a triangulation, ready for chunk-wise integration.

@@ -19,13 +19,14 @@ FloatArray = NDArray[np.float64]
 # Coarsest tolerance that each choice is good for: the measured error of the entries of M and L
 # against the subdivided reference, in units of the largest entry, on noisy meshes of valences 3
 # to 10 (tests/core holds every row to its word).
-_CHOICES: tuple[tuple[float, int, int, int], ...] = (
-    # tolerance, degree in regular patches, degree in pieces of irregular ones, refinement depth
-    (1e-2, 4, 2, 1),
-    (1e-3, 4, 4, 1),
-    (1e-4, 6, 8, 3),
-    (1e-5, 8, 8, 5),
-    (1e-6, 12, 12, 7),
+_CHOICES: tuple[tuple[float, int, int, int, bool], ...] = (
+    # tolerance; degree in regular patches; degree in pieces of irregular ones, refinement depth;
+    # whether the fitted rule serves instead of those pieces where there is one
+    (1e-2, 4, 2, 1, True),
+    (1e-3, 4, 4, 1, True),
+    (1e-4, 6, 8, 3, False),
+    (1e-5, 8, 8, 5, False),
+    (1e-6, 12, 12, 7, False),
 )
 
 
@@ -61,11 +62,14 @@ class QuadratureChoice:
         where sqrt(det g) behaves like a power of the distance.
     depth : int
         Number of those refinements.
+    prefers_fitted : bool
+        Whether irregular patches that have a fitted rule use it instead.
     """
 
     regular: QuadratureRule
     irregular: QuadratureRule
     depth: int
+    prefers_fitted: bool
 
 
 @lru_cache(maxsize=16)
@@ -80,8 +84,8 @@ def quadrature_choice(tolerance: float) -> QuadratureChoice:
     finest = _CHOICES[-1][0]
     if not finest <= tolerance <= 1:
         raise SettingsError(f"quadrature_tolerance must lie in [{finest:g}, 1], not {tolerance!r}")
-    _, regular, irregular, depth = next(row for row in _CHOICES if row[0] <= tolerance)
-    return QuadratureChoice(triangle_rule(regular), triangle_rule(irregular), depth)
+    _, regular, irregular, depth, fitted = next(row for row in _CHOICES if row[0] <= tolerance)
+    return QuadratureChoice(triangle_rule(regular), triangle_rule(irregular), depth, fitted)
 
 
 @lru_cache(maxsize=16)

@@ -51,6 +51,12 @@ _CHILD_MAPS = (
 )
 
 
+def child_map(index: int) -> tuple[FloatArray, FloatArray]:
+    """Return the origin and the Jacobian of a child's parameters, see `Child`."""
+    origin, jacobian = _CHILD_MAPS[index]
+    return np.array(origin, dtype=np.float64), np.array(jacobian, dtype=np.float64)
+
+
 @lru_cache(maxsize=4096)
 def refine(patch_class: PatchClass) -> tuple[FloatArray, tuple[Child, ...]]:
     """Subdivide a patch once.
@@ -89,11 +95,13 @@ def _vertex_stencil(control: ControlPoints, i: int) -> FloatArray:
     row = np.zeros(control.count)
     if corner.is_boundary:  # cubic B-spline knot insertion along the boundary curve
         row[i] = 3 / 4
-        np.add.at(row, [ring[0], ring[-1]], 1 / 8)
+        for slot in (ring[0], ring[-1]):
+            row[slot] += 1 / 8
     else:
         alpha = float(loop_alpha(corner.ring_size))
         row[i] = 1 - alpha
-        np.add.at(row, ring, alpha / corner.ring_size)
+        for slot in ring:  # one slot may occur twice
+            row[slot] += alpha / corner.ring_size
     return row
 
 
@@ -102,10 +110,13 @@ def _edge_stencil(control: ControlPoints, i: int, entry: int) -> FloatArray:
     row = np.zeros(control.count)
     on_boundary = corner.is_boundary and entry + corner.fan_position in (0, corner.ring_size - 1)
     if on_boundary:
-        np.add.at(row, [i, control.slot(i, entry)], 1 / 2)
+        for slot in (i, control.slot(i, entry)):
+            row[slot] += 1 / 2
     else:
-        np.add.at(row, [i, control.slot(i, entry)], 3 / 8)
-        np.add.at(row, [control.slot(i, entry - 1), control.slot(i, entry + 1)], 1 / 8)
+        for slot in (i, control.slot(i, entry)):
+            row[slot] += 3 / 8
+        for slot in (control.slot(i, entry - 1), control.slot(i, entry + 1)):
+            row[slot] += 1 / 8
     return row
 
 
@@ -140,15 +151,14 @@ def _children(patch_class: PatchClass, spoke: list[dict[int, int]]) -> tuple[Chi
         children.append(([i, edge_point[i], edge_point[before]], corners))
     children.append((edge_point, [at_edge(k, 1) for k in range(3)]))
     result = []
-    for (rows, corners), (origin, jacobian) in zip(children, _CHILD_MAPS, strict=True):
+    for index, (rows, corners) in enumerate(children):
         classes = (corners[0][0], corners[1][0], corners[2][0])
         own_rows = [row for _, own in corners for row in own]
         result.append(
             Child(
                 classes,
                 np.array(rows + own_rows, dtype=np.intp),
-                np.array(origin, dtype=np.float64),
-                np.array(jacobian, dtype=np.float64),
+                *child_map(index),
             )
         )
     return tuple(result)

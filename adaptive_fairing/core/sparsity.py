@@ -7,6 +7,9 @@ adjacency A: 37 entries a row on a regular mesh.  Only the upper triangle is acc
 
 from __future__ import annotations
 
+import threading
+from typing import Protocol
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
@@ -14,7 +17,13 @@ from scipy import sparse
 from .parallel import ordered_map
 from .topology import TriangleTopology
 
+IntArray = NDArray[np.int32]
+
 ENTRIES_PER_PIECE = 1 << 20
+
+# Places in a table of ranks, two bytes each and as many tables as threads: where a strip of rows is
+# wider, places are searched for in the pattern, which takes three times as long.
+LARGEST_TABLE = 100_000_000
 
 
 class SymmetricPattern:
@@ -25,33 +34,61 @@ class SymmetricPattern:
     n : int
         Number of rows.
     n_upper : int
-        Number of entries on and above the diagonal.
+        Number of entries on and above the diagonal, which are numbered row by row.
     """
 
     def __init__(self, topology: TriangleTopology) -> None:
         self.n = topology.n_vertices
-        near = topology.adjacency().astype(bool) + sparse.eye_array(
-            self.n, dtype=bool, format="csr"
-        )
+        near = topology.adjacency() + sparse.eye_array(self.n, dtype=np.int8, format="csr")
         reach = near @ near @ near
         reach = reach.T.tocsr()  # transposing a symmetric pattern sorts its rows in linear time
         self._indptr, self._indices = reach.indptr, reach.indices
+        del near, reach
         rows = np.repeat(np.arange(self.n, dtype=np.int32), np.diff(self._indptr))
         is_upper = self._indices >= rows
-        self.n_upper = int(np.count_nonzero(is_upper))
-        numbers = np.cumsum(is_upper, dtype=np.int32)
-        numbers -= np.int32(1)
-        # Below the diagonal an entry has the number of its mirror image.
-        mirrored = self._with_pattern(numbers).T.tocsr().data
-        self._upper_of = np.where(is_upper, numbers, mirrored)
-        self._numbers = self._with_pattern(self._upper_of)
+        self._upper_columns = self._indices[is_upper]
+        self.n_upper = len(self._upper_columns)
+        self._upper_start = np.zeros(self.n + 1, dtype=np.int32)
+        np.cumsum(np.bincount(rows[is_upper], minlength=self.n), out=self._upper_start[1:])
+        del rows
+        # Below the diagonal an entry has the number of its mirror image, diagonal ones twice.
+        numbers = np.arange(self.n_upper, dtype=np.int32)
+        upper = sparse.csr_array(
+            (numbers, self._upper_columns, self._upper_start), shape=(self.n, self.n)
+        )
+        lower = upper.T.tocsr()
+        self._upper_of = np.empty(len(self._indices), dtype=np.int32)
+        self._upper_of[is_upper] = numbers
+        below = np.ones(self.n_upper, dtype=bool)
+        below[lower.indptr[1:] - 1] = False
+        self._upper_of[~is_upper] = lower.data[below]
+        self._tables = threading.local()
 
-    def entries(self, rows: NDArray[np.int32], columns: NDArray[np.int32]) -> NDArray[np.int32]:
-        """Return the upper-triangle numbers of the entries (rows, columns), in either order."""
-        # Only the rows in question: scipy checks the whole matrix at every look-up.
-        low, high = int(rows.min()), int(rows.max()) + 1
-        numbers = self._numbers[low:high]
-        return np.asarray(numbers[rows - np.int32(low), columns]).reshape(-1)
+    def places(self, low: int, high: int) -> Places:
+        """Prepare to look up entries among the vertices from `low` to `high` - 1."""
+        upper = slice(self._upper_start[low], self._upper_start[high])
+        sizes = np.diff(self._upper_start[low : high + 1])
+        rows = np.repeat(np.arange(high - low, dtype=np.int32), sizes)
+        columns = self._upper_columns[upper] - np.int32(low)
+        start = self._upper_start[low:high]
+        width = int((columns - rows).max()) + 1
+        n_places = (high - low) * width + high - low
+        if n_places > LARGEST_TABLE or sizes.max() > np.iinfo(np.uint16).max:
+            return _SearchedPlaces(rows, columns, start)
+        # One table per thread, for one chunk after the other: only places of entries are ever
+        # read, so what is left of others does not matter.
+        table = getattr(self._tables, "table", None)
+        if table is None or len(table) < n_places:
+            table = self._tables.table = np.empty(n_places, dtype=np.uint16)
+        stride = np.int32(width - 1)
+        table[rows * stride + columns] = np.arange(len(rows), dtype=np.int32) - (
+            start - start[0]
+        ).repeat(sizes)
+        return _TabledPlaces(table, stride, start)
+
+    def forget_tables(self) -> None:
+        """Free the tables that looking up needed."""
+        self._tables = threading.local()
 
     def matrix(self, upper: NDArray[np.float64]) -> sparse.csr_array:
         """Return the full symmetric matrix with upper entries `upper`, (n_upper,)."""
@@ -63,9 +100,54 @@ class SymmetricPattern:
 
         for _ in ordered_map(fill, range(0, len(data), ENTRIES_PER_PIECE)):
             pass
-        return self._with_pattern(data)
-
-    def _with_pattern(self, data: NDArray[np.generic]) -> sparse.csr_array:
         matrix = sparse.csr_array((data, self._indices, self._indptr), shape=(self.n, self.n))
         matrix.has_canonical_format = True
         return matrix
+
+
+class Places(Protocol):
+    """Finds the upper entries of pairs of vertices of one chunk."""
+
+    def numbers(self, first: IntArray, second: IntArray, out: IntArray) -> None:
+        """Write the numbers of the entries (first, second) or (second, first) to `out`.
+
+        Vertices count from the chunk's lowest one.
+        """
+
+
+class _TabledPlaces:
+    """The rank of each upper entry in its row, at row · stride + column of a table."""
+
+    def __init__(self, table: NDArray[np.uint16], stride: np.int32, start: IntArray) -> None:
+        self._table, self._stride, self._start = table, stride, start
+
+    def numbers(self, first: IntArray, second: IntArray, out: IntArray) -> None:
+        row = np.minimum(first, second)
+        place = np.maximum(first, second)
+        np.take(self._start, row, out=out, mode="clip")
+        row *= self._stride
+        place += row
+        out += np.take(self._table, place, mode="clip")
+
+
+class _SearchedPlaces:
+    """Entries are looked for in the sorted rows."""
+
+    def __init__(self, rows: IntArray, columns: IntArray, start: IntArray) -> None:
+        numbers = np.arange(start[0], start[0] + len(rows), dtype=np.int32)
+        shape = (len(start), int(columns.max()) + 1)
+        self._numbers = sparse.csr_array((numbers, (rows, columns)), shape=shape)
+
+    def numbers(self, first: IntArray, second: IntArray, out: IntArray) -> None:
+        row, column = np.minimum(first, second), np.maximum(first, second)
+        found = self._numbers[row.reshape(-1), column.reshape(-1)]
+        out[:] = np.asarray(found).reshape(out.shape)
+
+
+def scattered(places: IntArray, values: NDArray[np.float64], size: int) -> NDArray[np.float64]:
+    """Add up values by their places, (size,): half the time of ``numpy.bincount``."""
+    column = sparse.csc_array(
+        (values, places, np.array([0, len(values)], dtype=np.int32)), shape=(size, 1)
+    )
+    total: NDArray[np.float64] = column @ np.ones(1)
+    return total
