@@ -68,6 +68,7 @@ def report(entries: Sequence[Entry], peers: Sequence, schemes: Sequence) -> str:
     if noisy:
         if noisy[0].auto:
             parts += ["## Mesh by mesh", tables.by_mesh(noisy, names)]
+            parts += ["## Against one parameter for all", tables.by_mesh_and_peer(noisy, names)]
             parts += ["## Must show", tables.of_criteria(criteria(noisy, names))]
             groups = grouped(noisy, lambda entry: entry.pair.noise)
             if len(groups) > 1:

@@ -50,6 +50,19 @@ def by_mesh(entries: Sequence[Entry], names: Sequence[str]) -> str:
     return table(header, rows)
 
 
+def by_mesh_and_peer(entries: Sequence[Entry], names: Sequence[str]) -> str:
+    """Auto's mean error over every peer's at its one parameter, mesh by mesh; below 1 auto wins."""
+    singles = [one_parameter(entries, name) for name in names]
+    rows = [
+        [
+            entry.pair.label,
+            *(f"{entry.auto['mean'] / single.scores[k]['mean']:.2f}" for single in singles),
+        ]
+        for k, entry in enumerate(entries)
+    ]
+    return table(("auto over", *names), rows)
+
+
 def by_peer(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
     """Every peer at its best parameter per mesh and at one for all, geometric means."""
     header = (
