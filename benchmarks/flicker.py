@@ -1,0 +1,221 @@
+"""Measure the flicker of a faired sequence: one strength for all frames, or each its own.
+
+    python benchmarks/flicker.py [--frames 50] [--picture FILE.png]
+
+A noisy foot bends to and fro; the noise moves along with the surface, so that what a steady
+smoother removes hardly changes from one frame to the next. The frames go through the command line
+as numbered files. Measured is the removed displacement, along the normals of the clean surface and
+in local edge lengths: its change from frame to frame, relative to what is removed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from measuring import describe, load, machine, table
+from mesh_files import read_mesh_file
+from numpy.typing import NDArray
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT))
+
+from meshes import Mesh, write_ply  # noqa: E402  needs the search path
+
+NOISE = 0.15  # standard deviation in local edge lengths
+BEND = 1.0  # of one end against the other, in radians
+SEED = 20260009
+
+CASES = {
+    "fixed τ, mean edge": ["--tau", "0.004"],
+    "until 60 % of the curvature is left": [
+        "--tau", "0.001", "--steps", "12", "--stop-curvature", "0.6",
+    ],
+    "automatic": ["--method", "auto"],
+}  # fmt: skip
+WAYS = {"each its own": [], "same strength": ["--same-strength"]}
+
+
+@dataclass(frozen=True)
+class Sequence:
+    """Noisy frames of a surface.
+
+    Attributes
+    ----------
+    frames
+        (f, n, 3) positions.
+    normals
+        (f, n, 3) of the clean surface.
+    edges
+        (n,) local edge length of the clean surface.
+    triangles
+        (m, 3).
+    """
+
+    frames: NDArray[np.float64]
+    normals: NDArray[np.float64]
+    edges: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+
+    def removed(self, faired: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Measure what was removed at every vertex in every frame, (f, n), in local edges."""
+        moved = np.einsum("fnd,fnd->fn", faired - self.frames, self.normals)
+        return moved / self.edges
+
+
+def main() -> int:
+    """Make the frames, fair them in every way, print the table and draw the picture."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--mesh", type=Path, default=ROOT / "assets" / "foot.ply")
+    parser.add_argument("--frames", type=int, default=50)
+    parser.add_argument("--case", action="append", choices=tuple(CASES), help="default: all")
+    parser.add_argument("--picture", type=Path)
+    options = parser.parse_args()
+    print(f"{describe(machine())}; {load()}\n")
+    mesh = read_mesh_file(options.mesh)
+    sequence = bending(mesh.vertices, np.array(mesh.faces, dtype=np.int32), options.frames)
+    rows, curves = [], {}
+    with tempfile.TemporaryDirectory() as folder:
+        given = Path(folder) / "given"
+        write_frames(sequence, given)
+        for case in options.case or CASES:
+            for way, more in WAYS.items():
+                output = Path(folder) / f"{case}, {way}"
+                steps = fair_frames(given, output, [*CASES[case], *more])
+                removed = sequence.removed(read_frames(output, options.frames))
+                rows.append([case, way, *figures(removed, steps)])
+                curves[case, way] = changes(removed)
+                print(" | ".join(rows[-1]), file=sys.stderr)
+    header = ("strength", "", "steps", "removed", "its jump", "change", "largest")
+    print(table(header, rows))
+    print(
+        "\nremoved: RMS in local edges, over all frames; its jump: largest change of the RMS from "
+        "one frame to the\nnext; change, largest: RMS difference of the removed displacement "
+        "between two frames, mean and largest;\nthe last three relative to what is removed"
+    )
+    if options.picture:
+        draw(curves, options.picture)
+    return 0
+
+
+def bending(rest: NDArray[np.float64], triangles: NDArray[np.int32], n_frames: int) -> Sequence:
+    """Bend a surface to and fro once, with noise along the normals that moves with it."""
+    axis = int(np.ptp(rest, axis=0).argmax())
+    low, high = rest[:, axis].min(), rest[:, axis].max()
+    along = (rest[:, axis] - low) / (high - low)
+    edges = local_edges(rest, triangles)
+    amount = np.random.default_rng(SEED).normal(0.0, NOISE, len(rest)) * edges
+    other = (axis + 1) % 3
+    centre = rest.mean(axis=0)
+    frames, normals = [], []
+    for number in range(n_frames):
+        angle = BEND * np.sin(2 * np.pi * number / n_frames) * along**2
+        cosine, sine = np.cos(angle), np.sin(angle)
+        clean = rest - centre
+        a, b = clean[:, axis].copy(), clean[:, other].copy()
+        clean[:, axis], clean[:, other] = cosine * a - sine * b, sine * a + cosine * b
+        normals.append(vertex_normals(clean, triangles))
+        frames.append(clean + amount[:, None] * normals[-1])
+    return Sequence(np.array(frames), np.array(normals), edges, triangles)
+
+
+def local_edges(vertices: NDArray[np.float64], triangles: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Mean length of the edges at every vertex, (n,)."""
+    ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
+    sums = np.bincount(ends.ravel(), np.repeat(lengths, 2), len(vertices))
+    return sums / np.bincount(ends.ravel(), minlength=len(vertices))
+
+
+def vertex_normals(
+    vertices: NDArray[np.float64], triangles: NDArray[np.int32]
+) -> NDArray[np.float64]:
+    """Average the unit normals, weighted by area, (n, 3)."""
+    corner = vertices[triangles]
+    faces = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normals = np.zeros_like(vertices)
+    for k in range(3):
+        np.add.at(normals, triangles[:, k], faces)
+    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+def write_frames(sequence: Sequence, folder: Path) -> None:
+    """Write the noisy frames as numbered files."""
+    folder.mkdir()
+    for number, positions in enumerate(sequence.frames, start=1):
+        write_ply(Mesh("frame", positions, sequence.triangles), folder / f"foot_{number:04d}.ply")
+
+
+def fair_frames(given: Path, output: Path, arguments: list[str]) -> list[int]:
+    """Fair all frames with the command line; give the number of steps of each."""
+    report = output.with_suffix(".json")
+    command = [
+        sys.executable, "-m", "adaptive_fairing", str(given), "--sequence", "--out-dir",
+        str(output), "--report", str(report), *arguments,
+    ]  # fmt: skip
+    subprocess.run(command, cwd=ROOT, check=True, stderr=subprocess.DEVNULL)
+    return [mesh["steps"] for mesh in json.loads(report.read_text())["meshes"]]
+
+
+def read_frames(folder: Path, n_frames: int) -> NDArray[np.float64]:
+    """Read the faired frames, (f, n, 3)."""
+    paths = [folder / f"foot_{number:04d}.ply" for number in range(1, n_frames + 1)]
+    return np.array([read_mesh_file(path).vertices for path in paths], dtype=np.float64)
+
+
+def changes(removed: NDArray[np.float64]) -> NDArray[np.float64]:
+    """RMS change of the removed displacement between frames, over the RMS removed, (f - 1,)."""
+    return rms(np.diff(removed, axis=0)) / np.sqrt((removed**2).mean())
+
+
+def figures(removed: NDArray[np.float64], steps: list[int]) -> list[str]:
+    """Describe a run for the table."""
+    amounts = rms(removed)
+    total = np.sqrt((removed**2).mean())
+    jump = np.abs(np.diff(amounts)).max() / total
+    change = changes(removed)
+    low, high = min(steps), max(steps)
+    return [
+        str(low) if low == high else f"{low} to {high}", f"{total:.4f}",
+        f"{100 * jump:.2f} %", f"{100 * change.mean():.2f} %", f"{100 * change.max():.2f} %",
+    ]  # fmt: skip
+
+
+def rms(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Root of the mean square of every row."""
+    return np.sqrt((values**2).mean(axis=1))
+
+
+def draw(curves: dict[tuple[str, str], NDArray[np.float64]], path: Path) -> None:
+    """Draw the change from frame to frame, a panel for each case."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    cases = list(dict.fromkeys(case for case, _ in curves))
+    figure, axes = pyplot.subplots(
+        1, len(cases), figsize=(3.6 * len(cases), 3.2), sharey=True, squeeze=False
+    )
+    for axis, case in zip(axes[0], cases, strict=True):
+        for way, style in zip(WAYS, ("C1-", "C0-"), strict=True):
+            values = 100 * curves[case, way]
+            axis.semilogy(np.arange(1, len(values) + 1), values, style, linewidth=1.4, label=way)
+        axis.set_title(case, fontsize=10)
+        axis.set_xlabel("frame")
+        axis.grid(True, which="major", color="0.88")
+    axes[0, 0].set_ylabel("change to the next frame, %")
+    axes[0, 0].legend(frameon=False, fontsize=9)
+    figure.tight_layout()
+    figure.savefig(path, dpi=110)
+    pyplot.close(figure)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
