@@ -19,8 +19,8 @@ TITLE_SIZE, TEXT_SIZE = 17, 13
 FONT = matplotlib.get_data_path() + "/fonts/ttf/DejaVuSans.ttf"
 """Pillow's own font has no Greek letters."""
 
-PALETTE = 64
-"""Grey levels and warm tints kept in the file: plenty for clay, and a third of the size."""
+LEVELS = 72
+"""Levels of brightness kept in the file: plenty for clay, and a third of the size."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,22 @@ def figure(
             left += item.width + GAP
         top += max(item.height for item in row) + GAP
     path.parent.mkdir(parents=True, exist_ok=True)
-    sheet.quantize(PALETTE, dither=Image.Dither.NONE).save(path, optimize=True)
+    _with_levels(sheet).save(path, optimize=True)
+
+
+def _with_levels(sheet: Image.Image) -> Image.Image:
+    """Return the picture with one colour for each level of brightness, its mean colour there.
+
+    Pillow's own choice of colours follows how often they occur, and leaves dark parts spotted.
+    """
+    level = np.asarray(sheet.convert("L")).astype(int) * (LEVELS - 1) // 255
+    colors = np.asarray(sheet).reshape(-1, 3)
+    count = np.maximum(np.bincount(level.ravel(), minlength=LEVELS), 1)
+    sums = [np.bincount(level.ravel(), channel, minlength=LEVELS) for channel in colors.T]
+    palette = np.round(np.stack(sums, axis=1) / count[:, None]).astype(np.uint8)
+    reduced = Image.fromarray(level.astype(np.uint8), mode="P")
+    reduced.putpalette(palette.tobytes())
+    return reduced
 
 
 def _panel(panel, triangles, shots, samples):
