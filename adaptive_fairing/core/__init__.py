@@ -5,17 +5,21 @@ after C. Bajaj and G. Xu, *Adaptive Fairing of Surface Meshes by Geometric Diffu
 """
 
 from .assembly import LoopSpace
+from .auto import AutoEstimate, AutoPlan
 from .density import mesh_density
 from .errors import FairingError, InputError, SettingsError, SolverError, TopologyError
-from .fairing import FairingResult, FairingStep, fair, fair_steps
+from .fairing import fair, fair_steps
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport
 from .memory import MemoryNeededError
 from .prepared import PreparedMesh
+from .results import FairingResult, FairingStep
 from .settings import FairingSettings
 from .topology import TriangleTopology
 
 __all__ = [
+    "AutoEstimate",
+    "AutoPlan",
     "FairingError",
     "FairingResult",
     "FairingSettings",

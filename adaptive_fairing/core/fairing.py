@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .assembly import LoopSpace, StepSystem
+from .auto import AutoPlan, auto_surfaces
 from .checks import checked_vertices, checked_weights, require_surface
 from .density import mesh_density
 from .diagnosis import surface_notes
@@ -16,7 +18,9 @@ from .errors import SolverError
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport, conjugate_gradients
 from .prepared import PreparedMesh
+from .results import FairingResult, FairingStep, energy_ratio
 from .settings import FairingSettings
+from .solver_frame import SolverFrame, SolverSurface
 from .topology import checked_triangles
 
 FloatArray = NDArray[np.float64]
@@ -26,81 +30,6 @@ FloatArray = NDArray[np.float64]
 COLLAPSE_RISE = 2.0
 
 
-@dataclass(frozen=True)
-class FairingStep:
-    """The surface after one semi-implicit step.
-
-    Attributes
-    ----------
-    index : int
-        1 for the first step.
-    time : float
-        index · τ.
-    positions : (n, 3)
-        In the units of the input; vertices that are held have their input coordinates bit by bit.
-    density : (n,)
-        d_i after smoothing, in the [-3, 3]³ frame, as this step used it; 0 at loose vertices.
-    curvature_energy, area, volume : float
-        Measures of the limit surface of `positions`, see `SurfaceMeasures`.
-    solve : SolveReport
-    initial : SurfaceMeasures
-        Measures of the surface before the first step.
-    stop_reason : str or None
-        None while the run goes on; otherwise "steps" (all done), "curvature" (3.11), "rate"
-        (3.10), or "not_converged" (the linear solve of this step missed its tolerance).
-    notes : tuple of str
-        What is wrong with the input and how it was made solvable, one line each; and whether
-        something has begun to collapse.
-    """
-
-    index: int
-    time: float
-    positions: FloatArray
-    density: FloatArray
-    curvature_energy: float
-    area: float
-    volume: float
-    solve: SolveReport
-    initial: SurfaceMeasures
-    stop_reason: str | None = None
-    notes: tuple[str, ...] = ()
-
-    @property
-    def curvature_ratio(self) -> float:
-        """H(t) of the paper: curvature energy relative to that of the input surface."""
-        return _ratio(self.curvature_energy, self.initial.curvature_energy)
-
-
-@dataclass(frozen=True)
-class FairingResult:
-    """A finished run.
-
-    Attributes
-    ----------
-    steps : tuple of FairingStep
-    stop_reason : str
-        As in the last step.
-    settings : FairingSettings
-    initial : SurfaceMeasures
-        Measures of the input surface.
-    """
-
-    steps: tuple[FairingStep, ...]
-    stop_reason: str
-    settings: FairingSettings
-    initial: SurfaceMeasures
-
-    @property
-    def positions(self) -> FloatArray:
-        """Final positions, (n, 3)."""
-        return self.steps[-1].positions
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """What is wrong with the input and how it was made solvable, one line each."""
-        return self.steps[-1].notes
-
-
 def fair(
     vertices: ArrayLike,
     faces: ArrayLike,
@@ -108,10 +37,21 @@ def fair(
     *,
     weights: ArrayLike | None = None,
     prepared: PreparedMesh | None = None,
+    plan: AutoPlan | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> FairingResult:
     """Run all steps of `fair_steps`, which has the parameters and errors."""
     settings = settings or FairingSettings()
-    steps = tuple(fair_steps(vertices, faces, settings, weights=weights, prepared=prepared))
+    run = fair_steps(
+        vertices,
+        faces,
+        settings,
+        weights=weights,
+        prepared=prepared,
+        plan=plan,
+        progress=progress,
+    )
+    steps = tuple(run)
     last = steps[-1]
     return FairingResult(steps, last.stop_reason or "steps", settings, last.initial)
 
@@ -123,8 +63,10 @@ def fair_steps(
     *,
     weights: ArrayLike | None = None,
     prepared: PreparedMesh | None = None,
+    plan: AutoPlan | None = None,
+    progress: Callable[[float], None] | None = None,
 ) -> Iterator[FairingStep]:
-    """Fair a triangle mesh; yield the surface after every step.
+    """Fair a triangle mesh; yield the surface after every step, or for every strength of "auto".
 
     The arrays are checked at the call; the work, including the one-time set-up, is done as the
     steps are asked for.  Nothing handed over is changed.
@@ -138,10 +80,15 @@ def fair_steps(
         manifold, the solve cuts them apart and holds the vertices there, see `manifold`.
     settings : FairingSettings
     weights : (n,) float, optional
-        Share of the local timestep (or diffusivity) that a vertex gets, in [0, 1]; a vertex of
-        weight 0 stays exactly where it is.
+        Share of the local timestep (or diffusivity, or with "auto" the displacement) that a vertex
+        gets, in [0, 1]; a vertex of weight 0 stays exactly where it is.
     prepared : PreparedMesh, optional
         What an earlier solve of a mesh with the same triangles can hand on.
+    plan : AutoPlan, optional
+        How "auto" mixed its filters on another frame of this surface (`FairingStep.auto.plan`),
+        to mix them alike on this one; needs the same `prepared`.
+    progress : callable, optional
+        Called with the share of the run that is done, in (0, 1]; may raise to end the run.
 
     Raises
     ------
@@ -164,27 +111,55 @@ def fair_steps(
     require_surface(points, triangles)
     if prepared is not None:
         prepared.require(triangles, len(points), settings.quadrature_tolerance)
-    return _run(points, triangles, settings, shares, prepared)
+    problem = _Problem(points, triangles, settings, shares, prepared)
+    if settings.method == "auto":
+        return _auto_steps(problem, plan, progress)
+    return _diffusion_steps(problem, progress)
 
 
-def _run(
-    points: FloatArray,
-    triangles: NDArray[np.int32],
-    settings: FairingSettings,
-    weights: FloatArray,
-    prepared: PreparedMesh | None,
+@dataclass(frozen=True)
+class _Problem:
+    """Arguments of `fair_steps`, checked, and what both kinds of runs make of them first."""
+
+    points: FloatArray
+    triangles: NDArray[np.int32]
+    settings: FairingSettings
+    shares: FloatArray
+    prepared: PreparedMesh | None
+
+    def posed(self) -> _Posed:
+        """Go over to the solver's mesh."""
+        settings = self.settings
+        prepared = self.prepared or PreparedMesh(self.points, self.triangles, settings)
+        surface, topology = prepared.surface, prepared.surface.topology
+        frame = prepared.frame(self.points, settings.normalize)
+        weights = self.shares[surface.vertex_of]
+        is_held = (weights == 0) | topology.is_loose | surface.is_cut
+        if settings.boundary == "fixed":
+            is_held |= topology.on_boundary
+        start = frame.inward(self.points)
+        return _Posed(
+            prepared.space, surface, frame, start, weights, is_held, surface_notes(start, surface)
+        )
+
+
+class _Posed(NamedTuple):
+    """The problem on the solver's mesh; arrays (n, ...) in the order of its vertices."""
+
+    space: LoopSpace
+    surface: SolverSurface
+    frame: SolverFrame
+    start: FloatArray
+    weights: FloatArray
+    is_held: NDArray[np.bool_]
+    notes: tuple[str, ...]
+
+
+def _diffusion_steps(
+    problem: _Problem, progress: Callable[[float], None] | None
 ) -> Iterator[FairingStep]:
-    prepared = prepared or PreparedMesh(points, triangles, settings)
-    surface, space = prepared.surface, prepared.space
-    topology = surface.topology
-    frame = prepared.frame(points, settings.normalize)
-    weights = weights[surface.vertex_of]
-    is_held = (weights == 0) | topology.is_loose | surface.is_cut
-    if settings.boundary == "fixed":
-        is_held |= topology.on_boundary
-
-    current = frame.inward(points)
-    notes = surface_notes(current, surface)
+    settings = problem.settings
+    space, _, frame, current, weights, is_held, notes = problem.posed()
     density, system = _system(space, current, settings, weights)
     initial = previous = system.measures
     least_energy = initial.curvature_energy
@@ -210,10 +185,12 @@ def _run(
         reason = _stop_reason(index, settings, solve, initial, previous, measures)
         least_energy = min(least_energy, measures.curvature_energy)
         outer = measures.scaled(1 / frame.scale)
+        if progress is not None:
+            progress(1.0 if reason else index / settings.steps)
         yield FairingStep(
             index=index,
             time=index * settings.tau,
-            positions=frame.outward(current, points, is_held),
+            positions=frame.outward(current, problem.points, is_held),
             density=frame.to_caller(used_density),
             curvature_energy=outer.curvature_energy,
             area=outer.area,
@@ -226,6 +203,46 @@ def _run(
         if reason is not None:
             return
         previous = measures
+
+
+def _auto_steps(
+    problem: _Problem, plan: AutoPlan | None, progress: Callable[[float], None] | None
+) -> Iterator[FairingStep]:
+    settings = problem.settings
+    space, surface, frame, start, weights, is_held, notes = problem.posed()
+    outcome = auto_surfaces(
+        space,
+        start,
+        surface.is_cut,
+        strength=settings.strength,
+        features=settings.features,
+        plan=plan,
+        progress=progress,
+    )
+    density = mesh_density(space.topology, start, settings.density, settings.density_passes)
+    initial = space.measures(start).scaled(1 / frame.scale)
+    n_strengths = len(outcome.positions)
+    for index, (faired, estimate) in enumerate(
+        zip(outcome.positions, outcome.estimates, strict=True), start=1
+    ):
+        moved = start + weights[:, None] * (faired - start)
+        moved[is_held] = start[is_held]
+        measures = space.measures(moved).scaled(1 / frame.scale)
+        reason = None if outcome.solve.converged else "not_converged"
+        yield FairingStep(
+            index=index,
+            time=float("nan"),
+            positions=frame.outward(moved, problem.points, is_held),
+            density=frame.to_caller(density),
+            curvature_energy=measures.curvature_energy,
+            area=measures.area,
+            volume=measures.volume,
+            solve=outcome.solve,
+            initial=initial,
+            stop_reason=reason or ("steps" if index == n_strengths else None),
+            auto=replace(estimate, noise_length=estimate.noise_length / frame.scale),
+            notes=notes + outcome.notes,
+        )
 
 
 def _system(
@@ -265,15 +282,10 @@ def _stop_reason(
 ) -> str | None:
     if not solve.converged:
         return "not_converged"
-    ratio = _ratio(current.curvature_energy, initial.curvature_energy)
+    ratio = energy_ratio(current.curvature_energy, initial.curvature_energy)
     if settings.stop_curvature is not None and ratio <= settings.stop_curvature:
         return "curvature"
-    change = ratio - _ratio(previous.curvature_energy, initial.curvature_energy)
+    change = ratio - energy_ratio(previous.curvature_energy, initial.curvature_energy)
     if settings.stop_rate is not None and abs(change) / settings.tau <= settings.stop_rate:
         return "rate"
     return "steps" if index == settings.steps else None
-
-
-def _ratio(energy: float, initial: float) -> float:
-    """H(t)/H(0); a surface that was flat from the start has nothing left to lose."""
-    return energy / initial if initial > 0 else 0.0

@@ -10,7 +10,7 @@ import json
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .atomic_files import replaced_file
-from .fairing import FairingStep
+from .auto import AutoEstimate
 from .geometry import SurfaceMeasures
+from .results import FairingStep
 from .settings import FairingSettings
 
 Json = dict[str, Any]
@@ -51,6 +52,16 @@ def step_record(step: FairingStep, start: ArrayLike, seconds: float) -> Json:
         "volume": step.volume,
         "largest_displacement": displacement.max(initial=0.0),
         "mean_displacement": displacement.mean() if len(displacement) else 0.0,
+        "auto": None if step.auto is None else _estimate_record(step.auto),
+    }
+
+
+def _estimate_record(estimate: AutoEstimate) -> Json:
+    """All of an estimate but the plan, which is as large as the mesh."""
+    return {
+        field.name: getattr(estimate, field.name)
+        for field in fields(estimate)
+        if field.name != "plan"
     }
 
 

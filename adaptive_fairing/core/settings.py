@@ -8,8 +8,9 @@ from dataclasses import dataclass, fields
 from .density import DENSITY_KINDS
 from .errors import SettingsError
 
-METHODS = ("adaptive_timestep", "adaptive_tensor", "uniform")
+METHODS = ("adaptive_timestep", "adaptive_tensor", "uniform", "auto")
 BOUNDARIES = ("fixed", "free")
+FEATURES = ("auto", "sharp", "smooth")
 
 # Beyond these the entries of the linear system overflow or underflow in double precision.
 TAU_RANGE = (1e-30, 1e30)
@@ -23,7 +24,8 @@ class FairingSettings:
     ----------
     method : str
         "adaptive_timestep" T = τ D and "adaptive_tensor" with diffusivity τ D follow the mesh
-        density; "uniform" has one timestep τ everywhere.
+        density; "uniform" has one timestep τ everywhere.  "auto" estimates the noise and needs
+        neither τ nor steps, see the module `auto`.
     tau : float
         τ > 0 of the paper, per step, in the [-3, 3]³ frame; within `TAU_RANGE`.
     steps : int
@@ -32,6 +34,11 @@ class FairingSettings:
         d_i as mean "edge_length" to the neighbours or as "area" of the triangles around.
     density_passes : int
         Smoothing passes (3.6) over d_i.
+    strength : float
+        Only for "auto": factor of the estimated noise, above 0 and below 100.
+    features : str
+        Only for "auto": "sharp" keeps creases wherever it can, "smooth" has no creases to keep,
+        "auto" chooses per place.
     boundary : str
         "fixed": boundary vertices stay exactly where they are; "free": natural condition.
     stop_curvature : float, optional
@@ -58,6 +65,8 @@ class FairingSettings:
     method: str = "adaptive_timestep"
     tau: float = 0.016
     steps: int = 4
+    strength: float = 1.0
+    features: str = "auto"
     density: str = "edge_length"
     density_passes: int = 3
     boundary: str = "fixed"
@@ -72,10 +81,12 @@ class FairingSettings:
         _require_choice(self, "method", METHODS)
         _require_choice(self, "density", DENSITY_KINDS)
         _require_choice(self, "boundary", BOUNDARIES)
+        _require_choice(self, "features", FEATURES)
         _require_integer(self, "steps", 1)
         _require_integer(self, "density_passes", 0)
         _require_integer(self, "cg_max_iterations", 1)
         _require_number(self, "tau", above=TAU_RANGE[0], below=TAU_RANGE[1])
+        _require_number(self, "strength", above=0, below=100)
         _require_number(self, "cg_tolerance", above=0, below=1)
         _require_number(self, "quadrature_tolerance", above=0, below=1)
         for name in ("stop_curvature", "stop_rate"):

@@ -1,0 +1,400 @@
+"""Fairing without a parameter: the noise is estimated, and filters are mixed for the least risk.
+
+1.  Noise level of each connected part, by density (`noise_level`).
+2.  Filters in metrics of the slightly smoothed surface (`filter_bank`), and the mixture of them
+    with the least estimated distance to the surface without noise (`unbiased_risk`).
+3.  The same again with metrics of that mixture, which knows the creases; the last mixture is of
+    all filters of both rounds.
+
+How much of the noise a filter removes is measured by filtering a second time with a little noise
+of our own added: the metrics follow the noise too, which no formula for a linear filter sees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csgraph
+
+from .assembly import LoopSpace
+from .errors import InputError
+from .filter_bank import FilterBank, Filtered, n_solves
+from .lifted_metric import LiftedMetric
+from .linear_solver import SolveReport
+from .noise_level import LocalFrame, beyond_clean, noise_level
+from .unbiased_risk import density_classes, least_risk_shares
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+FIRST_METRICS = (LiftedMetric(0), LiftedMetric(1), LiftedMetric(1, 0.3))
+SECOND_METRICS = (LiftedMetric(0, 0.07), LiftedMetric(0, 0.3), LiftedMetric(1, 0.3))
+
+# Metrics with an angle of at most this keep creases; those with more, or none, round them.
+SHARP_ANGLE = 0.1
+SHARP_SHARE = 0.5
+
+# Strengths relative to the chosen one, as factors of the estimated noise.
+STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)
+CHOSEN = STRENGTHS.index(1.0)
+
+# Fewer vertices cannot tell noise from shape.
+FEWEST_VERTICES = 50
+# Connected parts with as many vertices are judged by themselves, smaller ones together.
+OWN_ESTIMATE = 400
+
+PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large against rounding
+PROBE_SEED = 0
+# A probe that folds a triangle over changes the filtered surface by leaps; such outliers of its
+# response, which is about 1 at most, are cut off.
+LARGEST_RESPONSE = 3.0
+
+
+@dataclass(frozen=True)
+class AutoPlan:
+    """How the filters were mixed on one mesh, for other frames of the same surface.
+
+    Attributes
+    ----------
+    noise : (n,)
+        Level at the solver's vertices, in local edge lengths; 0 where it was not judged.
+    pilot : (k1, n), mixtures : (s, k, n)
+        Shares of the filters at each vertex after the first round, and for each strength.
+    kept : (s,)
+        Share of white noise that each mixture keeps.
+    """
+
+    noise: FloatArray
+    pilot: FloatArray
+    mixtures: FloatArray
+    kept: FloatArray
+
+
+@dataclass(frozen=True)
+class AutoEstimate:
+    """What `auto` found and chose.
+
+    Attributes
+    ----------
+    strength : float
+        Factor of the estimated noise that the positions are meant for.
+    noise : float
+        Median standard deviation of the noise along the normals, in local edge lengths.
+    noise_length : float
+        The same in object units.
+    radius : float
+        Smoothing radius: of the Gaussian filter that keeps the same share of white noise, in local
+        edge lengths.
+    sharp_share : float
+        Share of the filters that keep creases in what was removed, 0 to 1.
+    is_chosen : bool
+        Whether this is the strength that was asked for.
+    plan : AutoPlan
+        For other frames of the same surface.
+    """
+
+    strength: float
+    noise: float
+    noise_length: float
+    radius: float
+    sharp_share: float
+    is_chosen: bool
+    plan: AutoPlan = field(repr=False, compare=False)
+
+    @property
+    def is_sharp(self) -> bool:
+        """Whether the mesh was treated as one with creases for the most part."""
+        return self.sharp_share > SHARP_SHARE
+
+
+@dataclass(frozen=True)
+class AutoOutcome:
+    """Surfaces for all strengths, ascending.
+
+    Attributes
+    ----------
+    positions : list of (n, 3)
+    estimates : list of AutoEstimate
+    solve : SolveReport
+        Iterations of all solves together, and the worst of their residuals.
+    notes : tuple of str
+        Why nothing was done, if so.
+    """
+
+    positions: list[FloatArray]
+    estimates: list[AutoEstimate]
+    solve: SolveReport
+    notes: tuple[str, ...]
+
+
+def auto_surfaces(
+    space: LoopSpace,
+    positions: FloatArray,
+    is_still: BoolArray,
+    *,
+    strength: float = 1.0,
+    features: str = "auto",
+    plan: AutoPlan | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> AutoOutcome:
+    """Fair a mesh for several strengths.
+
+    Parameters
+    ----------
+    space : LoopSpace
+    positions : (n, 3)
+    is_still : (n,) bool
+        Vertices that noise and risk are not judged from, besides those of the boundary.
+    strength : float
+        Factor of the estimated noise.
+    features : "auto", "sharp" or "smooth"
+        Which filters may be used: all, only those that keep creases, or only the others.
+    plan : AutoPlan, optional
+        Of another frame of this surface: nothing is estimated then.
+    progress : callable, optional
+        Called with the share of the work that is done; may raise to end it.
+
+    Raises
+    ------
+    InputError
+        A plan of a mesh of another size.
+    """
+    solves = _Solves(n_solves(len(FIRST_METRICS) + len(SECOND_METRICS)), progress)
+    bank = FilterBank(space, solves.count)
+    track = _Track(bank, positions)
+    frame = LocalFrame.of(space.topology, track.surface, track.surface)
+    notes: tuple[str, ...] = ()
+    if plan is None:
+        parts = _Parts(space, frame, is_still)
+        noise, notes = parts.noise(positions, strength)
+        if beyond_clean(max(STRENGTHS) * strength * noise).any():
+            solves.expect_probe()
+            plan = _planned(bank, track, frame, parts, noise, strength, features)
+        else:
+            plan = _idle_plan(noise)
+    elif plan.mixtures.shape[2] != len(positions):
+        raise InputError(
+            f"the plan is of a mesh of {plan.mixtures.shape[2]} vertices, not {len(positions)}"
+        )
+    elif plan.mixtures.any():
+        track.filter(FIRST_METRICS)
+        track.surface = track.mixed(plan.pilot)
+        track.filter(SECOND_METRICS)
+    estimates = [
+        _estimate(plan, frame, track.metrics, strength, index) for index in range(len(STRENGTHS))
+    ]
+    results = [track.mixed(shares) for shares in plan.mixtures]
+    return AutoOutcome(results, estimates, solves.report(), notes)
+
+
+def _planned(
+    bank: FilterBank,
+    track: _Track,
+    frame: LocalFrame,
+    parts: _Parts,
+    noise: FloatArray,
+    strength: float,
+    features: str,
+) -> AutoPlan:
+    """Filter in two rounds, and choose the shares in both."""
+    sign = np.random.default_rng(PROBE_SEED).choice([-1.0, 1.0], len(noise))
+    probe = (PROBE_SIZE * sign * frame.spacing)[:, None] * frame.normals
+    shadow = _Track(bank, track.positions + probe)
+
+    def best_shares(factor: float, usable: BoolArray) -> FloatArray:
+        removed = track.removed(frame)
+        kept = _response(track, shadow, frame, sign)
+        shares = np.zeros_like(removed)
+        variance = np.square(beyond_clean(factor * strength * noise))
+        shares[usable] = parts.best_shares(removed[usable], 1 - kept[usable], variance)
+        return shares
+
+    for one in (track, shadow):
+        one.filter(FIRST_METRICS)
+    pilot = best_shares(1.0, np.ones(len(track.filtered), dtype=bool))
+    for one in (track, shadow):
+        one.surface = one.mixed(pilot)
+        one.filter(SECOND_METRICS)
+    usable = np.array([_is_usable(metric, features) for metric in track.metrics])
+    mixtures = np.stack([best_shares(factor, usable) for factor in STRENGTHS])
+    kept = _response(track, shadow, frame, sign)
+    removed_noise = np.einsum("skn,kn->sn", mixtures, 1 - kept)[:, parts.is_counted]
+    return AutoPlan(noise, pilot, mixtures, 1 - removed_noise.mean(axis=1))
+
+
+def _idle_plan(noise: FloatArray) -> AutoPlan:
+    """Leave everything as it is."""
+    nothing = np.zeros((len(STRENGTHS), 0, len(noise)))
+    return AutoPlan(noise, nothing[0], nothing, np.ones(len(STRENGTHS)))
+
+
+def _is_usable(metric: LiftedMetric, features: str) -> bool:
+    keeps_creases = metric.angle is not None and metric.angle <= SHARP_ANGLE
+    return features == "auto" or keeps_creases == (features == "sharp")
+
+
+def _response(track: _Track, shadow: _Track, frame: LocalFrame, sign: FloatArray) -> FloatArray:
+    """Share of its own noise that each filter keeps at each vertex, (k, n).
+
+    The neighbours' probes mix in, but cancel in sums over many vertices.
+
+    Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
+    """
+    pairs = zip(track.filtered, shadow.filtered, strict=True)
+    changes = [frame.along_normal(b.positions - a.positions) for a, b in pairs]
+    response = np.stack(changes) * sign / PROBE_SIZE
+    return np.clip(response, -LARGEST_RESPONSE, LARGEST_RESPONSE)
+
+
+def _estimate(
+    plan: AutoPlan,
+    frame: LocalFrame,
+    metrics: list[LiftedMetric],
+    strength: float,
+    index: int,
+) -> AutoEstimate:
+    shares, kept = plan.mixtures[index], float(np.clip(plan.kept[index], 1e-6, 1))
+    judged = plan.noise > 0
+    level = plan.noise[judged] if judged.any() else np.zeros(1)
+    length = level * frame.spacing[judged] if judged.any() else np.zeros(1)
+    keeps = [metric.angle is not None and metric.angle <= SHARP_ANGLE for metric in metrics]
+    total = float(shares.sum())
+    # A Gaussian of standard deviation r keeps cell / (2 π r²) of white noise, with the area
+    # √3/2 of a vertex's cell; the 1 makes the radius of doing nothing 0.
+    radius = np.sqrt(np.sqrt(3) / (4 * np.pi) * (1 / kept - 1))
+    return AutoEstimate(
+        strength=STRENGTHS[index] * strength,
+        noise=float(np.median(level)),
+        noise_length=float(np.median(length)),
+        radius=float(radius),
+        sharp_share=float(shares[keeps].sum()) / total if total > 0 else 0.0,
+        is_chosen=index == CHOSEN,
+        plan=plan,
+    )
+
+
+class _Track:
+    """Positions on their way through the filters, with what the filters made of them."""
+
+    def __init__(self, bank: FilterBank, positions: FloatArray) -> None:
+        self.positions = positions
+        self.surface = bank.first_surface(positions)
+        self.filtered: list[Filtered] = []
+        self._bank = bank
+
+    @property
+    def metrics(self) -> list[LiftedMetric]:
+        """Metric of each filter."""
+        return [filtered.metric for filtered in self.filtered]
+
+    def filter(self, metrics: tuple[LiftedMetric, ...]) -> None:
+        """Add what the filters in metrics of the present surface make of the positions."""
+        self.filtered += self._bank.filtered(self.positions, self.surface, metrics)
+
+    def removed(self, frame: LocalFrame) -> FloatArray:
+        """Measure the normal part of what each filter takes away, in local edge lengths, (k, n)."""
+        parts = [frame.along_normal(self.positions - f.positions) for f in self.filtered]
+        return np.stack(parts)
+
+    def mixed(self, shares: FloatArray) -> FloatArray:
+        """Mix the filters with shares (k, n) at each vertex."""
+        result = self.positions.copy()
+        for share, filtered in zip(shares, self.filtered, strict=True):
+            if share.any():
+                result -= share[:, None] * (self.positions - filtered.positions)
+        return result
+
+
+class _Parts:
+    """Connected parts that are judged each by itself, small ones together.
+
+    Attributes
+    ----------
+    is_counted : (n,) bool
+        Vertices to judge from.
+    """
+
+    def __init__(self, space: LoopSpace, frame: LocalFrame, is_still: BoolArray) -> None:
+        topology = space.topology
+        self.is_counted = ~(is_still | topology.is_loose | topology.on_boundary)
+        self._frame = frame
+        self._size = frame.spread(np.log(frame.spacing), 3)
+        _, label = csgraph.connected_components(topology.adjacency(), directed=False)
+        n_counted = np.bincount(label, self.is_counted)
+        own = n_counted >= OWN_ESTIMATE
+        order = np.argsort(label, kind="stable")
+        each = np.split(order, np.cumsum(np.bincount(label))[:-1])
+        self._members = [each[index] for index in np.flatnonzero(own)]
+        rest = [each[index] for index in np.flatnonzero(~own)]
+        if rest:
+            self._members.append(np.concatenate(rest))
+
+    def noise(self, positions: FloatArray, strength: float) -> tuple[FloatArray, tuple[str, ...]]:
+        """Estimate the noise, (n,), and say if there is nothing to do."""
+        n_counted = int(np.count_nonzero(self.is_counted))
+        noise = np.zeros(len(positions))
+        if n_counted < FEWEST_VERTICES:
+            return noise, (
+                f"only {n_counted} vertices inside the surface: too few to tell noise from shape, "
+                "nothing was changed; choose one of the other methods",
+            )
+        for members in self._members:
+            counted = np.zeros(len(positions), dtype=bool)
+            counted[members] = self.is_counted[members]
+            noise += noise_level(positions, self._frame, counted)
+        if beyond_clean(strength * noise).any():
+            return noise, ()
+        return noise, (
+            f"no noise found: the surface is rough by {np.median(noise[self.is_counted]):.2g} of "
+            "the local edge length, as clean meshes are; nothing was changed",
+        )
+
+    def best_shares(
+        self, removed: FloatArray, divergence: FloatArray, variance: FloatArray
+    ) -> FloatArray:
+        """Choose the shares (k, n) of the filters with the least risk in every part."""
+        shares = np.zeros_like(removed)
+        for members in self._members:
+            is_counted = self.is_counted[members]
+            if not is_counted.any():
+                continue
+            counted = members[is_counted]
+            classes = density_classes(self._size[members], is_counted)
+            chosen = least_risk_shares(
+                removed[:, counted],
+                divergence[:, counted],
+                variance[counted],
+                classes[:, is_counted],
+            )
+            shares[:, members] = chosen.T @ classes
+        return shares
+
+
+class _Solves:
+    """Count of the linear solves: the progress, and what is to be reported of them."""
+
+    def __init__(self, n_expected: int, progress: Callable[[float], None] | None) -> None:
+        self._n_expected, self._progress = n_expected, progress
+        self._n_done = self._iterations = 0
+        self._residual = 0.0
+        self._converged = True
+
+    def expect_probe(self) -> None:
+        """All filters are applied a second time."""
+        self._n_expected *= 2
+
+    def count(self, report: SolveReport) -> None:
+        """Note that a solve is done."""
+        self._n_done += 1
+        self._iterations += report.iterations
+        self._residual = max(self._residual, report.residual)
+        self._converged &= report.converged
+        if self._progress is not None:
+            self._progress(min(self._n_done / self._n_expected, 1.0))
+
+    def report(self) -> SolveReport:
+        """All solves together."""
+        return SolveReport(self._iterations, self._residual, self._converged)

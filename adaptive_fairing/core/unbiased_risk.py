@@ -1,0 +1,93 @@
+"""The mixture of several filters that comes nearest to the surface without noise.
+
+What a filter k removes of the noisy positions x = x₀ + σ n is e_k.  Of the mixtures x - Σ a_k e_k
+the one with the least distance to the unknown x₀ minimises
+
+    |Σ a_k e_k|² - 2 Σ a_k σ² div e_k,
+
+whose expectation is that distance up to a constant, for normally distributed noise: the divergence
+tells how much of the noise each filter removes.
+
+Source: C. Stein, Estimation of the mean of a multivariate normal distribution, 1981; mixtures of
+filters after T. Blu and F. Luisier, The SURE-LET approach to image denoising, 2007.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+FloatArray = NDArray[np.float64]
+
+# Vertices per group of their own in the density classes below, and classes at most.
+VERTICES_PER_CLASS = 200
+MOST_CLASSES = 3
+
+# Relative sizes of the terms that keep the least squares definite, and the shares at most 1.
+RIDGE = 1e-6
+CONSTRAINT = 100.0
+
+
+def least_risk_shares(
+    removed: FloatArray, divergence: FloatArray, variance: FloatArray, classes: FloatArray
+) -> FloatArray:
+    """Shares of the filters in the best mixture.
+
+    Parameters
+    ----------
+    removed : (k, n)
+        Normal part of what each filter removes.
+    divergence : (k, n)
+        Its derivative by the same vertex's noise: 1 where all noise goes, 0 where all stays.
+    variance : (n,)
+        Of the noise, in the squared unit of `removed`.
+    classes : (c, n)
+        Weights of the vertices in each density class, adding up to 1: the shares are mixed from
+        the shares of the classes with them.
+
+    Returns
+    -------
+    (c, k)
+        Shares a ≥ 0 with a sum of at most 1 in each class; the rest of the sum is left unfiltered.
+    """
+    n_classes, n_filters = len(classes), len(removed)
+    parts = (classes[:, None] * removed).reshape(n_classes * n_filters, -1)
+    gain = (classes[:, None] * divergence).reshape(n_classes * n_filters, -1) @ variance
+    square = parts @ parts.T
+    size = float(np.trace(square)) / len(square)
+    if not size > 0 or not gain.any():
+        return np.zeros((n_classes, n_filters))
+    square[np.diag_indices(len(square))] += RIDGE * size
+    factor = np.linalg.cholesky(square)
+    # The sum of a class and a slack is 1, as further equations of great weight.
+    n = n_classes * n_filters
+    system = np.zeros((n + n_classes, n + n_classes))
+    system[:n, :n] = factor.T
+    weight = CONSTRAINT * np.sqrt(size)
+    for index in range(n_classes):
+        system[n + index, index * n_filters : (index + 1) * n_filters] = weight
+        system[n + index, n + index] = weight
+    target = np.concatenate([np.linalg.solve(factor, gain), np.full(n_classes, weight)])
+    shares, _ = nnls(system, target, maxiter=100 * len(target))
+    result: FloatArray = shares[:n].reshape(n_classes, n_filters)
+    return result
+
+
+def density_classes(size: FloatArray, is_counted: NDArray[np.bool_]) -> FloatArray:
+    """Overlapping classes of vertices from dense to coarse, (c, n), adding up to 1.
+
+    Parameters
+    ----------
+    size : (n,)
+        Logarithm of the local edge length.
+    is_counted : (n,) bool
+        Vertices whose distribution decides.
+    """
+    n_counted = int(np.count_nonzero(is_counted))
+    n_classes = int(np.clip(n_counted // VERTICES_PER_CLASS, 1, MOST_CLASSES))
+    knots = np.quantile(size[is_counted], np.linspace(0.05, 0.95, n_classes)) if n_counted else []
+    # On an even mesh there is nothing to tell apart.
+    if n_classes == 1 or not np.all(np.diff(knots) > 0.02):
+        return np.ones((1, len(size)))
+    return np.stack([np.interp(size, knots, unit) for unit in np.eye(n_classes)])
