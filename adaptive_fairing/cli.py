@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from . import cli_batch
 from .batch.inputs import ArgumentsError
+from .batch.summary import chosen_record
 from .formats import BLEND, SUFFIXES, is_supported
 from .version import program_version
 
@@ -29,6 +30,7 @@ METHODS = {
     "uniform": "uniform",
     "timestep": "adaptive_timestep",
     "tensor": "adaptive_tensor",
+    "auto": "auto",
 }
 DENSITIES = {"edge": "edge_length", "area": "area"}
 
@@ -138,8 +140,21 @@ def build_parser() -> argparse.ArgumentParser:
         "--method",
         choices=tuple(METHODS),
         default="timestep",
-        help="what follows the density: the timestep, the diffusion tensor, or nothing "
-        "(default: %(default)s)",
+        help="what follows the density: the timestep, the diffusion tensor, or nothing; auto "
+        "estimates the noise and needs neither tau nor steps (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--strength",
+        type=float,
+        default=1.0,
+        metavar="X",
+        help="of auto: factor of the noise that it estimates (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--features",
+        choices=("auto", "sharp", "smooth"),
+        default="auto",
+        help="of auto: whether there are creases to keep (default: %(default)s, per place)",
     )
     parser.add_argument(
         "--tau",
@@ -205,6 +220,8 @@ def settings_of(arguments: argparse.Namespace) -> FairingSettings:
 
     return FairingSettings(
         method=METHODS[arguments.method],
+        strength=arguments.strength,
+        features=arguments.features,
         tau=arguments.tau,
         steps=arguments.steps,
         density=DENSITIES[arguments.density],
@@ -224,7 +241,7 @@ def _run(arguments: argparse.Namespace) -> int:
     except SettingsError as error:
         return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
 
-    from .progress import step_progress
+    from .progress import share_progress, step_progress
     from .silence import silent_stdout
 
     with silent_stdout():  # Blender logs from its very first moment
@@ -235,8 +252,12 @@ def _run(arguments: argparse.Namespace) -> int:
     )
     show = not arguments.quiet and sys.stderr.isatty()
     try:
-        with step_progress(settings.steps, enabled=show) as on_step:
-            report = run_job(job, on_step)
+        if settings.method == "auto":
+            with share_progress(enabled=show) as on_share:
+                report = run_job(job, on_share=on_share)
+        else:
+            with step_progress(settings.steps, enabled=show) as on_step:
+                report = run_job(job, on_step)
     except (FairingError, OSError) as error:
         return _fail(str(error))
     except MemoryError:
@@ -284,12 +305,19 @@ _ENDS = {
 
 
 def _summary(report: dict[str, Any]) -> str:
-    last = report["steps"][-1]
+    shown = chosen_record(report["steps"])
+    if shown["auto"] is None:
+        how = f"{shown['step']} steps ({_ENDS[report['stop_reason']]})"
+    else:
+        estimate = shown["auto"]
+        how = (
+            f"noise {estimate['noise']:.3g}, smoothing radius {estimate['radius']:.3g} local edge "
+            "lengths"
+        )
     return (
-        f"{PROGRAM}: {report['mesh']['vertices']} vertices, {last['step']} steps "
-        f"({_ENDS[report['stop_reason']]}), curvature energy {last['curvature_ratio']:.3g} times "
-        f"the input's, largest displacement {last['largest_displacement']:.3g}; "
-        f"wrote {report['output']}"
+        f"{PROGRAM}: {report['mesh']['vertices']} vertices, {how}, curvature energy "
+        f"{shown['curvature_ratio']:.3g} times the input's, largest displacement "
+        f"{shown['largest_displacement']:.3g}; wrote {report['output']}"
     )
 
 

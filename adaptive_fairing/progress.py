@@ -47,6 +47,30 @@ def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[FairingSte
             yield advance
 
 
+@contextmanager
+def share_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
+    """Show a progress bar for a run whose steps come all at once, if there is tqdm.
+
+    Parameters
+    ----------
+    enabled
+        Whether to show anything.
+
+    Yields
+    ------
+    callable
+        To be called with the share that is done, up to 1.
+    """
+    if not enabled or tqdm is None:
+        yield lambda share: None
+        return
+    form = "{l_bar}{bar}| {elapsed}<{remaining}"
+    options = {"desc": "fairing", "leave": False, "mininterval": 0, "bar_format": form}
+    with tqdm(total=1.0, file=sys.stderr, **options) as bar:
+        # Solves run side by side: their news may come in another order.
+        yield lambda share: bar.update(max(share - bar.n, 0))
+
+
 class MeshProgress:
     """How far a batch is: a bar over all its meshes, a line for each that failed.
 

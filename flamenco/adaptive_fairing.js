@@ -52,8 +52,13 @@ const JOB_TYPE = {
         },
         {
             key: "method", type: "string", default: "timestep",
-            choices: ["timestep", "tensor", "uniform"],
-            description: "What follows the density: the timestep, the diffusion tensor, or nothing",
+            choices: ["timestep", "tensor", "uniform", "auto"],
+            description: "What follows the density: the timestep, the diffusion tensor, or " +
+                "nothing; auto estimates the noise and needs neither Tau nor Steps",
+        },
+        {
+            key: "strength", type: "float", default: 1.0,
+            description: "Of the method auto: factor of the noise that it estimates",
         },
         { key: "tau", type: "float", default: 0.016, description: "Time of a step" },
         { key: "steps", type: "int32", default: 4, description: "Number of steps" },
@@ -193,6 +198,7 @@ function commonOptions(settings) {
     const options = [
         "--out-dir", settings.output_dir,
         "--method", settings.method,
+        "--strength", String(settings.strength),
         "--tau", String(settings.tau),
         "--steps", String(settings.steps),
         "--density", settings.density,

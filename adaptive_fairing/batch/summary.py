@@ -27,7 +27,8 @@ def mesh_entry(item: Item, status: str, record: Json | None) -> Json:
     """
     record = record or {}
     report = record.get("report") or {}
-    steps = report.get("steps") or [{}]
+    chosen = chosen_record(report.get("steps") or [{}])
+    estimate = chosen.get("auto") or {}
     return {
         "output": item.name,
         "input": str(item.input),
@@ -38,13 +39,21 @@ def mesh_entry(item: Item, status: str, record: Json | None) -> Json:
         "triangles": report.get("mesh", {}).get("triangles"),
         "steps": len(report.get("steps", [])),
         "stop_reason": report.get("stop_reason"),
-        "curvature_ratio": steps[-1].get("curvature_ratio"),
-        "largest_displacement": steps[-1].get("largest_displacement"),
+        "curvature_ratio": chosen.get("curvature_ratio"),
+        "largest_displacement": chosen.get("largest_displacement"),
+        "noise": estimate.get("noise"),
+        "radius": estimate.get("radius"),
         "notes": report.get("notes", []),
         "seconds": record.get("seconds"),
         "needed_bytes": record.get("needed_bytes"),
         "peak_bytes": record.get("peak_bytes"),
     }
+
+
+def chosen_record(steps: Sequence[Json]) -> Json:
+    """Take the record of the step that is the result: of "auto" the chosen strength."""
+    chosen = [step for step in steps if (step.get("auto") or {}).get("is_chosen")]
+    return (chosen or steps)[-1]
 
 
 def summary(

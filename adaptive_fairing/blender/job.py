@@ -22,6 +22,7 @@ from ..core import (
     fair_steps,
 )
 from ..core.atomic_files import writable_place
+from ..core.auto import AutoPlan
 from ..core.report import build_report, step_record, write_report
 from ..formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ..version import program_version
@@ -37,8 +38,7 @@ FRAMES_PER_STEP = 10
 """Length of one step on the timeline of an output .blend, in frames."""
 
 OnStep = Callable[[FairingStep], None]
-Prepare = Callable[[MeshData], PreparedMesh]
-Admit = Callable[[PreparedMesh], None]
+OnShare = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -69,10 +69,31 @@ class FairingJob:
     frame: int | None = None
 
 
+@dataclass(frozen=True)
+class Preparation:
+    """What is known of a surface before it is solved on.
+
+    Attributes
+    ----------
+    mesh
+        Its analysis.
+    plan
+        How "auto" is to mix its filters; None lets it find out.
+    """
+
+    mesh: PreparedMesh
+    plan: AutoPlan | None = None
+
+
+Prepare = Callable[[MeshData], Preparation]
+Admit = Callable[[PreparedMesh], None]
+
+
 def run_job(
     job: FairingJob,
     on_step: OnStep | None = None,
     *,
+    on_share: OnShare | None = None,
     prepare: Prepare | None = None,
     admit: Admit | None = None,
 ) -> dict[str, Any]:
@@ -87,6 +108,8 @@ def run_job(
         What to do.
     on_step
         Called after every step.
+    on_share
+        Called with the share of the solve that is done, up to 1.
     prepare
         Gives the preparation of a surface, by default a new one; a caller of many jobs may have
         one already.
@@ -113,11 +136,11 @@ def run_job(
             writable_place(path)
     run = _Run(
         job,
-        prepare or (lambda data: PreparedMesh(data.vertices, data.triangles, job.settings)),
+        prepare or (lambda data: prepared_alone(data, job.settings)),
         admit or (lambda prepared: None),
     )
     try:
-        run.execute(on_step or (lambda step: None))
+        run.execute(on_step or (lambda step: None), on_share)
     except (FairingError, OSError, MemoryError) as error:
         if job.report is not None:
             write_report(job.report, run.report(str(error) or "not enough memory"))
@@ -139,16 +162,17 @@ class _Run:
         self.mesh: Mapping[str, int] = {}
         self.records: list[dict[str, Any]] = []
         self.last: FairingStep | None = None
+        self.chosen = -1  # of the steps: the result for a format that holds one
         self.notes: list[str] = []
 
-    def execute(self, on_step: OnStep) -> None:
+    def execute(self, on_step: OnStep, on_share: OnShare | None) -> None:
         job = self.job
         obj = import_mesh(job.input, job.object_name, keep_axes=keeps_axes(job.input, job.output))
         self.object_name = obj.name
         self.notes = import_notes(job.input)
         if job.frame is not None:
             obj = object_at_frame(obj, job.frame)
-        shapes, density, failure = self._solve(obj, on_step)
+        shapes, density, failure = self._solve(obj, on_step, on_share)
         if shapes:
             self._write(obj, shapes, density)
         if failure is not None:
@@ -156,7 +180,7 @@ class _Run:
             raise SolverError(f"{failure} ({written})") from failure
 
     def _solve(
-        self, obj: bpy.types.Object, on_step: OnStep
+        self, obj: bpy.types.Object, on_step: OnStep, on_share: OnShare | None
     ) -> tuple[list[np.ndarray], np.ndarray | None, FairingError | None]:
         """Run the solver; give the good steps, the density of the last, and what went wrong."""
         data = read_mesh(obj.data)
@@ -167,15 +191,20 @@ class _Run:
             "triangles": len(data.triangles),
         }
         surface, surface_vertex = solved_surface(data, self.job.input)
-        prepared = self.prepare(surface)
-        self.admit(prepared)
+        preparation = self.prepare(surface)
+        self.admit(preparation.mesh)
         shapes: list[np.ndarray] = []
         density = None
         given_notes = self.notes
         started = time.perf_counter()
         try:
             for step in fair_steps(
-                surface.vertices, surface.triangles, self.job.settings, prepared=prepared
+                surface.vertices,
+                surface.triangles,
+                self.job.settings,
+                prepared=preparation.mesh,
+                plan=preparation.plan,
+                progress=on_share,
             ):
                 now = time.perf_counter()
                 self.records.append(step_record(step, surface.vertices, now - started))
@@ -186,6 +215,8 @@ class _Run:
                     return shapes, density, _not_converged(step)
                 # Blender keeps float32: half the memory for the same result.
                 shapes.append(step.positions[surface_vertex].astype(np.float32))
+                if step.auto is not None and step.auto.is_chosen:
+                    self.chosen = len(shapes) - 1
                 density = step.density[surface_vertex]
                 started = time.perf_counter()
         except SolverError as error:
@@ -199,10 +230,10 @@ class _Run:
         if suffix_of(job.output) == BLEND:
             write_absolute_keys(obj, shapes)
             write_density(obj.data, density)
-            _put_on_timeline(obj, len(shapes), extend=suffix_of(job.input) == BLEND)
+            _put_on_timeline(obj, self.chosen, extend=suffix_of(job.input) == BLEND)
             save_blend(job.output)
         else:
-            write_final_shape(obj, shapes[-1])
+            write_final_shape(obj, shapes[self.chosen])
             self.notes += export_mesh(
                 obj,
                 job.output,
@@ -225,36 +256,46 @@ class _Run:
         )
 
 
+def prepared_alone(
+    data: MeshData, settings: FairingSettings, scale: float | None = None
+) -> Preparation:
+    """Analyse a surface that has nothing in common with others but perhaps the scale."""
+    return Preparation(PreparedMesh(data.vertices, data.triangles, settings, scale=scale))
+
+
 def solved_surface(data: MeshData, source: Path) -> tuple[MeshData, np.ndarray | slice]:
     """Surface to solve on for a mesh of a file, and its vertex for each of the mesh's."""
     return welded(data) if splits_vertices(source) else (data, slice(None))
 
 
 def _not_converged(step: FairingStep) -> SolverError:
+    advice = "choose a smaller tau" if step.auto is None else "repair or remesh thin triangles"
     return SolverError(
         f"step {step.index} did not converge: residual {step.solve.residual:.3g} after "
-        f"{step.solve.iterations} iterations; choose a smaller tau"
+        f"{step.solve.iterations} iterations; {advice}"
     )
 
 
-def _put_on_timeline(obj: bpy.types.Object, n_steps: int, *, extend: bool) -> None:
-    """Animate the keys from the scene's first frame on and show the last step.
+def _put_on_timeline(obj: bpy.types.Object, shown: int, *, extend: bool) -> None:
+    """Animate the keys from the scene's first frame on.
 
     Parameters
     ----------
     obj
         Object with absolute keys.
-    n_steps
-        Number of steps.
+    shown
+        Index of the step to show.
     extend
         Only lengthen the scene's frame range, which other animation may need; otherwise fit it.
     """
     scene = obj.users_scene[0]
+    blocks = obj.data.shape_keys.key_blocks[1:]  # without the Basis
     first = scene.frame_start
-    last = first + FRAMES_PER_STEP * n_steps
+    last = first + FRAMES_PER_STEP * len(blocks)
     animate_evolution(obj, first, last)
+    obj.data.shape_keys.eval_time = blocks[shown].frame
     scene.frame_end = max(scene.frame_end, last) if extend else last
-    scene.frame_current = last
+    scene.frame_current = first + FRAMES_PER_STEP * (range(len(blocks))[shown] + 1)
 
 
 def _versions() -> dict[str, str]:

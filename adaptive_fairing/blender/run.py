@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import FairingError, FairingSettings, FairingStep, PreparedMesh, fair_steps
+from ..core.auto import AutoPlan
 
 
 @dataclass
@@ -45,12 +46,14 @@ class FairingTask:
 
 
 def run_tasks(
-    tasks: Iterable[FairingTask], prepared: PreparedMesh | None = None
+    tasks: Iterable[FairingTask],
+    prepared: PreparedMesh | None = None,
+    plan: AutoPlan | None = None,
 ) -> Iterator[FairingTask]:
     """Fair one mesh after the other; yield the task at hand after every step.
 
     A mesh that cannot be faired does not keep the others from it: its task says why. All tasks
-    must have the triangles that were prepared, if any were.
+    must have the triangles that were prepared, if any were; `plan` is as for `fair_steps`.
     """
     for task in tasks:
         if task.error is not None:
@@ -63,6 +66,7 @@ def run_tasks(
                 task.settings,
                 weights=task.weights,
                 prepared=prepared,
+                plan=plan,
             )
             for step in steps:
                 task.seconds = time.perf_counter() - started

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ..core import FairingError, FairingSettings, PreparedMesh, fair
+from ..core import FairingError, FairingSettings, FairingStep, PreparedMesh, fair
 from .files import import_mesh
 from .frames import object_at_frame
-from .job import solved_surface
+from .job import Preparation, prepared_alone, solved_surface
 from .mesh_data import MeshData, read_mesh
 from .run import FairingTask, run_tasks
 
@@ -26,7 +26,7 @@ class Preparations:
 
     def __init__(self) -> None:
         self._place: Place | None = None
-        self._kept: PreparedMesh | None = None
+        self._kept: Preparation | None = None
 
     def turn_to(
         self,
@@ -51,14 +51,26 @@ class Preparations:
         self._place, self._kept = reference, None
         if reference is not None:
             data = read_place(reference, object_name, keep_axes=keep_axes)
-            self._kept = PreparedMesh(data.vertices, data.triangles, settings, scale=scale)
+            is_one_strength = scale is not None
+            self._kept = prepared_first(data, settings, scale, is_one_strength=is_one_strength)
 
-    def of(self, data: MeshData, settings: FairingSettings, scale: float | None) -> PreparedMesh:
+    def of(self, data: MeshData, settings: FairingSettings, scale: float | None) -> Preparation:
         """Give the kept preparation if it is one of this surface, otherwise a new one."""
         kept = self._kept
-        if kept is not None and kept.serves(data.triangles, len(data.vertices)):
+        if kept is not None and kept.mesh.serves(data.triangles, len(data.vertices)):
             return kept
-        return PreparedMesh(data.vertices, data.triangles, settings, scale=scale)
+        return prepared_alone(data, settings, scale)
+
+
+def prepared_first(
+    data: MeshData, settings: FairingSettings, scale: float | None, *, is_one_strength: bool
+) -> Preparation:
+    """Analyse the first frame of a sequence; fair it too, if all are to have its plan."""
+    preparation = prepared_alone(data, settings, scale)
+    if settings.method == "auto" and is_one_strength:
+        result = fair(data.vertices, data.triangles, settings, prepared=preparation.mesh)
+        preparation = replace(preparation, plan=result.chosen.auto.plan)
+    return preparation
 
 
 def read_place(place: Place, object_name: str | None, *, keep_axes: bool = False) -> MeshData:
@@ -99,7 +111,7 @@ def same_strength(data: MeshData, settings: FairingSettings) -> tuple[FairingSet
 def run_frames(tasks: Sequence[FairingTask], *, one_strength: bool) -> Iterator[FairingTask]:
     """Fair frames with the same triangles; yield the task at hand after every step.
 
-    Touches no Blender data. Of a finished task only the last step is kept.
+    Touches no Blender data. Of a finished task only the chosen step is kept.
 
     Parameters
     ----------
@@ -113,11 +125,17 @@ def run_frames(tasks: Sequence[FairingTask], *, one_strength: bool) -> Iterator[
     try:
         if one_strength:
             settings, scale = same_strength(data, settings)
-        prepared = PreparedMesh(data.vertices, data.triangles, settings, scale=scale)
+        preparation = prepared_first(data, settings, scale, is_one_strength=one_strength)
     except FairingError as error:
         first.error = str(error)
         return
     for task in tasks:
         task.settings = settings
-        yield from run_tasks([task], prepared)
-        task.steps = task.steps[-1:]
+        yield from run_tasks([task], preparation.mesh, preparation.plan)
+        task.steps = [kept_step(task.steps)] if task.steps else []
+
+
+def kept_step(steps: Sequence[FairingStep]) -> FairingStep:
+    """Take the chosen step of a finished run, with the reason that ended it, without its plan."""
+    chosen = [step for step in steps if step.auto is not None and step.auto.is_chosen]
+    return replace((chosen or steps)[-1], stop_reason=steps[-1].stop_reason, auto=None)

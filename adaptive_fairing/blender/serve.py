@@ -21,7 +21,7 @@ from ..core import FairingError, FairingSettings, PreparedMesh
 from ..core.atomic_files import remove_drafts
 from ..core.report import strict
 from ..formats import keeps_axes
-from .job import FairingJob, run_job
+from .job import FairingJob, Preparation, run_job
 from .mesh_data import MeshData
 from .sequence import Place, Preparations, read_place, same_strength
 
@@ -108,7 +108,7 @@ class _Server:
         remove_drafts(output)
         task = FairingJob(source, output, settings, job.object_name, frame=job.frame)
 
-        def prepare(data: MeshData) -> PreparedMesh:
+        def prepare(data: MeshData) -> Preparation:
             return self._preparations.of(data, settings, job.scale)
 
         def admit(prepared: PreparedMesh) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 import pytest
-from support.meshes import bumpy_disc, icosphere, random_closed
+from support.meshes import bumpy_disc, icosphere, noisy_ball, random_closed
 from support.objects import add_object
 
 from adaptive_fairing import cli
@@ -83,6 +83,23 @@ def test_the_summary_says_why_the_run_ended(noisy, tmp_path, capsys, arguments, 
     shown = capsys.readouterr().err
     assert shown.startswith(f"adaptive-fairing: 42 vertices, {end}, curvature energy ")
     assert shown.endswith(f"; wrote {out}\n")
+
+
+def test_the_summary_of_auto_tells_noise_and_radius(tmp_path, capsys):
+    path = tmp_path / "ball.ply"
+    export_mesh(add_object(*noisy_ball()), path, alone=True)
+    assert cli.main([str(path), "-o", str(tmp_path / "out.ply"), "--method", "auto"]) == 0
+    shown = capsys.readouterr().err
+    assert re.match(
+        r"adaptive-fairing: 642 vertices, noise \S+, smoothing radius \S+ local edge lengths, "
+        r"curvature energy \S+ times the input's, largest displacement \S+; wrote ",
+        shown,
+    )
+
+
+def test_auto_has_settings_of_its_own():
+    settings = settings_for("--method", "auto", "--strength", "0.5", "--features", "sharp")
+    assert settings == FairingSettings(method="auto", strength=0.5, features="sharp")
 
 
 def test_what_the_format_cannot_hold_is_said(tmp_path, capsys):
@@ -314,6 +331,17 @@ def test_a_terminal_gets_a_progress_bar(noisy, tmp_path):
     assert status == 0
     assert "fairing: 100%" in shown
     assert "3/3" in shown
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no pseudo terminals")
+def test_a_terminal_gets_a_progress_bar_of_auto(tmp_path):
+    path = tmp_path / "ball.ply"
+    export_mesh(add_object(*noisy_ball()), path, alone=True)
+    status, shown = on_a_terminal(
+        "-m", "adaptive_fairing", path, "-o", tmp_path / "out.ply", "--method", "auto"
+    )
+    assert status == 0
+    assert "fairing: 100%" in shown
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo terminals")

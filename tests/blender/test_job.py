@@ -5,7 +5,7 @@ import json
 import bpy
 import numpy as np
 import pytest
-from support.meshes import boundary_vertices, bumpy_disc, icosphere, random_closed
+from support.meshes import boundary_vertices, bumpy_disc, icosphere, noisy_ball, random_closed
 from support.objects import (
     add_object,
     add_rich_object,
@@ -226,6 +226,44 @@ def test_the_input_may_be_the_output(rich_blend):
     assert [file.name for file in rich_blend.parent.iterdir()] == ["rich.blend"]
 
 
+class TestAuto:
+    """What "auto" writes: the chosen strength as the result, all of them as keys."""
+
+    settings = FairingSettings(method="auto", strength=0.8)
+
+    @pytest.fixture
+    def given(self, tmp_path):
+        return write_ply(tmp_path / "ball.ply", *noisy_ball())
+
+    @pytest.fixture
+    def expected(self, given):
+        data = read_mesh(import_mesh(given).data)
+        return fair(data.vertices, data.triangles, self.settings)
+
+    def test_a_mesh_format_gets_the_chosen_strength(self, given, expected, tmp_path):
+        shares = []
+        report = run_job(
+            FairingJob(given, tmp_path / "out.ply", self.settings), on_share=shares.append
+        )
+        found = read_positions(import_mesh(tmp_path / "out.ply").data)
+        np.testing.assert_array_equal(found, expected.positions.astype(np.float32))
+        assert min(shares) > 0
+        assert max(shares) == 1.0
+        chosen = [step for step in report["steps"] if step["auto"]["is_chosen"]]
+        assert [step["auto"]["noise"] for step in chosen] == [expected.noise]
+
+    def test_a_blend_file_shows_it_among_the_others(self, given, expected, tmp_path):
+        run_job(FairingJob(given, tmp_path / "out.blend", self.settings))
+        obj = import_mesh(tmp_path / "out.blend")
+        for number, step in enumerate(expected.steps, start=1):
+            np.testing.assert_array_equal(
+                key_positions(obj, f"Fairing {number}"), step.positions.astype(np.float32)
+            )
+        bpy.context.scene.frame_set(bpy.context.scene.frame_current)
+        np.testing.assert_allclose(shown_positions(obj), expected.positions, atol=1e-6)
+        assert expected.chosen is not expected.steps[-1], "no test"
+
+
 def test_loose_parts_stay_where_they_are(tmp_path):
     vertices, faces = icosphere(2)
     path = write_ply(tmp_path / "in.ply", np.vstack([vertices, [(5, 6, 7)]]), faces)
@@ -264,6 +302,7 @@ def test_the_report_says_what_was_asked_and_measured(noisy, tmp_path):
         assert record == {
             "step": step.index,
             "time": step.index * 0.005,
+            "auto": None,
             "cg_iterations": step.solve.iterations,
             "cg_residual": step.solve.residual,
             "converged": True,

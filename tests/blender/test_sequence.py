@@ -171,6 +171,7 @@ def test_the_first_frame_has_the_bytes_that_it_has_alone(sources, tmp_path):
     [
         pytest.param([], marks=THOROUGH),
         ["--same-strength", "--stop-curvature", "0.775"],
+        pytest.param(["--same-strength", "--method", "auto"], marks=THOROUGH),
     ],
 )
 def test_it_does_not_matter_where_a_frame_is_faired(sources, tmp_path, options):
@@ -249,6 +250,18 @@ class TestPreparations:
         moved = replace(data, vertices=data.vertices * [1, 2, 3])
         preparations.turn_to(place, None, settings, scale=None, keep_axes=True)
         assert preparations.of(moved, settings, None) is first
+        assert first.plan is None
+
+    def test_auto_takes_the_mixture_of_the_first_frame(self, place):
+        """With one strength for all; otherwise every frame finds its own."""
+        settings = FairingSettings(method="auto")
+        data = read_mesh(import_mesh(place[0]).data)
+        plan = fair(data.vertices, data.triangles, settings).chosen.auto.plan
+        one, own = Preparations(), Preparations()
+        one.turn_to(place, None, settings, scale=1.0, keep_axes=True)
+        own.turn_to(place, None, settings, scale=None, keep_axes=True)
+        assert np.array_equal(one.of(data, settings, 1.0).plan.mixtures, plan.mixtures)
+        assert own.of(data, settings, None).plan is None
 
     def test_other_triangles_get_one_of_their_own(self, place):
         preparations = Preparations()
@@ -256,7 +269,7 @@ class TestPreparations:
         preparations.turn_to(place, None, settings, scale=None, keep_axes=True)
         other = surface(*random_closed(2))
         found = preparations.of(other, settings, None)
-        assert np.array_equal(found.triangles, other.triangles)
+        assert np.array_equal(found.mesh.triangles, other.triangles)
         assert preparations.of(other, settings, None) is not found
 
     def test_without_a_sequence_nothing_is_kept(self):

@@ -67,7 +67,7 @@ def test_choices_and_defaults_are_the_programs(job_type):
     options = {
         option: action for action in cli.build_parser()._actions for option in action.option_strings
     }
-    for key in ("method", "tau", "steps", "density", "boundary"):
+    for key in ("method", "strength", "tau", "steps", "density", "boundary"):
         action = options[f"--{key}"]
         assert by_key[key]["default"] == action.default
         if action.choices:

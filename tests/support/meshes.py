@@ -136,6 +136,12 @@ def random_closed(seed: int, coarse: Mesh | None = None, noise: float = 0.02) ->
     return vertices + noise * generator.normal(size=vertices.shape), faces
 
 
+def noisy_ball(levels: int = 3, noise: float = 0.01) -> Mesh:
+    """Sphere with normally distributed noise in every coordinate."""
+    vertices, faces = icosphere(levels)
+    return vertices + np.random.default_rng(5).normal(scale=noise, size=vertices.shape), faces
+
+
 def ellipsoid(levels: int, semi_axes: tuple[float, float, float]) -> Mesh:
     """Return the icosphere scaled along the coordinate axes: a smooth closed shape."""
     vertices, faces = icosphere(levels)
