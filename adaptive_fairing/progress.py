@@ -65,7 +65,13 @@ def share_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
         yield lambda share: None
         return
     form = "{l_bar}{bar}| {elapsed}<{remaining}"
-    options = {"desc": "fairing", "leave": False, "mininterval": 0, "bar_format": form}
+    options = {
+        "desc": "fairing",
+        "leave": False,
+        "mininterval": 0,
+        "miniters": 1e-6,
+        "bar_format": form,
+    }
     with tqdm(total=1.0, file=sys.stderr, **options) as bar:
         # Solves run side by side: their news may come in another order.
         yield lambda share: bar.update(max(share - bar.n, 0))
