@@ -4,8 +4,8 @@
 
 The meshes are those of FOLDER, made ones of many sizes and valences, and some that cannot be
 faired. They are faired by one worker and by two, in turns on shares of the meshes, so that what
-else the machine does hits both; by two, killed when half is done and run again; and by four under
-the limit. The outputs of all runs are compared byte by byte.
+else the machine does hits both; by two, killed when half is done and run again; and a quarter of
+them by four under the limit. The outputs of all runs are compared byte by byte.
 """
 
 from __future__ import annotations
@@ -95,15 +95,17 @@ def main() -> int:
             given, work / "two", "--jobs", "2", kill_at=one.summary["counts"]["done"] // 2
         )
         resumed = run_batch(given, work / "two", "--jobs", "2")
-        limited = run_batch(given, work / "limited", "--jobs", "4", "--memory", options.memory)
+        limits = ["--memory", options.memory, "--shard", f"1/{N_SHARES}"]
+        limited = run_batch(given, work / "limited", "--jobs", "4", *limits)
         print_runs({
             "1 worker": one, "2 workers": whole, "2 workers, killed": killed,
-            "2 workers, run again": resumed, f"4 workers, {options.memory}": limited,
+            "2 workers, run again": resumed,
+            f"4 workers, {options.memory}, a quarter": limited,
         })  # fmt: skip
         print(f"\n2 workers against 1: {one.seconds / whole.seconds:.2f} times as fast")
         print(f"memory limit {options.memory}: {limited.largest_bytes / 1e9:.2f} GB held at most")
         folders = [work / name for name in ("two", "whole", "limited")]
-        differing = sum(len(differences(work / "one", folder)) for folder in folders)
+        differing = sum(len(differences(folder, work / "one")) for folder in folders)
         print(f"outputs that differ from those of one worker: {differing}")
     return 1 if differing else 0
 
@@ -255,10 +257,10 @@ def print_runs(runs: dict[str, Run]) -> None:
     print("\n" + table(header, rows))
 
 
-def differences(first: Path, second: Path) -> list[str]:
-    """Names of the outputs that are not the same in two folders, byte by byte."""
-    names = {path.name for folder in (first, second) for path in folder.iterdir() if path.is_file()}
-    return [name for name in sorted(names) if _bytes(first / name) != _bytes(second / name)]
+def differences(folder: Path, reference: Path) -> list[str]:
+    """Names of the outputs that are not the same, byte by byte, as those of a reference."""
+    names = sorted(path.name for path in folder.iterdir() if path.is_file())
+    return [name for name in names if _bytes(folder / name) != _bytes(reference / name)]
 
 
 def _bytes(path: Path) -> bytes | None:
