@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.optimize import linprog
 
 from .density import mesh_density
 from .topology import TriangleTopology
@@ -21,7 +22,7 @@ CLEAN_ROUGHNESS = 0.03
 NORMAL_MEDIAN = 0.6744897501960817
 
 MOST_BINS = 5
-VERTICES_PER_BIN = 200
+VERTICES_PER_BIN = 400
 
 
 @dataclass(frozen=True)
@@ -109,13 +110,24 @@ def noise_level(positions: FloatArray, frame: LocalFrame, is_counted: BoolArray)
     order = np.array_split(np.argsort(size, kind="stable"), n_bins)
     centres = np.array([np.median(size[members]) for members in order])
     levels = np.array([np.median(ratio[members]) for members in order]) / NORMAL_MEDIAN
-    level[chosen] = np.interp(size, centres, levels)
+    constant, uniform = _lower_envelope(np.exp(-2 * centres), np.square(levels))
+    level[chosen] = np.sqrt(constant + uniform * np.exp(-2 * size))
     return level
+
+
+def _lower_envelope(inverse_square: FloatArray, variance: FloatArray) -> FloatArray:
+    """Fit variance = a + b / h² with a, b ≥ 0 from below, (2,).
+
+    Noise grows with the edges (a) or has one amplitude for the whole mesh (b); features only ever
+    make parts of a mesh look noisier than they are, so no part may have more than its share.
+    """
+    terms = np.stack([np.ones_like(variance), inverse_square], axis=1)
+    return np.asarray(linprog(-terms.sum(axis=0), terms, variance).x)
 
 
 def beyond_clean(level: FloatArray) -> FloatArray:
     """Take off what clean meshes have: what remains is to be removed."""
-    return np.sqrt(np.maximum(level**2 - CLEAN_ROUGHNESS**2, 0))
+    return np.maximum(level**4 - CLEAN_ROUGHNESS**4, 0) ** 0.25
 
 
 def _gain(operator: sparse.csr_array, frame: LocalFrame) -> FloatArray:
