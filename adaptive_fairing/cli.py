@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from . import cli_batch
+from . import cli_batch, defaults
 from .batch.inputs import ArgumentsError
 from .batch.summary import chosen_record
 from .formats import BLEND, SUFFIXES, is_supported
@@ -139,7 +139,7 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--method",
         choices=tuple(METHODS),
-        default="timestep",
+        default=next(name for name, method in METHODS.items() if method == defaults.METHOD),
         help="what follows the density: the timestep, the diffusion tensor, or nothing; auto "
         "estimates the noise and needs neither tau nor steps (default: %(default)s)",
     )

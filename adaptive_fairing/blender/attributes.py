@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from .color_map import color_range, colors_srgb, srgb_to_linear
+from .color_map import ANCHORS, color_range, colors_srgb, srgb_to_linear
 
 DENSITY = "fairing_density"
 """Float point attribute: smoothed density d of the last step, in the solver's [-3, 3]^3 frame."""
@@ -39,6 +39,7 @@ def write_color(
     values: ArrayLike,
     low: float | None = None,
     high: float | None = None,
+    anchors: NDArray[np.float64] = ANCHORS,
 ) -> None:
     """Store one colour per vertex and make it the one the viewport shows.
 
@@ -53,12 +54,14 @@ def write_color(
     values
         (n,) numbers, coloured by `color_map`; grey where not a number.
     low, high
-        Values of the darkest and the brightest colour; None takes the range of the values.
+        Values of the first and the last colour; None takes the range of the values.
+    anchors
+        The map, see `colors_srgb`.
     """
     values = _per_vertex(mesh, values)
     attribute = _point_attribute(mesh, name, "FLOAT_COLOR")
     colors = np.ones((len(values), 4), dtype=np.float32)
-    colors[:, :3] = srgb_to_linear(colors_srgb(values, low, high))
+    colors[:, :3] = srgb_to_linear(colors_srgb(values, low, high, anchors))
     attribute.data.foreach_set("color", colors.ravel())
     mesh.color_attributes.active_color = mesh.color_attributes[name]
     mesh.update()

@@ -1,7 +1,8 @@
-"""Numbers to colours: a perceptually even map from dark violet over green to yellow.
+"""Numbers to colours, by two maps: one from low to high, one for both sides of zero.
 
-Equal steps of the value look like equal steps of colour, the map stays readable in grey and for
-colour-blind eyes, and low is dark. numpy only.
+Equal steps of the value look like equal steps of colour, and both maps can be told apart by
+colour-blind eyes. From dark violet over green to yellow, low is dark, also in grey; from blue over
+near white to red, zero is bright. numpy only.
 """
 
 from __future__ import annotations
@@ -38,8 +39,30 @@ ANCHORS = np.array(
 )
 ANCHORS.setflags(write=False)
 
+# Made for this program: in the colour space Oklab (B. Ottosson, 2020) the lightness falls evenly
+# from 0.95 in the middle to 0.42 at both ends, at the hues 258° and 27°; sampled at -1, -0.8, … 1.
+DIVERGING_ANCHORS = np.array(
+    [
+        [0.089, 0.292, 0.575],
+        [0.133, 0.404, 0.782],
+        [0.263, 0.533, 0.926],
+        [0.453, 0.671, 0.994],
+        [0.683, 0.807, 0.991],
+        [0.934, 0.934, 0.934],
+        [0.976, 0.729, 0.697],
+        [0.952, 0.529, 0.485],
+        [0.863, 0.350, 0.313],
+        [0.716, 0.216, 0.193],
+        [0.526, 0.151, 0.134],
+    ]
+)
+DIVERGING_ANCHORS.setflags(write=False)
+
 RANGE_PERCENTILES = (1.0, 99.0)
 """Ends of the colour range: a few extreme vertices must not leave the rest in one colour."""
+
+SIGNED_FIELDS = ("REMOVED",)
+"""Fields with a zero that matters: it gets the middle of the colours for both sides of zero."""
 
 NO_VALUE = (0.5, 0.5, 0.5)
 """sRGB colour of a value that is not a number."""
@@ -53,6 +76,13 @@ def color_range(values: ArrayLike) -> tuple[float, float]:
         return 0.0, 0.0
     low, high = np.percentile(finite, RANGE_PERCENTILES)
     return float(low), float(high)
+
+
+def symmetric_range(values: ArrayLike) -> tuple[float, float]:
+    """Choose the values of the end colours with 0 in the middle; (0, 0) without a finite value."""
+    array = np.asarray(values, dtype=np.float64)
+    low, high = color_range(np.concatenate([array, -array]))
+    return low, high
 
 
 def normalized(
@@ -85,7 +115,10 @@ def normalized(
 
 
 def colors_srgb(
-    values: ArrayLike, low: float | None = None, high: float | None = None
+    values: ArrayLike,
+    low: float | None = None,
+    high: float | None = None,
+    anchors: NDArray[np.float64] = ANCHORS,
 ) -> NDArray[np.float64]:
     """Colour of every value, as shown on a screen.
 
@@ -93,6 +126,8 @@ def colors_srgb(
     ----------
     values, low, high
         As in `normalized`.
+    anchors
+        (k, 3) sRGB colours of the map, evenly from the low end to the high one.
 
     Returns
     -------
@@ -100,9 +135,9 @@ def colors_srgb(
         sRGB in [0, 1]; `NO_VALUE` where the value is not a number.
     """
     fraction = normalized(values, low, high)
-    at = np.linspace(0.0, 1.0, len(ANCHORS))
+    at = np.linspace(0.0, 1.0, len(anchors))
     known = np.nan_to_num(fraction)
-    colors = np.stack([np.interp(known, at, channel) for channel in ANCHORS.T], axis=-1)
+    colors = np.stack([np.interp(known, at, channel) for channel in anchors.T], axis=-1)
     colors[np.isnan(fraction)] = NO_VALUE
     return colors
 

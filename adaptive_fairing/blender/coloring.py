@@ -7,13 +7,20 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..core import FairingSettings, InputError
 from .attributes import write_color, write_scalar
-from .color_map import color_range
+from .color_map import (
+    ANCHORS,
+    DIVERGING_ANCHORS,
+    SIGNED_FIELDS,
+    color_range,
+    symmetric_range,
+)
 from .fields import field_values
 
 ATTRIBUTES = {
     "DENSITY": "fairing_density",
     "DISPLACEMENT": "fairing_displacement",
     "CURVATURE": "fairing_mean_curvature",
+    "REMOVED": "fairing_removed",
 }
 """Float attribute of each field; the colour attribute has "_color" behind it."""
 
@@ -38,9 +45,11 @@ def color_by_field(obj: bpy.types.Object, field: str, settings: FairingSettings)
     if obj.data.library is not None:
         raise InputError(rpt_("the mesh is linked from another file: make it local to colour it"))
     values = field_values(obj, field, settings)
-    low, high = color_range(values)
+    is_signed = field in SIGNED_FIELDS
+    low, high = symmetric_range(values) if is_signed else color_range(values)
+    anchors = DIVERGING_ANCHORS if is_signed else ANCHORS
     name = ATTRIBUTES[field]
     write_scalar(obj.data, name, values)
-    write_color(obj.data, f"{name}_color", values, low, high)
+    write_color(obj.data, f"{name}_color", values, low, high, anchors)
     obj.adaptive_fairing.view = field
     obj.adaptive_fairing.view_range = low, high

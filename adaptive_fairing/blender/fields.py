@@ -1,4 +1,4 @@
-"""Numbers per vertex worth looking at: density, displacement, mean curvature."""
+"""Numbers per vertex worth looking at: density, displacement, what was removed, curvature."""
 
 from __future__ import annotations
 
@@ -21,20 +21,21 @@ def field_values(obj: bpy.types.Object, field: str, settings: FairingSettings) -
     obj
         Mesh object in Object Mode.
     field
-        "DENSITY", "DISPLACEMENT" or "CURVATURE".
+        "DENSITY", "DISPLACEMENT", "REMOVED" or "CURVATURE".
     settings
         Say how the density is measured.
 
     Returns
     -------
     (n,) array
-        Density d_i in the solver's frame; displacement from the undeformed mesh in object units;
+        Density d_i in the solver's frame; displacement from the undeformed mesh in object units,
+        or of what was removed the part along the normal, positive where a bump was taken off;
         mean curvature in 1 / object units. NaN where the field has no value.
 
     Raises
     ------
     InputError
-        The mesh has no faces, which density and curvature need.
+        The mesh has no faces, which all but the displacement need.
     """
     data = read_mesh(obj.data)
     shown = shown_positions(obj, data.vertices)
@@ -45,8 +46,13 @@ def field_values(obj: bpy.types.Object, field: str, settings: FairingSettings) -
     surface = solvable_surface(data.vertices, data.triangles)
     frame = SolverFrame.of(data.vertices, surface, settings.normalize)
     topology = surface.topology
+    positions = shown[surface.vertex_of]
+    if field == "REMOVED":
+        moved = data.vertices[surface.vertex_of] - positions
+        # Of the shown surface: the normals of the one before are as noisy as what was removed.
+        removed = np.einsum("id,id->i", moved, _vertex_normals(topology, positions))
+        return frame.to_caller(np.where(topology.is_loose, np.nan, removed))
     if field == "CURVATURE":
-        positions = shown[surface.vertex_of]
         return frame.to_caller(mean_curvature(topology, positions, settings.quadrature_tolerance))
     density = mesh_density(topology, frame.inward(shown), settings.density, settings.density_passes)
     return frame.to_caller(np.where(topology.is_loose, np.nan, density))

@@ -21,3 +21,14 @@ def draw_lines(context: bpy.types.Context, layout, text: str, *, icon: str) -> N
     for line in textwrap.wrap(text, max(int(room / PIXELS_PER_CHARACTER), 20)):
         column.label(text=line, icon=icon, translate=False)
         icon = "BLANK1"
+
+
+def length_text(context: bpy.types.Context, length: float) -> str:
+    """Write a length of the world, in three digits, in the units of the scene."""
+    length = float(f"{length:.3g}")
+    units = context.scene.unit_settings
+    if units.system == "NONE":
+        return f"{length:.3g}"
+    return bpy.utils.units.to_string(
+        units.system, "LENGTH", length * units.scale_length, precision=5, split_unit=False
+    )

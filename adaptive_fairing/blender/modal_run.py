@@ -34,7 +34,7 @@ class Progress:
     worker
         The thread.
     n_known
-        Steps that the main thread has seen.
+        Steps that the main thread has seen; a run of "auto" counts as one.
     last_news, step_seconds
         When the last step was seen, and how long it had taken.
     """
@@ -55,38 +55,48 @@ class Progress:
     @property
     def task(self) -> FairingTask:
         """The mesh at hand."""
-        for task in self.tasks:
-            if task.error is None and len(task.steps) < task.settings.steps:
-                ended = task.steps and task.steps[-1].stop_reason is not None
-                if not ended:
-                    return task
-        return self.tasks[-1]
+        return next((task for task in self.tasks if not _is_over(task)), self.tasks[-1])
 
     @property
     def factor(self) -> float:
         """Share of the run that is done; within a step guessed from how long the last one took."""
-        n_steps = sum(task.settings.steps for task in self.tasks)
+        n_steps = sum(1 if task.is_auto else task.settings.steps for task in self.tasks)
         within = 0.0
-        if self.step_seconds > 0:
+        if self.task.is_auto:
+            within = self.task.share
+        elif self.step_seconds > 0:
             within = min((time.perf_counter() - self.last_news) / self.step_seconds, 0.95)
         return min((self.n_known + within) / n_steps, 1.0)
 
     def describe_step(self) -> str:
         """Name the step that is being computed, of how many."""
         task = self.task
-        text = iface_("Step {:d} of {:d}").format(
-            min(len(task.steps) + 1, task.settings.steps), task.settings.steps
-        )
+        if task.is_auto:
+            text = iface_("Removing noise: {:.0f} %").format(100 * task.share)
+        else:
+            text = iface_("Step {:d} of {:d}").format(
+                min(len(task.steps) + 1, task.settings.steps), task.settings.steps
+            )
         return f"{task.name}: {text}" if len(self.tasks) > 1 else text
+
+    def stop(self) -> None:
+        """Ask the run to stop: after the step it is computing, or at once if that is of "auto"."""
+        self.worker.stop()
+        for task in self.tasks:
+            task.is_cancelled = True
 
     def solver_details(self) -> str:
         """Tell iterations and H of the last step of the mesh at hand; empty before the first."""
         steps = self.task.steps
-        if not steps:
+        if not steps or self.task.is_auto:
             return ""
         return iface_("{:d} solver iterations  ·  H at {:.1f} %").format(
             steps[-1].solve.iterations, 100 * steps[-1].curvature_ratio
         )
+
+
+def _is_over(task: FairingTask) -> bool:
+    return task.error is not None or bool(task.steps and task.steps[-1].stop_reason is not None)
 
 
 _progress: list[Progress] = []  # of the run that is going on; at most one
@@ -100,7 +110,7 @@ def progress() -> Progress | None:
 def stop_run() -> None:
     """Ask the run that is going on to stop after the step it is computing."""
     for each in _progress:
-        each.worker.stop()
+        each.stop()
 
 
 def forget_run(wait: float = 0.0) -> None:
@@ -166,7 +176,7 @@ class ModalRun:
             self._leave(context)
             return {"CANCELLED"}
         if event.type == "ESC" and event.value == "PRESS":
-            current.worker.stop()
+            current.stop()
             _show_progress(context)
             return {"RUNNING_MODAL"}
         if event.type != "TIMER":
@@ -225,10 +235,11 @@ def redraw_panels(context: bpy.types.Context) -> None:
 
 def _show_progress(context: bpy.types.Context) -> None:
     current = progress()
+    is_auto = current.task.is_auto
     if current.worker.is_stopping:
-        hint = rpt_("stopping after this step")
+        hint = rpt_("stopping") if is_auto else rpt_("stopping after this step")
     else:
-        hint = rpt_("Esc: stop, keep the finished steps")
+        hint = rpt_("Esc: stop") if is_auto else rpt_("Esc: stop, keep the finished steps")
     parts = ["Adaptive Fairing", current.describe_step(), current.solver_details(), hint]
     if context.workspace is not None:
         context.workspace.status_text_set("   ·   ".join(part for part in parts if part))

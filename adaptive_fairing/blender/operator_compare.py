@@ -18,6 +18,10 @@ from .requirements import scipy_problem
 GAP = 0.25
 """Space between two copies, as a share of the object's size."""
 
+BESIDE_AUTO = {"method": "adaptive_timestep", "density": "area", "tau": 0.0107, "steps": 4}
+"""Best setting of the adaptive schemes (measured); the uniform copy beside one of "auto", which has
+no τ, gets the τ that belongs to it."""
+
 LABEL_GAP = 0.06
 """Space between a copy and its label, as a share of the object's size."""
 
@@ -64,11 +68,12 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         adaptive = solver_settings(self)
         if adaptive.method == "uniform":
             adaptive = replace(adaptive, method="adaptive_timestep")
+        beside = replace(adaptive, **BESIDE_AUTO) if adaptive.method == "auto" else adaptive
         obj = context.active_object
         with object_mode(context):
             data = read_mesh(obj.data)
-        tau = self.uniform_tau or equivalent_uniform_tau(data.vertices, data.triangles, adaptive)
-        uniform = replace(adaptive, method="uniform", tau=float(f"{tau:.3g}"))
+        tau = self.uniform_tau or equivalent_uniform_tau(data.vertices, data.triangles, beside)
+        uniform = replace(beside, method="uniform", tau=float(f"{tau:.3g}"))
         library = obj.library.filepath if obj.library is not None else None
         return [
             FairingTask(obj.name, data.vertices, data.triangles, None, settings, library)
@@ -135,12 +140,25 @@ def _lay_out(context, source, tasks) -> list[bpy.types.Object]:
     made = []
     for task in tasks:
         place += 1
-        title = data_("Uniform") if task.settings.method == "uniform" else data_("Adaptive")
-        left = 100 * task.steps[-1].curvature_ratio
-        copy = add(title, f"{title}\nτ = {task.settings.tau:.3g}\nH {left:.0f} %", place)
+        copy = add(*_title_and_label(task), place)
         write_steps(copy, task, output="ABSOLUTE_KEYS", store_density=False)
         made.append(copy)
     return made
+
+
+def _title_and_label(task) -> tuple[str, str]:
+    """Name a copy, for the outliner and for the label below it."""
+    from ..core.results import chosen_step
+
+    settings, chosen = task.settings, chosen_step(task.steps)
+    with_what = f"τ = {settings.tau:.3g}"
+    if chosen.auto is not None:
+        title, with_what = data_("Automatic"), f"{data_('Noise')} {chosen.auto.noise:.2g}"
+    elif settings.method == "uniform":
+        title = data_("Uniform")
+    else:
+        title = data_("Adaptive")
+    return title, f"{title}\n{with_what}\nH {100 * chosen.curvature_ratio:.0f} %"
 
 
 def _plain_copy(source, name, vertices) -> bpy.types.Object:

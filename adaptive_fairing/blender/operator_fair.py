@@ -17,7 +17,7 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
     bl_label = "Adaptive Fairing"
     bl_description = (
         "Smooth the noise out of the selected meshes by geometric diffusion that follows the "
-        "density of the mesh, and keep every step"
+        "density of the mesh, and keep every step or strength"
     )
     bl_options = {"REGISTER", "UNDO"}
 
@@ -64,7 +64,7 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
             self.report({"WARNING"} if results else {"ERROR"}, problem)
         if not results:
             if not problems:
-                self.report({"INFO"}, rpt_("Stopped before the first step was done"))
+                self.report({"INFO"}, rpt_("Stopped: nothing was changed"))
             return {"CANCELLED"}
         self.report({"INFO"}, _summary(tasks, is_stopped))
         return {"FINISHED"}
@@ -100,7 +100,10 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
 class OBJECT_OT_adaptive_fairing_stop(bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_stop"
     bl_label = "Stop"
-    bl_description = "Stop the run after the step it is computing, and keep the finished steps"
+    bl_description = (
+        "Stop the run after the step it is computing and keep the finished steps; an automatic "
+        "run stops at once, without a result"
+    )
     bl_options = {"INTERNAL"}
 
     @classmethod
@@ -124,10 +127,14 @@ def _take_over_selection(context: bpy.types.Context, name: str, result: bpy.type
 
 def _summary(tasks, is_stopped: bool) -> str:
     done = [task for task in tasks if task.steps]
-    n_steps = sum(len(task.steps) for task in done)
     n_vertices = sum(len(task.vertices) for task in done)
     seconds = sum(task.seconds for task in done)
-    text = rpt_("Faired {:d} vertices in {:d} steps, {:.1f} s").format(n_vertices, n_steps, seconds)
+    if done[0].is_auto:
+        text = rpt_("Faired {:d} vertices, {:.1f} s").format(n_vertices, seconds)
+    else:
+        text = rpt_("Faired {:d} vertices in {:d} steps, {:.1f} s").format(
+            n_vertices, sum(len(task.steps) for task in done), seconds
+        )
     return rpt_("Stopped early. {:s}").format(text) if is_stopped else text
 
 

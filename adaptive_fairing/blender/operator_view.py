@@ -1,4 +1,4 @@
-"""Operators that colour meshes by density, displacement or curvature, and that end it."""
+"""Operators that colour meshes by density, displacement, curvature …, and that end it."""
 
 from __future__ import annotations
 
@@ -19,6 +19,12 @@ FIELDS = (
     ),
     ("DISPLACEMENT", "Displacement", "How far the smoothing has moved each vertex"),
     ("CURVATURE", "Curvature", "Mean curvature: bright where the surface bulges outward"),
+    (
+        "REMOVED",
+        "Removed",
+        "What the smoothing has removed, along the normals: red where it took a bump off, blue "
+        "where it filled a dent; noise looks random, a shape that shows here was smoothed away",
+    ),
 )
 
 

@@ -6,7 +6,8 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from . import pictures
-from .layouts import draw_lines
+from .color_map import SIGNED_FIELDS
+from .layouts import draw_lines, length_text
 from .operator_animate import (
     OBJECT_OT_adaptive_fairing_animate,
     OBJECT_OT_adaptive_fairing_animate_clear,
@@ -21,7 +22,7 @@ from .operator_view import (
 )
 from .panel_settings import FairingPanel
 from .properties import SOLVER_NAMES, copy_settings
-from .record import evolution_keys
+from .record import evolution_keys, is_of_strengths, result_step, shown_strength
 
 STOP_REASONS = {
     "steps": "All steps done",
@@ -45,6 +46,8 @@ class VIEW3D_PT_adaptive_fairing_results(FairingPanel, bpy.types.Panel):
         record = obj.adaptive_fairing
         if evolution_keys(obj) is not None:
             _draw_evolution(context, layout, obj)
+        if is_of_strengths(record):
+            _draw_estimate(context, layout, record)
         _draw_course(layout, record)
         _draw_measures(layout, record)
         for note in record.notes.splitlines():
@@ -60,9 +63,9 @@ class VIEW3D_PT_adaptive_fairing_view(FairingPanel, bpy.types.Panel):
         layout = self.layout
         obj = context.active_object
         shown = obj.adaptive_fairing.view if obj is not None else ""
-        row = layout.row(align=True)
+        grid = layout.grid_flow(columns=2, even_columns=True, align=True)
         for field, title, _ in FIELDS:
-            button = row.operator(
+            button = grid.operator(
                 OBJECT_OT_adaptive_fairing_view.bl_idname,
                 text=iface_(title),
                 depress=shown == field,
@@ -89,8 +92,12 @@ def _draw_evolution(context, layout, obj) -> None:
     n_steps = len(record.steps) - 1
     row = layout.row()
     row.scale_y = 1.3
-    row.prop(record, "evolution", slider=True)
-    shown = iface_("Step {:.1f} of {:d}").format(record.evolution * n_steps, n_steps)
+    if is_of_strengths(record):
+        row.prop(record, "evolution", text=iface_("Strength"), slider=True)
+        shown = iface_("Strength {:.2f}").format(shown_strength(record))
+    else:
+        row.prop(record, "evolution", slider=True)
+        shown = iface_("Step {:.1f} of {:d}").format(record.evolution * n_steps, n_steps)
     row = layout.row()
     row.label(text=shown, translate=False)
     row.prop(evolution_keys(obj), "eval_time", text=iface_("Time"))
@@ -110,32 +117,58 @@ def _draw_evolution(context, layout, obj) -> None:
         row.operator(OBJECT_OT_adaptive_fairing_animate_clear.bl_idname, text="", icon="X")
 
 
+def _draw_estimate(context, layout, record) -> None:
+    """Draw what "auto" has found and chosen."""
+    noise = length_text(context, record.noise_length * record.id_data.matrix_world.median_scale)
+    chosen = iface_("{:d} of {:d}, strength {:.4g}").format(
+        record.chosen, len(record.steps) - 1, result_step(record).strength
+    )
+    rows = [
+        ("Chosen", chosen),
+        ("Noise found", iface_("{:.3g} edges  ·  {:s}").format(record.noise, noise)),
+        ("Radius used", iface_("{:.2f} edges").format(record.radius)),
+        ("Treated as", iface_("Sharp") if record.is_sharp else iface_("Smooth")),
+    ]
+    _draw_table(layout.box(), rows)
+
+
 def _draw_course(layout, record) -> None:
-    """Draw H over the steps, with its first and last value beside it."""
+    """Draw H over the steps, with its first value and that of the result beside it."""
     energies = [step.curvature_energy for step in record.steps]
+    after = result_step(record).curvature_energy
     split = layout.box().split(factor=0.55)
     split.template_icon(icon_value=pictures.plot_icon(energies), scale=6.5)
     column = split.column(align=True)
     column.label(text="Curvature H")
     column.label(text=iface_("Before  {:.4g}").format(energies[0]), translate=False)
-    column.label(text=iface_("After  {:.4g}").format(energies[-1]), translate=False)
+    column.label(text=iface_("After  {:.4g}").format(after), translate=False)
     if energies[0] > 0:
-        share = energies[-1] / energies[0]
+        share = after / energies[0]
         left = iface_("{:.1f} % left").format(100 * share) if share < 10 else f"× {share:.3g}"
         column.label(text=left, translate=False)
 
 
 def _draw_measures(layout, record) -> None:
-    first, last = record.steps[0], record.steps[-1]
-    iterations = sum(step.iterations for step in record.steps)
+    first, last = record.steps[0], result_step(record)
+    if is_of_strengths(record):
+        how, iterations = [], last.iterations  # the solves serve all strengths
+    else:
+        iterations = sum(step.iterations for step in record.steps)
+        how = [
+            ("Steps", f"{len(record.steps) - 1}  ·  τ = {record.tau:.4g}"),
+            ("Ended by", iface_(STOP_REASONS.get(record.stop_reason, record.stop_reason))),
+        ]
     rows = [
-        ("Steps", f"{len(record.steps) - 1}  ·  τ = {record.tau:.4g}"),
-        ("Ended by", iface_(STOP_REASONS.get(record.stop_reason, record.stop_reason))),
+        *how,
         ("Time", iface_("{:.2f} s, {:d} iterations").format(record.seconds, iterations)),
         ("Volume", _change(first.volume, last.volume)),
         ("Area", _change(first.area, last.area)),
         ("Largest move", f"{last.displacement:.4g}"),
     ]
+    _draw_table(layout, rows)
+
+
+def _draw_table(layout, rows) -> None:
     split = layout.split(factor=0.4)
     titles, values = split.column(align=True), split.column(align=True)
     titles.alignment = "RIGHT"
@@ -154,7 +187,8 @@ def _change(before: float, after: float) -> str:
 def _draw_legend(layout, record) -> None:
     low, high = record.view_range
     split = layout.box().split(factor=0.48)
-    split.template_icon(icon_value=pictures.scale_icon(), scale=pictures.SCALE_TICKS)
+    scale = pictures.scale_icon(is_signed=record.view in SIGNED_FIELDS)
+    split.template_icon(icon_value=scale, scale=pictures.SCALE_TICKS)
     column = split.column(align=True)
     for index in reversed(range(pictures.SCALE_TICKS)):
         value = low + (high - low) * index / (pictures.SCALE_TICKS - 1)

@@ -15,6 +15,7 @@ from .regions import refusal, target_objects
 from .requirements import scipy_problem
 
 NAMES = SOLVER_NAMES + OUTPUT_NAMES
+AUTO = "auto"
 
 
 class FairingPanel:
@@ -41,10 +42,8 @@ class VIEW3D_PT_adaptive_fairing(FairingPanel, bpy.types.Panel):
             draw_lines(context, layout, problem, icon="ERROR")
         column = layout.column()
         column.active = modal_run.progress() is None
-        column.prop(settings, "method")
-        column.prop(settings, "tau")
-        column.prop(settings, "steps")
-        if problem is None:
+        draw_method(column, settings)
+        if problem is None and settings.method != AUTO:
             _draw_radius(context, layout, settings)
         current = modal_run.progress()
         if current is None:
@@ -69,6 +68,10 @@ class _SettingsPanel(FairingPanel):
 
 class VIEW3D_PT_adaptive_fairing_density(_SettingsPanel, bpy.types.Panel):
     bl_label = "Density"
+
+    @classmethod
+    def poll(cls, context):
+        return context.scene.adaptive_fairing.method != AUTO
 
     def draw_settings(self, context, layout, settings):
         draw_density(layout, settings)
@@ -99,14 +102,21 @@ def draw_operator(layout, operator, obj) -> None:
     """Draw all properties of the operator, for the redo panel."""
     layout.use_property_split = True
     layout.use_property_decorate = False
-    column = layout.column()
-    for name in ("method", "tau", "steps"):
-        column.prop(operator, name)
-    for draw_part in (draw_density, draw_output, draw_accuracy):
+    draw_method(layout.column(), operator)
+    parts = (draw_output, draw_accuracy)
+    for draw_part in parts if operator.method == AUTO else (draw_density, *parts):
         layout.separator()
         draw_part(layout, operator)
     layout.separator()
     draw_region(layout, operator, obj)
+
+
+def draw_method(layout, properties) -> None:
+    """Draw the method and what it needs to know."""
+    layout.prop(properties, "method")
+    names = ("strength", "features") if properties.method == AUTO else ("tau", "steps")
+    for name in names:
+        layout.prop(properties, name)
 
 
 def draw_density(layout, properties) -> None:
@@ -139,6 +149,10 @@ def draw_output(layout, properties) -> None:
 
 def draw_accuracy(layout, properties) -> None:
     """Draw when to stop and how exactly to solve."""
+    if properties.method == AUTO:
+        # It ends by itself and knows how exactly its systems must be solved.
+        layout.prop(properties, "quadrature_tolerance", text=iface_("Integration"))
+        return
     column = layout.column(align=True)
     column.prop(properties, "stop_curvature", text=iface_("Stop at Curvature"))
     column.prop(properties, "stop_rate", text=iface_("Stop at Rate"))
@@ -215,7 +229,9 @@ def _draw_progress(layout, current) -> None:
     row = layout.row()
     row.scale_y = 1.6
     row.enabled = not current.worker.is_stopping
-    text = iface_("Stopping…") if current.worker.is_stopping else iface_("Stop, Keep Steps")
+    text = iface_("Stop") if current.task.is_auto else iface_("Stop, Keep Steps")
+    if current.worker.is_stopping:
+        text = iface_("Stopping…")
     row.operator("object.adaptive_fairing_stop", text=text, icon="CANCEL")
 
 

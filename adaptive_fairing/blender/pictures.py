@@ -8,7 +8,7 @@ import numpy as np
 from bpy.utils import previews
 from numpy.typing import NDArray
 
-from .color_map import colors_srgb
+from .color_map import ANCHORS, DIVERGING_ANCHORS, colors_srgb
 
 Image = NDArray[np.float64]
 
@@ -30,8 +30,10 @@ def plot_icon(values: Sequence[float]) -> int:
     return _icon(f"plot {shown}", lambda: draw_plot(shown))
 
 
-def scale_icon() -> int:
-    """Icon of the colour scale, low at the bottom."""
+def scale_icon(*, is_signed: bool = False) -> int:
+    """Icon of the colour scale, low at the bottom; of a signed field with 0 in the middle."""
+    if is_signed:
+        return _icon("signed scale", lambda: draw_scale(DIVERGING_ANCHORS))
     return _icon("scale", draw_scale)
 
 
@@ -73,10 +75,10 @@ def draw_plot(values: Sequence[float]) -> Image:
     return image
 
 
-def draw_scale() -> Image:
-    """Draw the colour map as an upright bar with ticks at its right, RGBA as `draw_plot`."""
+def draw_scale(anchors: Image = ANCHORS) -> Image:
+    """Draw a colour map as an upright bar with ticks at its right, RGBA as `draw_plot`."""
     image = np.zeros((SCALE_SIZE, SCALE_SIZE, 4))
-    colors = colors_srgb(np.linspace(0.0, 1.0, SCALE_SIZE))
+    colors = colors_srgb(np.linspace(0.0, 1.0, SCALE_SIZE), anchors=anchors)
     image[:, SCALE_BAR, :3] = colors[:, None, :]
     image[:, SCALE_BAR, 3] = 1.0
     ticks = np.zeros((SCALE_SIZE, SCALE_SIZE))

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from .. import defaults
+
 if TYPE_CHECKING:
     from ..core import FairingSettings
 
@@ -22,24 +24,57 @@ class SolverProperties:
     method: EnumProperty(
         name="Method",
         description="How the smoothing follows the density of the mesh",
+        # The numbers are what files hold.
         items=(
+            (
+                "auto",
+                "Automatic",
+                "Estimate the noise and remove it, without parameters",
+                3,
+            ),
             (
                 "adaptive_timestep",
                 "Adaptive Timestep",
                 "Coarse parts run through more time than dense ones: details in dense parts stay",
+                0,
             ),
             (
                 "adaptive_tensor",
                 "Adaptive Tensor",
                 "The same time everywhere, but dense parts conduct less",
+                1,
             ),
             (
                 "uniform",
                 "Uniform",
                 "The same smoothing everywhere, whatever the density; needs a much smaller τ",
+                2,
             ),
         ),
-        default="adaptive_timestep",
+        default=defaults.METHOD,
+    )
+    strength: FloatProperty(
+        name="Strength",
+        description=(
+            "Factor of the noise that is estimated: more if noise is left, less if details go"
+        ),
+        default=1.0,
+        min=0.01,
+        soft_min=0.25,
+        soft_max=4.0,
+        max=99.0,
+        step=5,
+        precision=2,
+    )
+    features: EnumProperty(
+        name="Edges",
+        description="Whether the smoothing keeps sharp edges",
+        items=(
+            ("auto", "Automatic", "Decide in every part of the mesh what fits better"),
+            ("sharp", "Keep Sharp", "The mesh has sharp edges, which stay where they can"),
+            ("smooth", "Smooth", "The mesh has no sharp edges: what looks like one is noise"),
+        ),
+        default="auto",
     )
     tau: FloatProperty(
         name="τ",
@@ -176,12 +211,12 @@ class OutputProperties:
             (
                 "ABSOLUTE_KEYS",
                 "Evolution",
-                "Every step as an absolute shape key: one slider runs through the smoothing",
+                "Every step, or strength, as an absolute shape key: one slider runs through them",
             ),
             (
                 "RELATIVE_KEYS",
                 "Relative Shape Keys",
-                "Every step as a relative shape key, which exporters understand",
+                "Every step, or strength, as a relative shape key, which exporters understand",
             ),
             ("FINAL_SHAPE", "Final Shape Only", "Move the vertices; no shape keys"),
         ),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 from bpy.props import (
+    BoolProperty,
     CollectionProperty,
     FloatProperty,
     FloatVectorProperty,
@@ -13,13 +14,17 @@ from bpy.props import (
 
 
 class FairingStepRecord(bpy.types.PropertyGroup):
-    """Measures of the surface after one step; the first record is the input."""
+    """Measures of the surface after one step; the first record is the input.
+
+    `strength` is 0 but for the method "auto", whose steps have one each.
+    """
 
     curvature_energy: FloatProperty()
     area: FloatProperty()
     volume: FloatProperty()
     iterations: IntProperty()
     displacement: FloatProperty()
+    strength: FloatProperty()
 
 
 def _shown_evolution(record: FairingRecord) -> float:
@@ -37,7 +42,11 @@ def _show_evolution(record: FairingRecord, value: float) -> None:
 
 
 class FairingRecord(bpy.types.PropertyGroup):
-    """A finished run."""
+    """A finished run.
+
+    `chosen` is the number of the step that is its result. What follows it is known of the method
+    "auto" only, see the core's `AutoEstimate`.
+    """
 
     steps: CollectionProperty(type=FairingStepRecord)
     method: StringProperty()
@@ -45,11 +54,19 @@ class FairingRecord(bpy.types.PropertyGroup):
     stop_reason: StringProperty()
     seconds: FloatProperty()
     notes: StringProperty(description="What had to be done to make the mesh solvable, in lines")
+    chosen: IntProperty()
+    noise: FloatProperty()
+    noise_length: FloatProperty()
+    radius: FloatProperty()
+    is_sharp: BoolProperty()
     view: StringProperty()
     view_range: FloatVectorProperty(size=2)
     evolution: FloatProperty(
         name="Evolution",
-        description="Run through the smoothing: from the mesh before (0) to the last step (1)",
+        description=(
+            "Run through the smoothing: from the mesh before (0) to the last step, or to the "
+            "largest strength (1)"
+        ),
         subtype="FACTOR",
         min=0.0,
         max=1.0,
@@ -58,6 +75,26 @@ class FairingRecord(bpy.types.PropertyGroup):
         set=_show_evolution,
         options=set(),
     )
+
+
+def is_of_strengths(record: FairingRecord) -> bool:
+    """Whether the steps of a run are strengths of the method "auto"."""
+    return record.steps[-1].strength > 0
+
+
+def shown_strength(record: FairingRecord) -> float:
+    """Strength that the Evolution slider stands at, which is 0 at the mesh before."""
+    steps = record.steps
+    place = record.evolution * (len(steps) - 1)
+    below = min(int(place), len(steps) - 2)
+    low, high = steps[below].strength, steps[below + 1].strength
+    return low + (place - below) * (high - low)
+
+
+def result_step(record: FairingRecord) -> FairingStepRecord:
+    """Take the measures of the result: of the chosen strength, otherwise of the last step."""
+    # A file of a version that did not know "auto" has no number here.
+    return record.steps[record.chosen or -1]
 
 
 def evolution_keys(obj: bpy.types.Object) -> bpy.types.Key | None:

@@ -27,7 +27,12 @@ class FairingTask:
     settings
         For the solver.
     steps
-        Finished steps, their arrays as float32, which is what Blender keeps.
+        Finished steps, their arrays as float32, which is what Blender keeps. Of "auto" all
+        strengths or none.
+    share
+        How much of the solve is done, up to 1.
+    is_cancelled
+        Set to end a run of "auto", whose strengths come all at the end, in the middle.
     error
         Why the run ended early: one line.
     seconds
@@ -41,8 +46,31 @@ class FairingTask:
     settings: FairingSettings
     library: str | None = None
     steps: list[FairingStep] = field(default_factory=list)
+    share: float = 0.0
+    is_cancelled: bool = False
     error: str | None = None
     seconds: float = 0.0
+
+    @property
+    def is_auto(self) -> bool:
+        """Whether there are strengths in place of steps."""
+        return self.settings.method == "auto"
+
+    def note_progress(self, share: float) -> None:
+        """Take note of the share of the solve that is done.
+
+        Raises
+        ------
+        RunCancelledError
+            The run is no longer wanted.
+        """
+        self.share = share
+        if self.is_auto and self.is_cancelled:
+            raise RunCancelledError
+
+
+class RunCancelledError(Exception):
+    """Nobody waits for the result any more."""
 
 
 def run_tasks(
@@ -50,7 +78,7 @@ def run_tasks(
     prepared: PreparedMesh | None = None,
     plan: AutoPlan | None = None,
 ) -> Iterator[FairingTask]:
-    """Fair one mesh after the other; yield the task at hand after every step.
+    """Fair one mesh after the other; yield the task at hand after every step, of "auto" once.
 
     A mesh that cannot be faired does not keep the others from it: its task says why. All tasks
     must have the triangles that were prepared, if any were; `plan` is as for `fair_steps`.
@@ -58,32 +86,10 @@ def run_tasks(
     for task in tasks:
         if task.error is not None:
             continue
-        started = time.perf_counter()
         try:
-            steps = fair_steps(
-                task.vertices,
-                task.triangles,
-                task.settings,
-                weights=task.weights,
-                prepared=prepared,
-                plan=plan,
-            )
-            for step in steps:
-                task.seconds = time.perf_counter() - started
-                if not step.solve.converged:
-                    task.error = (
-                        f"step {step.index} did not converge: residual {step.solve.residual:.3g} "
-                        f"after {step.solve.iterations} iterations; choose a smaller τ"
-                    )
-                    break
-                task.steps.append(
-                    replace(
-                        step,
-                        positions=step.positions.astype(np.float32),
-                        density=step.density.astype(np.float32),
-                    )
-                )
-                yield task
+            yield from _run(task, prepared, plan)
+        except RunCancelledError:
+            return
         except FairingError as error:
             task.error = str(error)
         except MemoryError:
@@ -91,3 +97,40 @@ def run_tasks(
                 f"not enough memory for {len(task.triangles)} triangles; "
                 "fair a decimated copy, or parts"
             )
+
+
+def _run(
+    task: FairingTask, prepared: PreparedMesh | None, plan: AutoPlan | None
+) -> Iterator[FairingTask]:
+    started = time.perf_counter()
+    steps = fair_steps(
+        task.vertices,
+        task.triangles,
+        task.settings,
+        weights=task.weights,
+        prepared=prepared,
+        plan=plan,
+        progress=task.note_progress,
+    )
+    # The chosen strength is in the middle: some of the strengths alone would be no result.
+    for batch in [list(steps)] if task.is_auto else ([step] for step in steps):
+        task.seconds = time.perf_counter() - started
+        for step in batch:
+            if not step.solve.converged:
+                task.error = _not_converged(step)
+                return
+        task.steps += [_for_blender(step) for step in batch]
+        yield task
+
+
+def _for_blender(step: FairingStep) -> FairingStep:
+    positions, density = step.positions.astype(np.float32), step.density.astype(np.float32)
+    return replace(step, positions=positions, density=density)
+
+
+def _not_converged(step: FairingStep) -> str:
+    advice = "choose a smaller τ" if step.auto is None else "repair or remesh thin triangles"
+    return (
+        f"step {step.index} did not converge: residual {step.solve.residual:.3g} after "
+        f"{step.solve.iterations} iterations; {advice}"
+    )

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from ..core import FairingError, FairingSettings, FairingStep, PreparedMesh, fair
+from ..core.results import chosen_step
 from .files import import_mesh
 from .frames import object_at_frame
 from .job import Preparation, prepared_alone, solved_surface
 from .mesh_data import MeshData, read_mesh
-from .run import FairingTask, run_tasks
+from .run import FairingTask, RunCancelledError, run_tasks
 
 Place = tuple[Path, int | None]
 """A file, and a frame in it; None for the mesh as it is stored."""
@@ -63,12 +64,22 @@ class Preparations:
 
 
 def prepared_first(
-    data: MeshData, settings: FairingSettings, scale: float | None, *, is_one_strength: bool
+    data: MeshData,
+    settings: FairingSettings,
+    scale: float | None,
+    *,
+    is_one_strength: bool,
+    progress: Callable[[float], None] | None = None,
 ) -> Preparation:
-    """Analyse the first frame of a sequence; fair it too, if all are to have its plan."""
+    """Analyse the first frame of a sequence; fair it too, if all are to have its plan.
+
+    `progress` is as for `fair_steps`.
+    """
     preparation = prepared_alone(data, settings, scale)
     if settings.method == "auto" and is_one_strength:
-        result = fair(data.vertices, data.triangles, settings, prepared=preparation.mesh)
+        result = fair(
+            data.vertices, data.triangles, settings, prepared=preparation.mesh, progress=progress
+        )
         preparation = replace(preparation, plan=result.chosen.auto.plan)
     return preparation
 
@@ -125,7 +136,15 @@ def run_frames(tasks: Sequence[FairingTask], *, one_strength: bool) -> Iterator[
     try:
         if one_strength:
             settings, scale = same_strength(data, settings)
-        preparation = prepared_first(data, settings, scale, is_one_strength=one_strength)
+        preparation = prepared_first(
+            data,
+            settings,
+            scale,
+            is_one_strength=one_strength,
+            progress=first.note_progress,
+        )
+    except RunCancelledError:
+        return
     except FairingError as error:
         first.error = str(error)
         return
@@ -137,5 +156,4 @@ def run_frames(tasks: Sequence[FairingTask], *, one_strength: bool) -> Iterator[
 
 def kept_step(steps: Sequence[FairingStep]) -> FairingStep:
     """Take the chosen step of a finished run, with the reason that ended it, without its plan."""
-    chosen = [step for step in steps if step.auto is not None and step.auto.is_chosen]
-    return replace((chosen or steps)[-1], stop_reason=steps[-1].stop_reason, auto=None)
+    return replace(chosen_step(steps), stop_reason=steps[-1].stop_reason, auto=None)

@@ -33,8 +33,10 @@ def has_foreign_keys(mesh: bpy.types.Mesh) -> bool:
     return names != ours
 
 
-def write_absolute_keys(obj: bpy.types.Object, positions: Sequence[ArrayLike]) -> None:
-    """Replace the object's fairing keys by absolute ones; the last step is shown.
+def write_absolute_keys(
+    obj: bpy.types.Object, positions: Sequence[ArrayLike], shown: int = -1
+) -> None:
+    """Replace the object's fairing keys by absolute ones, one of which is shown.
 
     Parameters
     ----------
@@ -42,29 +44,33 @@ def write_absolute_keys(obj: bpy.types.Object, positions: Sequence[ArrayLike]) -
         Mesh object in Object Mode.
     positions
         Positions of every step, (n, 3) each, in object space, without the input. Must not be empty.
+    shown
+        Index of the step to show, by default the last.
 
     Raises
     ------
     FairingError
         The mesh has shape keys of its own.
     """
-    keys = _write_keys(obj, positions)
+    keys, block = _write_keys(obj, positions, shown)
     keys.use_relative = False
     # Frames are 0, 10, 20, 30.0000019 …: read, never computed.
-    keys.eval_time = keys.key_blocks[-1].frame
+    keys.eval_time = block.frame
     obj.data.update()
 
 
-def write_relative_keys(obj: bpy.types.Object, positions: Sequence[ArrayLike]) -> None:
-    """Replace the object's fairing keys by relative ones; only the last has the value 1.
+def write_relative_keys(
+    obj: bpy.types.Object, positions: Sequence[ArrayLike], shown: int = -1
+) -> None:
+    """Replace the object's fairing keys by relative ones; only the shown one has the value 1.
 
     Parameters, errors: as in `write_absolute_keys`.
     """
-    keys = _write_keys(obj, positions)
+    keys, shown_block = _write_keys(obj, positions, shown)
     keys.use_relative = True
     for block in keys.key_blocks:
         # Blender 5.0 changed the value of a new key from 0 to 1.
-        block.value = 1.0 if block == keys.key_blocks[-1] else 0.0
+        block.value = 1.0 if block == shown_block else 0.0
     obj.data.update()
 
 
@@ -134,7 +140,10 @@ def animate_evolution(obj: bpy.types.Object, frame_start: float, frame_end: floa
                 point.interpolation = "LINEAR"
 
 
-def _write_keys(obj: bpy.types.Object, positions: Sequence[ArrayLike]) -> bpy.types.Key:
+def _write_keys(
+    obj: bpy.types.Object, positions: Sequence[ArrayLike], shown: int
+) -> tuple[bpy.types.Key, bpy.types.ShapeKey]:
+    """Write keys for the input and every step; give them and that of the step to show."""
     mesh = obj.data
     # All shapes are checked before anything is touched.
     buffers = [flat_float32(step, mesh) for step in positions]
@@ -143,5 +152,5 @@ def _write_keys(obj: bpy.types.Object, positions: Sequence[ArrayLike]) -> bpy.ty
     for index, buffer in enumerate(buffers, start=1):
         block = obj.shape_key_add(name=step_key_name(index), from_mix=False)
         block.points.foreach_set("co", buffer)
-    obj.active_shape_key_index = len(buffers)
-    return mesh.shape_keys
+    obj.active_shape_key_index = 1 + range(len(buffers))[shown]
+    return mesh.shape_keys, mesh.shape_keys.key_blocks[obj.active_shape_key_index]

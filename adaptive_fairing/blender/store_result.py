@@ -7,6 +7,7 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..core import FairingError, FairingStep
+from ..core.results import chosen_step
 from .attributes import write_density
 from .coloring import color_by_field
 from .mesh_data import read_positions
@@ -52,14 +53,15 @@ def write_steps(
     Parameters: as in `store_task`; the object has the vertices of the task.
     """
     positions = [step.positions for step in task.steps]
+    chosen = chosen_step(task.steps)
     if output == "FINAL_SHAPE":
-        write_final_shape(obj, positions[-1])
+        write_final_shape(obj, chosen.positions)
     elif output == "RELATIVE_KEYS":
-        write_relative_keys(obj, positions)
+        write_relative_keys(obj, positions, chosen.index - 1)
     else:
-        write_absolute_keys(obj, positions)
+        write_absolute_keys(obj, positions, chosen.index - 1)
     if store_density:
-        write_density(obj.data, task.steps[-1].density)
+        write_density(obj.data, chosen.density)
     _write_record(obj, task)
     if obj.adaptive_fairing.view:
         color_by_field(obj, obj.adaptive_fairing.view, task.settings)
@@ -89,18 +91,23 @@ def _write_record(obj: bpy.types.Object, task: FairingTask) -> None:
     record.stop_reason = task.steps[-1].stop_reason or "stopped"
     record.seconds = task.seconds
     record.notes = "\n".join(task.steps[-1].notes)
+    chosen = chosen_step(task.steps)
+    record.chosen = chosen.index
+    if chosen.auto is not None:
+        record.noise = chosen.auto.noise
+        record.noise_length = chosen.auto.noise_length
+        record.radius = chosen.auto.radius
+        record.is_sharp = chosen.auto.is_sharp
     record.steps.clear()
-    initial = task.steps[0].initial
-    for measures, iterations, displacement in [
-        (initial, 0, 0.0),
-        *((step, step.solve.iterations, _largest_move(task, step)) for step in task.steps),
-    ]:
+    for measures in (chosen.initial, *task.steps):
         item = record.steps.add()
         item.curvature_energy = measures.curvature_energy
         item.area = measures.area
         item.volume = measures.volume
-        item.iterations = iterations
-        item.displacement = displacement
+    for step, item in zip(task.steps, record.steps[1:], strict=True):
+        item.iterations = step.solve.iterations
+        item.displacement = _largest_move(task, step)
+        item.strength = step.auto.strength if step.auto is not None else 0.0
 
 
 def _largest_move(task: FairingTask, step: FairingStep) -> float:

@@ -35,8 +35,9 @@ GERMAN = {
     "Punkte des aktiven Netzes auswählen, die nicht endlich, nicht mannigfaltig oder an Dreiecken "
     "ohne Fläche sind: was ein Lauf ablehnt, festhält oder begrenzt",
     "Smooth the noise out of the selected meshes by geometric diffusion that follows the density "
-    "of the mesh, and keep every step": "Rauschen der gewählten Netze durch geometrische "
-    "Diffusion glätten, die der Dichte des Netzes folgt, und jeden Schritt behalten",
+    "of the mesh, and keep every step or strength": "Rauschen der gewählten Netze durch "
+    "geometrische Diffusion glätten, die der Dichte des Netzes folgt, und jeden Schritt oder jede "
+    "Stärke behalten",
     "Let the timeline run through the evolution of the active object": "Die Zeitleiste durch den "
     "Verlauf des aktiven Objekts laufen lassen",
     "Take the evolution of the active object off the timeline": "Den Verlauf des aktiven Objekts "
@@ -48,8 +49,10 @@ GERMAN = {
     "dem aktiven Netz bedeutet, auch wenn es schon bekannt war",
     "Add a preset with the settings of the panel, or remove one": "Eine Vorgabe mit den "
     "Einstellungen der Leiste hinzufügen oder eine entfernen",
-    "Stop the run after the step it is computing, and keep the finished steps": "Den Lauf nach "
-    "dem Schritt anhalten, der gerade gerechnet wird, und die fertigen Schritte behalten",
+    "Stop the run after the step it is computing and keep the finished steps; an automatic run "
+    "stops at once, without a result": "Den Lauf nach dem Schritt anhalten, der gerade gerechnet "
+    "wird, und die fertigen Schritte behalten; ein automatischer Lauf hält sofort an, ohne "
+    "Ergebnis",
     "Set τ so that all steps together smooth over the wanted radius in a typical part of the "
     "active mesh": "τ so setzen, dass alle Schritte zusammen an typischen Stellen des aktiven "
     "Netzes über den gewünschten Radius glätten",
@@ -60,6 +63,23 @@ GERMAN = {
     "Method": "Verfahren",
     "How the smoothing follows the density of the mesh": "Wie die Glättung der Dichte des Netzes "
     "folgt",
+    "Automatic": "Automatisch",
+    "Estimate the noise and remove it, without parameters": "Das Rauschen schätzen und entfernen, "
+    "ohne Parameter",
+    "Strength": "Stärke",
+    "Factor of the noise that is estimated: more if noise is left, less if details go": "Faktor "
+    "des geschätzten Rauschens: mehr, wenn Rauschen bleibt, weniger, wenn Einzelheiten "
+    "verschwinden",
+    "Edges": "Kanten",
+    "Whether the smoothing keeps sharp edges": "Ob die Glättung scharfe Kanten erhält",
+    "Decide in every part of the mesh what fits better": "In jedem Teil des Netzes entscheiden, "
+    "was besser passt",
+    "Keep Sharp": "Scharf lassen",
+    "The mesh has sharp edges, which stay where they can": "Das Netz hat scharfe Kanten, die "
+    "möglichst bleiben",
+    "Smooth": "Glatt",
+    "The mesh has no sharp edges: what looks like one is noise": "Das Netz hat keine scharfen "
+    "Kanten: was so aussieht, ist Rauschen",
     "Adaptive Timestep": "Adaptiver Zeitschritt",
     "Coarse parts run through more time than dense ones: details in dense parts stay": "Grobe "
     "Stellen durchlaufen mehr Zeit als dichte: Einzelheiten an dichten Stellen bleiben",
@@ -126,11 +146,11 @@ GERMAN = {
     "Gewichte der Gruppe klein sind",
     "What the object gets": "Was das Objekt bekommt",
     "Evolution": "Verlauf",
-    "Every step as an absolute shape key: one slider runs through the smoothing": "Jeder Schritt "
-    "als absolute Form: ein Regler läuft durch die Glättung",
+    "Every step, or strength, as an absolute shape key: one slider runs through them": "Jeder "
+    "Schritt oder jede Stärke als absolute Form: ein Regler läuft durch sie",
     "Relative Shape Keys": "Relative Formen",
-    "Every step as a relative shape key, which exporters understand": "Jeder Schritt als relative "
-    "Form, die Exporter verstehen",
+    "Every step, or strength, as a relative shape key, which exporters understand": "Jeder "
+    "Schritt oder jede Stärke als relative Form, die Exporter verstehen",
     "Final Shape Only": "Nur Endform",
     "Move the vertices; no shape keys": "Die Punkte bewegen; keine Formen",
     "Other Shape Keys": "Andere Formen",
@@ -154,8 +174,9 @@ GERMAN = {
     "3 and more takes shapes of that size as well": "Gewünschter Glättungsradius in örtlichen "
     "Kantenlängen, alle Schritte zusammen: etwa 1 nimmt nur Rauschen, ab 3 gehen auch Formen "
     "dieser Größe",
-    "Run through the smoothing: from the mesh before (0) to the last step (1)": "Durch die "
-    "Glättung laufen: vom Netz davor (0) bis zum letzten Schritt (1)",
+    "Run through the smoothing: from the mesh before (0) to the last step, or to the largest "
+    "strength (1)": "Durch die Glättung laufen: vom Netz davor (0) bis zum letzten Schritt oder "
+    "zur größten Stärke (1)",
     "Uniform τ": "Gleichmäßiges τ",
     "τ of the uniform copy; 0 takes the mean of τ times density of the other": "τ der "
     "gleichmäßigen Kopie; 0 nimmt das Mittel von τ mal Dichte der anderen",
@@ -169,6 +190,12 @@ GERMAN = {
     "Curvature": "Krümmung",
     "Mean curvature: bright where the surface bulges outward": "Mittlere Krümmung: hell, wo sich "
     "die Fläche nach außen wölbt",
+    "Removed": "Entfernt",
+    "What the smoothing has removed, along the normals: red where it took a bump off, blue where "
+    "it filled a dent; noise looks random, a shape that shows here was smoothed away": "Was die "
+    "Glättung entfernt hat, längs der Normalen: rot, wo sie einen Buckel abgetragen, blau, wo sie "
+    "eine Delle gefüllt hat; Rauschen sieht zufällig aus, eine Form, die hier erscheint, wurde "
+    "weggeglättet",
     # Sequences
     "Frame Sequence": "Bildfolge",
     "Fair Frames": "Bilder glätten",
@@ -211,10 +238,23 @@ GERMAN = {
     "Stopping…": "Hält an …",
     "Stop, Keep Steps": "Anhalten, Schritte behalten",
     "Step {:d} of {:d}": "Schritt {:d} von {:d}",
+    "Removing noise: {:.0f} %": "Rauschen entfernen: {:.0f} %",
     "{:d} solver iterations  ·  H at {:.1f} %": "{:d} Iterationen  ·  H bei {:.1f} %",
+    "stopping": "hält an",
+    "Esc: stop": "Esc: anhalten",
     "stopping after this step": "hält nach diesem Schritt an",
     "Esc: stop, keep the finished steps": "Esc: anhalten, fertige Schritte behalten",
     "Step {:.1f} of {:d}": "Schritt {:.1f} von {:d}",
+    "Strength {:.2f}": "Stärke {:.2f}",
+    "Chosen": "Gewählt",
+    "{:d} of {:d}, strength {:.4g}": "{:d} von {:d}, Stärke {:.4g}",
+    "Noise": "Rauschen",
+    "Noise found": "Rauschen",
+    "{:.3g} edges  ·  {:s}": "{:.3g} Kanten  ·  {:s}",
+    "Radius used": "Radius",
+    "{:.2f} edges": "{:.2f} Kanten",
+    "Treated as": "Behandelt als",
+    "Sharp": "Scharf",
     "Time": "Zeit",
     "Start": "Start",
     "End": "Ende",
@@ -259,6 +299,7 @@ GERMAN = {
     "geändert; nichts wurde geschrieben",
     "the mesh is linked from another file: make it local to colour it": "das Netz ist aus einer "
     "anderen Datei verknüpft: zum Einfärben lokal machen",
+    "Faired {:d} vertices, {:.1f} s": "{:d} Punkte geglättet, {:.1f} s",
     "Faired {:d} vertices in {:d} steps, {:.1f} s": "{:d} Punkte in {:d} Schritten geglättet, "
     "{:.1f} s",
     "No problem vertices": "Keine Problempunkte",
@@ -268,7 +309,7 @@ GERMAN = {
     "The mesh is linked from another file: it cannot be edited here": "Das Netz ist aus einer "
     "anderen Datei verknüpft: es kann hier nicht bearbeitet werden",
     "Stopped early. {:s}": "Vorzeitig angehalten. {:s}",
-    "Stopped before the first step was done": "Angehalten, bevor der erste Schritt fertig war",
+    "Stopped: nothing was changed": "Angehalten: nichts wurde geändert",
     "Stopped before both copies were done": "Angehalten, bevor beide Kopien fertig waren",
     "τ = {:.4g}": "τ = {:.4g}",
 }

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,8 +86,7 @@ class FairingResult:
     @property
     def chosen(self) -> FairingStep:
         """The last step; of "auto" the one with the strength that was asked for."""
-        chosen = [step for step in self.steps if step.auto is not None and step.auto.is_chosen]
-        return (chosen or self.steps)[-1]
+        return chosen_step(self.steps)
 
     @property
     def positions(self) -> FloatArray:
@@ -107,6 +107,12 @@ class FairingResult:
     def notes(self) -> tuple[str, ...]:
         """What is wrong with the input and how it was made solvable, one line each."""
         return self.steps[-1].notes
+
+
+def chosen_step(steps: Sequence[FairingStep]) -> FairingStep:
+    """Take the step that is the result of a run, see `FairingResult.chosen`."""
+    chosen = [step for step in steps if step.auto is not None and step.auto.is_chosen]
+    return (chosen or steps)[-1]
 
 
 def energy_ratio(energy: float, initial: float) -> float:

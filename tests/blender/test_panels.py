@@ -1,6 +1,7 @@
 """The panels: what they offer before, during and after a run, and when something is missing."""
 
 import math
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -242,14 +243,18 @@ class TestAfterTheRun:
         assert pressed == ["DENSITY"]
 
 
-def test_the_redo_panel_offers_every_property_of_the_operator(sphere):
-    class Stand:
-        bl_rna = bpy.context.scene.adaptive_fairing.bl_rna
-        method = "uniform"
+def test_the_redo_panel_offers_every_property_that_the_method_uses(sphere):
+    def offered(method):
+        stand = SimpleNamespace(bl_rna=bpy.context.scene.adaptive_fairing.bl_rna, method=method)
+        layout = FakeLayout()
+        panel_settings.draw_operator(layout, stand, sphere)
+        assert len(layout.drawn.properties) == len(set(layout.drawn.properties))
+        return set(layout.drawn.properties)
 
-    layout = FakeLayout()
-    panel_settings.draw_operator(layout, Stand(), sphere)
-    assert sorted(layout.drawn.properties) == sorted(panel_settings.NAMES)
+    assert set(panel_settings.NAMES) - offered("uniform") == {"strength", "features"}
+    unused = {"tau", "steps", "density", "density_passes", "stop_curvature", "stop_rate"}
+    unused |= {"cg_tolerance", "cg_max_iterations", "normalize"}
+    assert set(panel_settings.NAMES) - offered("auto") == unused
 
 
 def test_menus_run_with_the_settings_of_the_scene(sphere):
