@@ -34,7 +34,7 @@ import meshes as made  # noqa: E402
 from adaptive_fairing.batch.plan import RECORDS  # noqa: E402
 from adaptive_fairing.formats import SUFFIXES  # noqa: E402
 
-SIZES = (200, 500, 1000, 2000, 5000, 10000, 20000, 50000, 100000)
+SIZES = (200, 500, 1000, 2000, 5000, 10000, 20000)
 """Triangles of the made meshes."""
 
 BROKEN = {
