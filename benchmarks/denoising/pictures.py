@@ -46,7 +46,7 @@ def picture(entry: Entry, peers: Sequence[Peer], folder: Path) -> Path:
     close = View(tuple(_slanted(normal)), box=(place - reach, place + reach), margin=0.0)
     shots = [[Shot(View(whole), WHOLE_SIZE), Shot(close, CLOSE_SIZE)]]
     panels = [
-        Panel(pair.noisy, f"{pair.name}: noisy", f"{pair.noise}; {_text(entry.noisy)}"),
+        Panel(pair.noisy, f"{pair.label}: noisy", _text(entry.noisy)),
         Panel(ours, "auto", _text(entry.auto)),
         Panel(theirs, best.peer, f"{best.parameter}; {_text(best.score)}"),
         Panel(pair.clean, "clean", "below: where auto and the peer differ most"),
