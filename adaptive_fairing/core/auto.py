@@ -166,7 +166,8 @@ def auto_surfaces(
     InputError
         A plan of a mesh of another size.
     """
-    solves = _Solves(n_solves(len(FIRST_METRICS) + len(SECOND_METRICS)), progress)
+    n_expected = n_solves(len(FIRST_METRICS) + len(SECOND_METRICS))
+    solves = _Solves(n_expected * (2 if plan is None else 1), progress)
     bank = FilterBank(space, solves.count)
     track = _Track(bank, positions)
     frame = LocalFrame.of(space.topology, track.surface, track.surface)
@@ -175,7 +176,6 @@ def auto_surfaces(
         parts = _Parts(space, frame, is_still)
         noise, notes = parts.noise(positions, strength)
         if beyond_clean(max(STRENGTHS) * strength * noise).any():
-            solves.expect_probe()
             plan = _planned(bank, track, frame, parts, noise, strength, features)
         else:
             plan = _idle_plan(noise)
@@ -191,6 +191,8 @@ def auto_surfaces(
         _estimate(plan, frame, track.metrics, strength, index) for index in range(len(STRENGTHS))
     ]
     results = [track.mixed(shares) for shares in plan.mixtures]
+    if progress is not None:
+        progress(1.0)
     return AutoOutcome(results, estimates, solves.report(), notes)
 
 
@@ -386,10 +388,6 @@ class _Solves:
         self._residual = 0.0
         self._converged = True
 
-    def expect_probe(self) -> None:
-        """All filters are applied a second time."""
-        self._n_expected *= 2
-
     def count(self, report: SolveReport) -> None:
         """Note that a solve is done."""
         self._n_done += 1
@@ -397,7 +395,7 @@ class _Solves:
         self._residual = max(self._residual, report.residual)
         self._converged &= report.converged
         if self._progress is not None:
-            self._progress(min(self._n_done / self._n_expected, 1.0))
+            self._progress(self._n_done / self._n_expected)
 
     def report(self) -> SolveReport:
         """All solves together."""

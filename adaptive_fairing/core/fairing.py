@@ -225,14 +225,14 @@ def _auto_steps(
     for index, (faired, estimate) in enumerate(
         zip(outcome.positions, outcome.estimates, strict=True), start=1
     ):
-        moved = start + weights[:, None] * (faired - start)
-        moved[is_held] = start[is_held]
-        measures = space.measures(moved).scaled(1 / frame.scale)
+        displacement = weights[:, None] * (faired - start)
+        displacement[is_held] = 0
+        measures = space.measures(start + displacement).scaled(1 / frame.scale)
         reason = None if outcome.solve.converged else "not_converged"
         yield FairingStep(
             index=index,
             time=float("nan"),
-            positions=frame.outward(moved, problem.points, is_held),
+            positions=frame.displaced(problem.points, displacement),
             density=frame.to_caller(density),
             curvature_energy=measures.curvature_energy,
             area=measures.area,

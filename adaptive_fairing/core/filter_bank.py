@@ -137,5 +137,5 @@ class FilterBank:
 
 
 def n_solves(n_metrics: int) -> int:
-    """Linear solves that filtering in so many metrics takes."""
-    return n_metrics * len(TIMES) * CORRECTED_STEPS * 2
+    """Count the linear solves of the first surface and of filtering in so many metrics."""
+    return 2 * (FIRST_STEPS + n_metrics * len(TIMES) * CORRECTED_STEPS)

@@ -95,6 +95,16 @@ class SolverFrame:
         positions[self.surface.vertex_of[moving]] = current[moving] / self.scale + self.centre
         return positions
 
+    def displaced(self, points: FloatArray, displacement: FloatArray) -> FloatArray:
+        """Positions of the caller's vertices moved by the solver's displacements (n, 3).
+
+        Where the displacement is 0 they are those of `points`, bit by bit.
+        """
+        positions = points.copy()
+        moves = displacement.any(axis=1)
+        positions[self.surface.vertex_of[moves]] += displacement[moves] / self.scale
+        return positions
+
     def to_caller(self, values: FloatArray) -> FloatArray:
         """Values (n,) of the solver's vertices as values of the caller's vertices."""
         result = np.zeros(self.surface.vertex_of.max() + 1)

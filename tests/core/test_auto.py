@@ -1,0 +1,223 @@
+"""method="auto": no parameter, the noise goes, the shape stays."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import FairingSettings, InputError, PreparedMesh, SettingsError, fair
+
+AUTO = FairingSettings(method="auto")
+FREE = replace(AUTO, boundary="free")
+TORUS = meshes.torus(48, 24)
+
+
+def torus_normals(vertices, major=2.0):
+    around = vertices * [1, 1, 0]
+    centre = major * around / np.linalg.norm(around, axis=1, keepdims=True)
+    away = vertices - centre
+    return away / np.linalg.norm(away, axis=1, keepdims=True)
+
+
+def noisy_torus(amplitude=0.05, seed=0):
+    vertices, faces = TORUS
+    noise = amplitude * np.random.default_rng(seed).normal(size=(len(vertices), 1))
+    return vertices + noise * torus_normals(vertices), faces
+
+
+def distance_to_torus(points, major=2.0, minor=1.0):
+    ring = np.hypot(points[:, 0], points[:, 1]) - major
+    return np.sqrt(np.mean((np.hypot(ring, points[:, 2]) - minor) ** 2))
+
+
+def block(n=12):
+    """A cube of n³ cells with sharp edges: distance to it is exact."""
+    u, v = np.meshgrid(np.linspace(-1, 1, n + 1), np.linspace(-1, 1, n + 1), indexing="ij")
+    side = np.stack([u, v, np.ones_like(u)], axis=-1).reshape(-1, 3)
+    turns = [np.roll(np.eye(3), k, axis=0) for k in range(3)]
+    sides = [side @ turn * sign for turn in turns for sign in (1, -1)]
+    points = np.unique(np.round(np.concatenate(sides), 12), axis=0)
+    cells = []
+    for corner in sides:
+        index = np.array([np.argmin(((points - p) ** 2).sum(axis=1)) for p in corner])
+        grid = index.reshape(n + 1, n + 1)
+        a, b, c, d = grid[:-1, :-1], grid[1:, :-1], grid[1:, 1:], grid[:-1, 1:]
+        cells += [np.stack([a, b, c], -1).reshape(-1, 3), np.stack([a, c, d], -1).reshape(-1, 3)]
+    faces = np.concatenate(cells)
+    normals = np.cross(
+        points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]
+    )
+    inward = (normals * points[faces].mean(axis=1)).sum(axis=1) < 0
+    faces[inward] = faces[inward][:, [0, 2, 1]]
+    return points, faces
+
+
+def distance_to_block(points):
+    outside = np.maximum(np.abs(points) - 1, 0)
+    inside = np.abs(1 - np.abs(points).max(axis=1))
+    is_inside = np.abs(points).max(axis=1) < 1
+    return np.sqrt(np.mean(np.where(is_inside, inside, np.linalg.norm(outside, axis=1)) ** 2))
+
+
+@pytest.fixture(scope="module")
+def torus_result():
+    points, faces = noisy_torus()
+    return fair(points, faces, AUTO)
+
+
+def test_a_noisy_torus_comes_nearer_to_the_torus_than_by_any_uniform_diffusion(torus_result):
+    points, faces = noisy_torus()
+    left = distance_to_torus(torus_result.positions)
+    assert left < 0.36 * distance_to_torus(points)
+    uniform = [
+        distance_to_torus(fair(points, faces, FairingSettings("uniform", tau, 4)).positions)
+        for tau in (0.001, 0.002, 0.004, 0.008, 0.016)
+    ]
+    assert 0 < np.argmin(uniform) < 4
+    assert left < 0.8 * min(uniform)
+
+
+def test_the_noise_is_found_in_edges_and_in_units_of_the_object(torus_result):
+    estimate = torus_result.chosen.auto
+    assert estimate.noise_length == pytest.approx(0.05, rel=0.15)
+    assert torus_result.noise == estimate.noise
+    assert torus_result.radius == estimate.radius > 0.5
+    assert not estimate.is_sharp
+
+
+def test_every_strength_is_a_step_and_the_middle_one_is_chosen(torus_result):
+    steps = torus_result.steps
+    assert [step.auto.strength for step in steps] == [0.5, 0.75, 1.0, 1.5, 2.0]
+    assert [step.auto.is_chosen for step in steps] == [False, False, True, False, False]
+    assert np.array_equal(torus_result.positions, steps[2].positions)
+    radii = [step.auto.radius for step in steps]
+    assert radii == sorted(radii)
+    assert [step.stop_reason for step in steps] == [None] * 4 + ["steps"]
+
+
+def test_strength_scales_the_noise():
+    points, faces = noisy_torus()
+    stronger = fair(points, faces, replace(AUTO, strength=1.5))
+    assert [step.auto.strength for step in stronger.steps] == [0.75, 1.125, 1.5, 2.25, 3.0]
+    assert stronger.radius > fair(points, faces, AUTO).radius
+
+
+@pytest.mark.parametrize("name", ["torus", "sphere", "block"])
+def test_a_clean_mesh_comes_back_bit_by_bit(name):
+    vertices, faces = {"torus": TORUS, "sphere": meshes.graded_sphere(3), "block": block()}[name]
+    result = fair(vertices, faces, AUTO)
+    assert np.array_equal(result.positions, vertices)
+    assert "no noise found" in result.notes[-1]
+
+
+def test_edges_of_a_block_stay_sharp():
+    vertices, faces = block()
+    rng = np.random.default_rng(0)
+    points = vertices + 0.03 * rng.normal(size=vertices.shape)
+    result = fair(points, faces, AUTO)
+    assert result.chosen.auto.is_sharp
+    smooth = fair(points, faces, replace(AUTO, features="smooth"))
+    assert smooth.chosen.auto.sharp_share == 0
+    assert distance_to_block(result.positions) < distance_to_block(smooth.positions)
+    assert distance_to_block(result.positions) < 0.5 * distance_to_block(points)
+    sharp = fair(points, faces, replace(AUTO, features="sharp"))
+    assert sharp.chosen.auto.sharp_share == pytest.approx(1)
+
+
+def test_parts_of_different_noise_are_judged_each_by_itself():
+    points, faces = noisy_torus()
+    clean = TORUS[0] + [9, 0, 0]
+    both = np.concatenate([points, clean])
+    result = fair(both, np.concatenate([faces, faces + len(points)]), AUTO)
+    assert np.array_equal(result.positions[len(points) :], clean)
+    assert distance_to_torus(result.positions[: len(points)]) < 0.35 * distance_to_torus(points)
+
+
+def test_repeated_runs_are_equal_to_the_last_bit(torus_result):
+    points, faces = noisy_torus()
+    assert np.array_equal(fair(points, faces, AUTO).positions, torus_result.positions)
+
+
+def test_size_and_place_do_not_matter(torus_result):
+    points, faces = noisy_torus()
+    turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
+    moved = fair(1e3 * points @ turn.T + [5e3, 0, 1e3], faces, AUTO)
+    back = (moved.positions - [5e3, 0, 1e3]) @ turn / 1e3
+    assert distance_to_torus(back) == pytest.approx(
+        distance_to_torus(torus_result.positions), rel=0.05
+    )
+    assert moved.noise == pytest.approx(torus_result.noise, rel=1e-6)
+
+
+def test_held_vertices_stay_and_shares_scale_the_displacement(torus_result):
+    points, faces = noisy_torus()
+    weights = np.ones(len(points))
+    weights[:100], weights[100:200] = 0, 0.5
+    result = fair(points, faces, AUTO, weights=weights)
+    full = torus_result.positions - points
+    part = result.positions - points
+    assert np.array_equal(result.positions[:100], points[:100])
+    np.testing.assert_allclose(part[100:200], 0.5 * full[100:200], atol=1e-9)
+    np.testing.assert_allclose(part[200:], full[200:], atol=1e-9)
+
+
+def test_a_boundary_is_held_or_faired_with_the_rest():
+    vertices, faces = meshes.open_cylinder(64, 32)
+    rng = np.random.default_rng(0)
+    points = vertices + 0.02 * rng.normal(size=(len(vertices), 1)) * (vertices * [1, 1, 0])
+    border = meshes.boundary_vertices(faces)
+
+    def left(positions, which):
+        return np.sqrt(np.mean((np.hypot(*positions[which, :2].T) - 1) ** 2))
+
+    fixed, free = fair(points, faces, AUTO), fair(points, faces, FREE)
+    assert np.array_equal(fixed.positions[border], points[border])
+    assert left(free.positions, border) < 0.6 * left(points, border)
+    everything = np.arange(len(points))
+    assert left(free.positions, everything) < 0.4 * left(points, everything)
+
+
+def test_progress_rises_to_one_and_may_end_the_run():
+    points, faces = noisy_torus()
+    seen = []
+    fair(points, faces, AUTO, progress=seen.append)
+    assert seen == sorted(seen)
+    assert seen[-1] == 1
+    assert len(seen) > 50
+
+    def cancel(share):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        fair(points, faces, AUTO, progress=cancel)
+
+
+def test_a_plan_mixes_the_filters_alike_on_another_frame(torus_result):
+    points, faces = noisy_torus()
+    prepared = PreparedMesh(points, faces, AUTO)
+    plan = fair(points, faces, AUTO, prepared=prepared).chosen.auto.plan
+    again = fair(points, faces, AUTO, prepared=prepared, plan=plan)
+    assert np.array_equal(again.positions, torus_result.positions)
+    other, _ = noisy_torus(seed=1)
+    next_frame = fair(other, faces, AUTO, prepared=prepared, plan=plan)
+    assert next_frame.radius == again.radius
+    assert distance_to_torus(next_frame.positions) < 0.35 * distance_to_torus(other)
+
+
+def test_a_plan_of_another_mesh_is_refused(torus_result):
+    with pytest.raises(InputError, match="plan is of a mesh of 1152 vertices, not 642"):
+        fair(*meshes.icosphere(3), AUTO, plan=torus_result.chosen.auto.plan)
+
+
+def test_too_few_vertices_are_left_alone():
+    vertices, faces = meshes.icosahedron()
+    result = fair(vertices, faces, AUTO)
+    assert np.array_equal(result.positions, vertices)
+    assert "only 12 vertices" in result.notes[-1]
+
+
+@pytest.mark.parametrize("name, value", [("strength", 0), ("strength", 1e3), ("features", "soft")])
+def test_settings_out_of_range_are_named(name, value):
+    with pytest.raises(SettingsError, match=name):
+        FairingSettings(method="auto", **{name: value})
