@@ -149,6 +149,8 @@ def run_frames(tasks: Sequence[FairingTask], *, one_strength: bool) -> Iterator[
         first.error = str(error)
         return
     for task in tasks:
+        if task.is_cancelled:
+            return
         task.settings = settings
         yield from run_tasks([task], preparation.mesh, preparation.plan)
         task.steps = [kept_step(task.steps)] if task.steps else []

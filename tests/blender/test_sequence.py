@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from support.meshes import graded_sphere, random_closed
+from support.meshes import graded_sphere, noisy_ball, random_closed
 from support.objects import add_object, shown_positions
 
 from adaptive_fairing import cli
@@ -18,8 +18,9 @@ from adaptive_fairing.blender.files import empty_scene, export_mesh, import_mesh
 from adaptive_fairing.blender.frames import evaluated_mesh, object_at_frame
 from adaptive_fairing.blender.keyed_object import write_frame_keys
 from adaptive_fairing.blender.mesh_data import MeshData, read_mesh, read_positions
-from adaptive_fairing.blender.sequence import Preparations, same_strength
-from adaptive_fairing.core import FairingError, FairingSettings, fair
+from adaptive_fairing.blender.run import FairingTask
+from adaptive_fairing.blender.sequence import Preparations, run_frames, same_strength
+from adaptive_fairing.core import FairingError, FairingSettings, PreparedMesh, fair
 
 THOROUGH = pytest.mark.thorough
 
@@ -232,6 +233,55 @@ class TestSameStrength:
         n_steps = len(fair(data.vertices, data.triangles, asked).steps)
         assert 1 < n_steps < 20
         assert settings == replace(asked, steps=n_steps, stop_curvature=None)
+
+
+class TestRunFrames:
+    def tasks(self, method, n_frames=3):
+        vertices, faces = noisy_ball()
+        settings = FairingSettings(method=method, steps=2)
+        return [
+            FairingTask(f"Frame {i}", vertices * [1 + 0.1 * i, 1, 1], faces, None, settings)
+            for i in range(n_frames)
+        ]
+
+    @pytest.mark.parametrize("method", ["adaptive_timestep", "auto"])
+    def test_of_each_frame_the_result_is_kept(self, method):
+        tasks = self.tasks(method)
+        for _ in run_frames(tasks, one_strength=False):
+            pass
+        for task in tasks:
+            (step,) = task.steps
+            mesh = PreparedMesh(tasks[0].vertices, task.triangles, task.settings)
+            alone = fair(task.vertices, task.triangles, task.settings, prepared=mesh)
+            assert np.array_equal(step.positions, alone.positions.astype(np.float32))
+            assert step.stop_reason == "steps"
+
+    def test_auto_mixes_all_frames_as_the_first(self):
+        tasks = self.tasks("auto", n_frames=2)
+        for _ in run_frames(tasks, one_strength=True):
+            pass
+        first, second = tasks
+        mesh = PreparedMesh(first.vertices, first.triangles, first.settings)
+        mesh = PreparedMesh(first.vertices, first.triangles, first.settings, scale=mesh.own_scale)
+        plan = fair(first.vertices, first.triangles, first.settings, prepared=mesh)
+        alone = fair(
+            second.vertices,
+            second.triangles,
+            second.settings,
+            prepared=mesh,
+            plan=plan.chosen.auto.plan,
+        )
+        assert np.array_equal(second.steps[0].positions, alone.positions.astype(np.float32))
+
+    def test_a_cancelled_run_begins_no_other_frame(self):
+        tasks = self.tasks("auto")
+        frames = run_frames(tasks, one_strength=False)
+        assert next(frames) is tasks[0]
+        for task in tasks:
+            task.is_cancelled = True
+        assert list(frames) == []
+        assert [len(task.steps) for task in tasks] == [1, 0, 0]
+        assert tasks[1].share == tasks[2].share == 0
 
 
 class TestPreparations:
