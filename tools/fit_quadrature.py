@@ -27,7 +27,7 @@ from adaptive_fairing.core.patch_class import PatchClass
 from adaptive_fairing.core.patches import PatchSet
 from adaptive_fairing.core.quadrature import triangle_rule
 
-VALENCES = (4, 5, 7, 8)
+VALENCES = (4, 5, 7, 8, 9, 10)
 SURFACES = (
     # seed, jitter in units of the edges, stretching: thin triangles count as well
     (1, 0.25, 1.0),

@@ -20,13 +20,15 @@ from .errors import InputError
 from .forms import Form, ScalarForm
 from .geometry import SurfaceMeasures
 from .loop_basis import basis_table
-from .parallel import ordered_map
+from .parallel import Workspace, ordered_map
 from .patches import PatchSet
 from .quadrature import quadrature_choice
 from .sparsity import SymmetricPattern, scattered
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
+
+_workspace = Workspace()
 
 
 class StepSystem(NamedTuple):
@@ -59,7 +61,12 @@ class LoopSpace:
         self.topology = topology
         choice = quadrature_choice(quadrature_tolerance)
         patches = PatchSet(topology)
-        tables = [ClassTables(basis_table(c, choice)) for c in patches.classes]
+        tables = [
+            ClassTables(basis_table(patch_class, choice), n_triangles)
+            for patch_class, n_triangles in zip(
+                patches.classes, patches.class_sizes.tolist(), strict=True
+            )
+        ]
         self._chunks = [Chunk(segments, tables) for segments in patches.chunks]
 
     @cached_property
@@ -175,9 +182,7 @@ class LoopSpace:
     @cached_property
     def _entries(self) -> list[_ChunkEntries]:
         pattern = self.pattern
-        entries = list(ordered_map(lambda chunk: _ChunkEntries(chunk, pattern), self._chunks))
-        pattern.forget_tables()
-        return entries
+        return list(ordered_map(lambda chunk: _ChunkEntries(chunk, pattern), self._chunks))
 
     def _columns(self, positions: ArrayLike, field: ArrayLike | None) -> FloatArray:
         """Stack the coordinates and a scalar field as rows, (4, n_vertices)."""
@@ -220,13 +225,12 @@ class _ChunkEntries:
         for block in chunk.blocks:
             for part in block.parts:
                 vertices = part.of_control(block.control_points)
-                a, b = part.tables.pairs
-                first, second = vertices[a], vertices[b]
-                out = self.numbers[done : done + part.n_entries].reshape(first.shape)
-                places.numbers(first, second, out)
+                out = self.numbers[done : done + part.n_entries].reshape(-1, part.n_triangles)
+                places.numbers(vertices, part.tables.pairs, out)
                 ordered = np.sort(vertices, axis=0)
                 if (ordered[1:] == ordered[:-1]).any():
-                    merged = (first == second) & (a != b)[:, None]
+                    a, b = part.tables.pairs
+                    merged = (vertices[a] == vertices[b]) & (a != b)[:, None]
                     doubled.append(done + np.flatnonzero(merged))
                 done += part.n_entries
         self.doubled = np.concatenate(doubled)
@@ -246,8 +250,8 @@ def _integrate(
     chunk: Chunk, entries: _ChunkEntries, columns: FloatArray, form: Form
 ) -> _Contribution:
     window = columns[:, chunk.low : chunk.high]
-    local = np.empty(chunk.n_entries)
-    loads = np.empty((3, chunk.n_control if form.measured else 0))
+    local = _workspace.array("local", chunk.n_entries)
+    loads = _workspace.array("loads", 3, chunk.n_control if form.measured else 0)
     totals = np.zeros(3)
     n_done = n_loaded = 0
     for block in chunk.blocks:
@@ -261,7 +265,8 @@ def _integrate(
             n_done += part.n_entries
         if form.measured:
             totals += integrate_measures(block, surface)
-            moved = surface.values[:3].reshape(3, block.n_points, -1) * coefficients[0]  # t⁻¹ √g x
+            moved = surface.values[:3].reshape(3, block.n_points, -1)
+            moved *= coefficients[0]  # t⁻¹ √g x
             own = loads[:, n_loaded : n_loaded + len(block.control_points)]
             for part in block.parts:
                 part.tables.weighted_sums(moved[..., part.columns], out=part.of_control(own))
@@ -273,6 +278,6 @@ def _integrate(
         scattered(entries.numbers, local, entries.high - entries.low),
         np.stack([scattered(np.concatenate(control), load, size) for load in loads])
         if form.measured
-        else loads,
+        else np.zeros((3, 0)),
         totals,
     )

@@ -15,10 +15,13 @@ from numpy.typing import NDArray
 
 from .class_tables import ClassTables
 from .geometry import Metric, mean_curvature, metric_at
+from .parallel import Workspace
 from .patches import Segment
 
 FloatArray = NDArray[np.float64]
 Value = TypeVar("Value", np.float64, np.int32)
+
+_workspace = Workspace()
 
 # Large enough to hide the cost of a numpy call, small enough for the cache of one core.
 POINTS_PER_BLOCK = 6144
@@ -139,7 +142,7 @@ def _blocks(
 
 
 class SurfaceBlock(NamedTuple):
-    """Surface and field at the quadrature points of a block.
+    """Surface and field at the quadrature points of a block, until the thread's next block.
 
     Points run over the quadrature points first, then over the triangles: arrays (…, n_points) can
     be seen as (…, q, n_triangles).
@@ -169,13 +172,13 @@ def evaluate(block: Block, columns: FloatArray, curved: bool) -> SurfaceBlock:
     curved : bool
         Whether second derivatives are wanted.
     """
-    control = np.empty((4, len(block.control_points)))
+    control = _workspace.array("control", 4, len(block.control_points))
     for column, row in zip(columns, control, strict=True):
         np.take(column, block.control_points, out=row, mode="clip")
     n_derivatives = 6 if curved else 3
     shape = block.n_points, block.n_triangles
-    values = np.empty((4, *shape))
-    jets = np.empty((3, n_derivatives, *shape))
+    values = _workspace.array("values", 4, *shape)
+    jets = _workspace.array("jets", 3, n_derivatives, *shape)
     rows = jets.reshape(3, -1, block.n_triangles)
     for part in block.parts:
         own = part.of_control(control)
@@ -190,10 +193,12 @@ def evaluate(block: Block, columns: FloatArray, curved: bool) -> SurfaceBlock:
 def integrate_measures(block: Block, surface: SurfaceBlock) -> FloatArray:
     """Curvature energy, area and volume of a block, (3,)."""
     metric = surface.metric
-    integrands = np.zeros((3, len(metric.area_element)))
+    integrands = _workspace.array("integrands", 3, len(metric.area_element))
     if surface.second_derivatives is not None:
         np.square(mean_curvature(metric, surface.second_derivatives), out=integrands[0])
         integrands[0] *= metric.area_element
+    else:
+        integrands[0] = 0
     integrands[1] = metric.area_element
     np.einsum("dp,dp->p", surface.values[:3], metric.normal, out=integrands[2])
     by_point = integrands.reshape(3, block.n_points, block.n_triangles)

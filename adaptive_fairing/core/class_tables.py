@@ -12,9 +12,11 @@ from .loop_basis import BasisTable
 
 FloatArray = NDArray[np.float64]
 
-# Above this many numbers the table of products (32 MB) costs more than it saves: poles of very
-# high valence have tens of thousands of pairs of control points, and few triangles.
+# A table of products is made up to this many numbers (32 MB) and this many for each triangle that
+# uses it: poles of high valence have tens of thousands of pairs of control points, many points,
+# and few triangles.
 LARGEST_PRODUCT_TABLE = 4_000_000
+NUMBERS_PER_TRIANGLE = 15_000
 
 # Multiplications per matrix product.  Products of this size stay below the limit at which OpenBLAS
 # starts threads of its own, which would compete with those that work on other chunks.
@@ -23,6 +25,12 @@ LARGEST_PRODUCT = 250_000
 
 class ClassTables:
     """Tables of a patch class with K control points and q quadrature points.
+
+    Parameters
+    ----------
+    table : BasisTable
+    n_triangles : int
+        How many triangles of the mesh are of this class.
 
     Attributes
     ----------
@@ -35,14 +43,15 @@ class ClassTables:
         Pairs of control points a ≤ b, p = K (K + 1) / 2: the entries of a local matrix.
     """
 
-    def __init__(self, table: BasisTable) -> None:
+    def __init__(self, table: BasisTable, n_triangles: int) -> None:
         basis, self.weights = table
         self.n_points, self.n_control_points = basis.shape[1:]
         self.basis = np.ascontiguousarray(basis).reshape(-1, self.n_control_points)
         self.weighted_values = np.ascontiguousarray(basis[0].T * self.weights)
         self.pairs = np.triu_indices(self.n_control_points)
         self._products: FloatArray | None = None
-        if 4 * self.n_points * len(self.pairs[0]) <= LARGEST_PRODUCT_TABLE:
+        n_products = 4 * self.n_points * len(self.pairs[0])
+        if n_products <= min(LARGEST_PRODUCT_TABLE, NUMBERS_PER_TRIANGLE * n_triangles):
             self._products = self._product_table()
 
     def evaluate(self, control: FloatArray, n_derivatives: int, out: FloatArray) -> None:

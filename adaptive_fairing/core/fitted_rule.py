@@ -24,11 +24,13 @@ _WEIGHTS = (0.035547465, 0.049410684, 0.096891400)
 # By valence of a corner, in millionths: shifts of the weights of points, in the order of their
 # barycentric coordinate at that corner (six kinds of points).
 _SHIFTS = {
-    4: (319, 67, -289, -1146, 981, -1010),
-    5: (146, 76, -314, -317, 451, -398),
+    4: (318, 82, -274, -1216, 1027, -1091),
+    5: (156, 68, -282, -408, 489, -454),
     6: (0, 0, 0, 0, 0, 0),
-    7: (-74, -155, 447, -24, -417, 420),
-    8: (-120, -325, 898, -89, -830, 843),
+    7: (-70, -150, 429, -18, -410, 419),
+    8: (-125, -310, 871, -62, -825, 838),
+    9: (-115, -498, 1318, -278, -1153, 1175),
+    10: (-30, -668, 1623, -642, -1293, 1376),
 }
 
 
@@ -54,8 +56,11 @@ def is_fitted(patch_class: PatchClass) -> bool:
     valences = sorted(corner.ring_size for corner in patch_class)
     if any(corner.is_boundary for corner in patch_class) or not _SHIFTS.keys() >= set(valences):
         return False
-    # Measured: beyond 1e-3 in octahedra, and in the thin triangles around a pole.
-    return valences.count(4) < 2 and valences != [5, 5, 6]
+    # Measured: beyond 1e-3 in octahedra, in the thin triangles around a pole, and where vertices
+    # of high and low valence meet.
+    if valences.count(4) > 1 or valences == [5, 5, 6]:
+        return False
+    return valences[-1] < 9 or sum(abs(valence - 6) for valence in valences) <= 5
 
 
 @lru_cache(maxsize=4096)

@@ -120,11 +120,20 @@ def refined_table(patch_class: PatchClass, rule: QuadratureRule, depth: int) -> 
         return _table_at(patch_class, rule)
     matrix, children = refine(patch_class)
     tables, weights = [], []
-    for child in children:
-        part = refined_table(child.patch_class, rule, depth - 1)
-        tables.append(_chain_rule(part.values @ matrix[child.rows], child.jacobian))
-        weights.append(part.weights / 4)
+    for index, child in enumerate(children):
+        part = _refined_part(child.patch_class, index, rule, depth - 1)
+        tables.append(part.values @ matrix[child.rows])
+        weights.append(part.weights)
     return BasisTable(np.concatenate(tables, axis=1), np.concatenate(weights))
+
+
+@lru_cache(maxsize=1024)
+def _refined_part(
+    child_class: PatchClass, index: int, rule: QuadratureRule, depth: int
+) -> BasisTable:
+    """Tabulate a child by the parameters of its parent: few children serve many classes."""
+    part = refined_table(child_class, rule, depth)
+    return BasisTable(_chain_rule(part.values, child_map(index)[1]), part.weights / 4)
 
 
 @lru_cache(maxsize=4096)

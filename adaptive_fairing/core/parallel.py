@@ -6,17 +6,25 @@ the same to the last bit from run to run.
 
 from __future__ import annotations
 
+import math
 import os
+import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import lru_cache
 from typing import TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
 MOST_THREADS = 8  # beyond that memory bandwidth is the limit
+
+# Numbers of an array that a workspace keeps (32 MB): larger ones would be missing elsewhere.
+LARGEST_KEPT = 4_000_000
 
 
 @lru_cache(maxsize=1)
@@ -50,3 +58,20 @@ def ordered_map(function: Callable[[Item], Result], items: Sequence[Item]) -> It
 @lru_cache(maxsize=1)
 def _pool() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(n_threads(), thread_name_prefix="adaptive_fairing")
+
+
+class Workspace(threading.local):
+    """Arrays that every thread uses again and again: fresh memory costs more than filling it."""
+
+    def __init__(self) -> None:
+        self._buffers: dict[str, NDArray[np.float64]] = {}
+
+    def array(self, name: str, *shape: int) -> NDArray[np.float64]:
+        """Return an array of any content, valid until this thread asks for `name` again."""
+        size = math.prod(shape)
+        if size > LARGEST_KEPT:
+            return np.empty(shape)
+        buffer = self._buffers.get(name)
+        if buffer is None or len(buffer) < size:
+            buffer = self._buffers[name] = np.empty(size)
+        return buffer[:size].reshape(shape)

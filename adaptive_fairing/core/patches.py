@@ -49,6 +49,8 @@ class PatchSet:
     ----------
     classes : list of PatchClass
         Distinct connectivities, up to rotation of the triangle.
+    class_sizes : (n_classes,) int
+        Number of triangles of each.
     chunks : list of lists of Segment
         Every triangle occurs in exactly one segment.
     """
@@ -60,6 +62,7 @@ class PatchSet:
         self.classes: list[PatchClass] = [
             (decode[a], decode[b], decode[c]) for a, b, c in class_codes.tolist()
         ]
+        self.class_sizes = np.bincount(class_of, minlength=len(self.classes))
         self.n_control_points = np.array([ControlPoints(c).count for c in self.classes], dtype=int)
 
         chunk_of = np.arange(topology.n_triangles) // TRIANGLES_PER_CHUNK

@@ -7,12 +7,12 @@ adjacency A: 37 entries a row on a regular mesh.  Only the upper triangle is acc
 
 from __future__ import annotations
 
-import threading
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from .parallel import ordered_map
 from .topology import TriangleTopology
@@ -21,9 +21,9 @@ IntArray = NDArray[np.int32]
 
 ENTRIES_PER_PIECE = 1 << 20
 
-# Places in a table of ranks, two bytes each and as many tables as threads: where a strip of rows is
-# wider, places are searched for in the pattern, which takes three times as long.
-LARGEST_TABLE = 100_000_000
+# Places in a table of entries, four bytes each and as many tables as threads.  Where a pole of high
+# valence needs more, entries are searched for in the pattern, which takes three times as long.
+LARGEST_TABLE = 32_000_000
 
 
 class SymmetricPattern:
@@ -39,7 +39,8 @@ class SymmetricPattern:
 
     def __init__(self, topology: TriangleTopology) -> None:
         self.n = topology.n_vertices
-        near = topology.adjacency() + sparse.eye_array(self.n, dtype=np.int8, format="csr")
+        self._adjacency = topology.adjacency()
+        near = self._adjacency + sparse.eye_array(self.n, dtype=np.int8, format="csr")
         reach = near @ near @ near
         reach = reach.T.tocsr()  # transposing a symmetric pattern sorts its rows in linear time
         self._indptr, self._indices = reach.indptr, reach.indices
@@ -62,33 +63,29 @@ class SymmetricPattern:
         below = np.ones(self.n_upper, dtype=bool)
         below[lower.indptr[1:] - 1] = False
         self._upper_of[~is_upper] = lower.data[below]
-        self._tables = threading.local()
 
     def places(self, low: int, high: int) -> Places:
         """Prepare to look up entries among the vertices from `low` to `high` - 1."""
-        upper = slice(self._upper_start[low], self._upper_start[high])
+        first, last = self._upper_start[low], self._upper_start[high]
         sizes = np.diff(self._upper_start[low : high + 1])
         rows = np.repeat(np.arange(high - low, dtype=np.int32), sizes)
-        columns = self._upper_columns[upper] - np.int32(low)
-        start = self._upper_start[low:high]
-        width = int((columns - rows).max()) + 1
-        n_places = (high - low) * width + high - low
-        if n_places > LARGEST_TABLE or sizes.max() > np.iinfo(np.uint16).max:
-            return _SearchedPlaces(rows, columns, start)
-        # One table per thread, for one chunk after the other: only places of entries are ever
-        # read, so what is left of others does not matter.
-        table = getattr(self._tables, "table", None)
-        if table is None or len(table) < n_places:
-            table = self._tables.table = np.empty(n_places, dtype=np.uint16)
-        stride = np.int32(width - 1)
-        table[rows * stride + columns] = np.arange(len(rows), dtype=np.int32) - (
-            start - start[0]
-        ).repeat(sizes)
-        return _TabledPlaces(table, stride, start)
-
-    def forget_tables(self) -> None:
-        """Free the tables that looking up needed."""
-        self._tables = threading.local()
+        columns = self._upper_columns[first:last] - np.int32(low)
+        numbers = np.arange(first, last, dtype=np.int32)
+        if columns.max() >= high - low:
+            within = columns < high - low
+            rows, columns, numbers = rows[within], columns[within], numbers[within]
+        # In an order of small bandwidth a table with a place for every pair of near vertices is
+        # not much larger than the entries.
+        order = _narrow_order(self._adjacency[low:high, low:high])
+        row, column = _ascending(order[rows], order[columns])
+        stride = np.int32((column - row).max())
+        if (high - low) * int(stride + 1) > LARGEST_TABLE:
+            return _SearchedPlaces(rows, columns, numbers, high - low)
+        table = np.empty((high - low) * int(stride + 1), dtype=np.int32)
+        row *= stride
+        row += column
+        table[row] = numbers
+        return _TabledPlaces(table, stride, order)
 
     def matrix(self, upper: NDArray[np.float64]) -> sparse.csr_array:
         """Return the full symmetric matrix with upper entries `upper`, (n_upper,)."""
@@ -108,40 +105,62 @@ class SymmetricPattern:
 class Places(Protocol):
     """Finds the upper entries of pairs of vertices of one chunk."""
 
-    def numbers(self, first: IntArray, second: IntArray, out: IntArray) -> None:
-        """Write the numbers of the entries (first, second) or (second, first) to `out`.
+    def numbers(
+        self, vertices: IntArray, pairs: tuple[NDArray[np.intp], NDArray[np.intp]], out: IntArray
+    ) -> None:
+        """Write the numbers of entries of local matrices.
 
-        Vertices count from the chunk's lowest one.
+        Parameters
+        ----------
+        vertices : (K, n) int32
+            Control points, counted from the chunk's lowest vertex.
+        pairs : two arrays (p,)
+            Pairs of control points.
+        out : (p, n) int32
         """
 
 
 class _TabledPlaces:
-    """The rank of each upper entry in its row, at row · stride + column of a table."""
+    """The number of each upper entry, at row · stride + column of a table."""
 
-    def __init__(self, table: NDArray[np.uint16], stride: np.int32, start: IntArray) -> None:
-        self._table, self._stride, self._start = table, stride, start
+    def __init__(self, table: IntArray, stride: np.int32, order: IntArray) -> None:
+        self._table, self._stride, self._order = table, stride, order
 
-    def numbers(self, first: IntArray, second: IntArray, out: IntArray) -> None:
-        row = np.minimum(first, second)
-        place = np.maximum(first, second)
-        np.take(self._start, row, out=out, mode="clip")
-        row *= self._stride
-        place += row
-        out += np.take(self._table, place, mode="clip")
+    def numbers(
+        self, vertices: IntArray, pairs: tuple[NDArray[np.intp], NDArray[np.intp]], out: IntArray
+    ) -> None:
+        ordered = self._order[vertices]
+        place, column = _ascending(ordered[pairs[0]], ordered[pairs[1]])
+        place *= self._stride
+        place += column
+        np.take(self._table, place, out=out, mode="clip")
 
 
 class _SearchedPlaces:
     """Entries are looked for in the sorted rows."""
 
-    def __init__(self, rows: IntArray, columns: IntArray, start: IntArray) -> None:
-        numbers = np.arange(start[0], start[0] + len(rows), dtype=np.int32)
-        shape = (len(start), int(columns.max()) + 1)
-        self._numbers = sparse.csr_array((numbers, (rows, columns)), shape=shape)
+    def __init__(self, rows: IntArray, columns: IntArray, numbers: IntArray, n: int) -> None:
+        self._numbers = sparse.csr_array((numbers, (rows, columns)), shape=(n, n))
 
-    def numbers(self, first: IntArray, second: IntArray, out: IntArray) -> None:
-        row, column = np.minimum(first, second), np.maximum(first, second)
+    def numbers(
+        self, vertices: IntArray, pairs: tuple[NDArray[np.intp], NDArray[np.intp]], out: IntArray
+    ) -> None:
+        row, column = _ascending(vertices[pairs[0]], vertices[pairs[1]])
         found = self._numbers[row.reshape(-1), column.reshape(-1)]
         out[:] = np.asarray(found).reshape(out.shape)
+
+
+def _narrow_order(adjacency: sparse.csr_array) -> IntArray:
+    """Renumber vertices so that neighbours have near numbers."""
+    order = np.empty(adjacency.shape[0], dtype=np.int32)
+    order[reverse_cuthill_mckee(adjacency, symmetric_mode=True)] = np.arange(
+        len(order), dtype=np.int32
+    )
+    return order
+
+
+def _ascending(first: IntArray, second: IntArray) -> tuple[IntArray, IntArray]:
+    return np.minimum(first, second), np.maximum(first, second)
 
 
 def scattered(places: IntArray, values: NDArray[np.float64], size: int) -> NDArray[np.float64]:
