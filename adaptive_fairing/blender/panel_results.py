@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
@@ -63,7 +65,7 @@ class VIEW3D_PT_adaptive_fairing_view(FairingPanel, bpy.types.Panel):
         layout = self.layout
         obj = context.active_object
         shown = obj.adaptive_fairing.view if obj is not None else ""
-        grid = layout.grid_flow(columns=2, even_columns=True, align=True)
+        grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
         for field, title, _ in FIELDS:
             button = grid.operator(
                 OBJECT_OT_adaptive_fairing_view.bl_idname,
@@ -92,11 +94,13 @@ def _draw_evolution(context, layout, obj) -> None:
     n_steps = len(record.steps) - 1
     row = layout.row()
     row.scale_y = 1.3
+    row.prop(record, "evolution", slider=True)
     if is_of_strengths(record):
-        row.prop(record, "evolution", text=iface_("Strength"), slider=True)
-        shown = iface_("Strength {:.2f}").format(shown_strength(record))
+        strength = shown_strength(record)
+        is_chosen = math.isclose(strength, result_step(record).strength, rel_tol=1e-4)
+        shown = iface_("Strength {:.2f}, chosen") if is_chosen else iface_("Strength {:.2f}")
+        shown = shown.format(strength)
     else:
-        row.prop(record, "evolution", slider=True)
         shown = iface_("Step {:.1f} of {:d}").format(record.evolution * n_steps, n_steps)
     row = layout.row()
     row.label(text=shown, translate=False)

@@ -77,6 +77,37 @@ def test_progress_is_shown_during_the_run(app):
     assert pictures["running"]["UI"]["colours"] > N_COLOURS_OF_AN_INTERFACE
 
 
+class TestAutomatic:
+    """The method without parameters."""
+
+    @pytest.fixture
+    def seen(self, app) -> dict:
+        return app.play("automatic")
+
+    def test_escape_ends_the_run_at_once_without_a_result(self, seen):
+        assert seen["running before escape"]
+        assert seen["after escape"] == []
+
+    def test_the_slider_stands_at_the_chosen_one_of_five_strengths(self, seen):
+        assert seen["keys"] == ["Basis", *(f"Fairing {index}" for index in range(1, 6))]
+        assert seen["shown"] == ["Fairing 3"]
+
+    def test_the_colours_show_what_was_removed(self, seen):
+        assert seen["colours"] == "fairing_removed_color"
+
+    def test_the_window_shows_progress_result_and_colours(self, seen):
+        pictures = seen["pictures"]
+        for name, parts in pictures.items():
+            assert parts["UI"]["colours"] > N_COLOURS_OF_AN_INTERFACE, name
+        for earlier, later, part in (
+            ("auto-running", "auto-running-later", "UI"),
+            ("auto-before", "auto-after", "WINDOW"),
+            ("auto-after", "auto-removed", "WINDOW"),
+            ("auto-after", "auto-removed", "UI"),
+        ):
+            assert pictures[earlier][part]["checksum"] != pictures[later][part]["checksum"]
+
+
 def test_deleting_the_object_during_a_run_is_survived(app):
     assert app.play("delete_object")["second run"] == ["Basis", "Fairing 1", "Fairing 2"]
 

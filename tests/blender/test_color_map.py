@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from adaptive_fairing.blender.color_map import NO_VALUE, colors_srgb, normalized, srgb_to_linear
+from adaptive_fairing.blender.color_map import (
+    DIVERGING_ANCHORS,
+    NO_VALUE,
+    colors_srgb,
+    normalized,
+    srgb_to_linear,
+    symmetric_range,
+)
 
 # Entries of the published table of 256 colours (viridis, CC0), away from the anchors in use.
 PUBLISHED = [
@@ -60,3 +67,34 @@ def test_srgb_decoding_at_known_points():
     np.testing.assert_allclose(srgb_to_linear([0, 0.5, 1]), [0, 0.21404114, 1], rtol=1e-7)
     below, above = srgb_to_linear([0.04045, 0.0404500001])
     assert above == pytest.approx(below, rel=1e-4)
+
+
+class TestBothSidesOfZero:
+    def colors(self, values):
+        return colors_srgb(values, -2.0, 2.0, DIVERGING_ANCHORS)
+
+    def luminance(self, values):
+        return srgb_to_linear(self.colors(values)) @ [0.2126, 0.7152, 0.0722]
+
+    def test_zero_is_bright_without_a_hue_and_brightness_falls_to_both_sides(self):
+        red, green, blue = self.colors([0.0])[0]
+        assert red == green == blue > 0.9
+        assert np.all(np.diff(self.luminance(np.linspace(0, 2, 1000))) < 0)
+        assert np.all(np.diff(self.luminance(np.linspace(-2, 0, 1000))) > 0)
+
+    def test_both_sides_are_as_bright(self):
+        values = np.linspace(0, 2, 100)
+        ratio = self.luminance(values) / self.luminance(-values)
+        assert np.abs(np.log(ratio)).max() < np.log(1.6)
+
+    def test_positive_is_red_and_negative_is_blue(self):
+        (positive, negative) = self.colors([1.0, -1.0])
+        assert positive[0] > positive[2] + 0.3
+        assert negative[2] > negative[0] + 0.3
+
+    def test_the_range_is_symmetric_and_spares_a_few_extremes(self):
+        values = np.append(np.linspace(-1.0, 3.0, 1000), [np.nan, 1e6])
+        low, high = symmetric_range(values)
+        assert low == -high
+        assert 2.8 < high < 3.1
+        assert symmetric_range([np.nan]) == (0.0, 0.0)

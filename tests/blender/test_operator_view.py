@@ -11,6 +11,7 @@ from support.objects import add_object, numbers, shown_positions
 from adaptive_fairing.blender import viewport
 from adaptive_fairing.blender.color_map import color_range
 from adaptive_fairing.blender.fields import field_values
+from adaptive_fairing.blender.shape_keys import write_absolute_keys
 from adaptive_fairing.core import FairingSettings, fair
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -58,6 +59,56 @@ class TestCurvature:
         inside = np.isfinite(values)
         assert 0 < inside.sum() < len(values)
         assert values[inside] == pytest.approx(0.0, abs=1e-9 / radius)
+
+
+class TestRemoved:
+    """Blown up or shrunk spheres, whose vertices have all moved along their normals."""
+
+    @pytest.fixture(params=[0.9, 1.1])
+    def factor(self, request):
+        return request.param
+
+    @pytest.fixture
+    def obj(self, factor):
+        vertices, faces = icosphere(3)
+        obj = add_selected(vertices, faces)
+        write_absolute_keys(obj, [factor * vertices])
+        show("REMOVED")
+        return obj
+
+    def test_it_is_the_way_along_the_normal_positive_where_a_bump_was_taken_off(self, obj, factor):
+        removed = numbers(obj.data, "fairing_removed")
+        assert removed == pytest.approx(1.0 - factor, abs=1e-4)
+
+    def test_bumps_are_red_and_dents_blue_and_zero_is_in_the_middle(self, obj, factor):
+        colors = np.array([each.color[:3] for each in active_color(obj).data])
+        assert active_color(obj).name == "fairing_removed_color"
+        assert (np.sign(colors[:, 0] - colors[:, 2]) == np.sign(1.0 - factor)).all()
+        low, high = obj.adaptive_fairing.view_range
+        assert low == -high
+        assert high == pytest.approx(0.1, abs=1e-4)
+
+    def test_moves_within_the_surface_remove_nothing(self):
+        vertices, faces = flat_hexagon(4)
+        obj = add_selected(vertices, faces)
+        write_absolute_keys(obj, [0.8 * vertices])
+        show("REMOVED")
+        assert numbers(obj.data, "fairing_removed") == pytest.approx(0.0, abs=1e-6)
+
+    def test_it_follows_the_slider_and_is_for_every_method(self):
+        obj = add_selected(*icosphere(2))
+        for method in ("uniform", "adaptive_tensor"):
+            bpy.ops.object.adaptive_fairing(method=method, steps=2, tau=0.01)
+            show("REMOVED")
+            whole = numbers(obj.data, "fairing_removed")
+            assert (whole > 0).all()
+            obj.adaptive_fairing.evolution = 0.0
+            show("REMOVED")
+            assert not numbers(obj.data, "fairing_removed").any()
+
+
+def active_color(obj):
+    return obj.data.color_attributes.active_color
 
 
 class TestOtherFields:

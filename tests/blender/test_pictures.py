@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from adaptive_fairing.blender import pictures
-from adaptive_fairing.blender.color_map import ANCHORS
+from adaptive_fairing.blender.color_map import ANCHORS, DIVERGING_ANCHORS
 
 
 def line_height(image, x):
@@ -42,6 +42,13 @@ def test_the_colour_scale_runs_from_dark_at_the_bottom_to_bright_at_the_top():
     assert bar[-1, 0, :3] == pytest.approx(ANCHORS[-1])
     brightness = bar[:, 0, :3] @ [0.2126, 0.7152, 0.0722]
     assert (np.diff(brightness) > 0).all()
+
+
+def test_the_signed_colour_scale_runs_from_blue_over_white_to_red():
+    bar = pictures.draw_scale(DIVERGING_ANCHORS)[:, pictures.SCALE_BAR]
+    assert bar[0, 0, :3] == pytest.approx(DIVERGING_ANCHORS[0])
+    assert bar[-1, 0, :3] == pytest.approx(DIVERGING_ANCHORS[-1])
+    assert bar[len(bar) // 2, 0, :3].min() > 0.9
 
 
 @pytest.mark.usefixtures("addon")

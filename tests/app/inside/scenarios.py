@@ -113,6 +113,38 @@ def escape(stage: Stage) -> Scenario:
     stage.results["after undo"] = key_names()
 
 
+def automatic(stage: Stage) -> Scenario:
+    """Esc ends an automatic run at once; a whole one stands at the chosen strength; its colours."""
+    add_noisy("ico_sphere", 0.004, subdivisions=7)
+    bpy.context.scene.adaptive_fairing.method = "auto"
+    yield from press_fairing(stage)
+    yield 4.0
+    yield from stage.picture("auto-running")
+    yield 4.0
+    yield from stage.picture("auto-running-later")
+    stage.results["running before escape"] = stage.is_running()
+    yield from stage.press_in_view("Escape")
+    yield stage.until(lambda: not stage.is_running(), 20, "end after Esc")
+    stage.results["after escape"] = key_names()
+
+    obj = add_noisy("ico_sphere", 0.02, subdivisions=5)
+    with stage.context():
+        bpy.ops.view3d.view_selected()
+    yield from stage.picture("auto-before")
+    yield from press_fairing(stage)
+    yield stage.until(lambda: not stage.is_running(), 200, "end of the run")
+    yield 1.0
+    yield from stage.picture("auto-after")
+    keys = obj.data.shape_keys
+    stage.results["keys"] = key_names()
+    stage.results["shown"] = [key.name for key in keys.key_blocks if key.frame == keys.eval_time]
+    x, y = yield from stage.find_button("adaptive_fairing_view(field='REMOVED')")
+    stage.click(x, y)
+    yield 1.0
+    yield from stage.picture("auto-removed")
+    stage.results["colours"] = obj.data.color_attributes.active_color.name
+
+
 def delete_object(stage: Stage) -> Scenario:
     """Delete the object while it is being faired; afterwards another one can be faired."""
     obj = add_noisy("ico_sphere", 0.01, subdivisions=6)
