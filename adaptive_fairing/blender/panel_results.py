@@ -95,15 +95,16 @@ def _draw_evolution(context, layout, obj) -> None:
     row = layout.row()
     row.scale_y = 1.3
     row.prop(record, "evolution", slider=True)
+    mark = "NONE"
     if is_of_strengths(record):
         strength = shown_strength(record)
-        is_chosen = math.isclose(strength, result_step(record).strength, rel_tol=1e-4)
-        shown = iface_("Strength {:.2f}, chosen") if is_chosen else iface_("Strength {:.2f}")
-        shown = shown.format(strength)
+        if math.isclose(strength, result_step(record).strength, rel_tol=1e-4):
+            mark = "CHECKMARK"
+        shown = iface_("Strength {:.2f}").format(strength)
     else:
         shown = iface_("Step {:.1f} of {:d}").format(record.evolution * n_steps, n_steps)
     row = layout.row()
-    row.label(text=shown, translate=False)
+    row.label(text=shown, icon=mark, translate=False)
     row.prop(evolution_keys(obj), "eval_time", text=iface_("Time"))
 
     settings = context.scene.adaptive_fairing

@@ -246,7 +246,6 @@ GERMAN = {
     "Esc: stop, keep the finished steps": "Esc: anhalten, fertige Schritte behalten",
     "Step {:.1f} of {:d}": "Schritt {:.1f} von {:d}",
     "Strength {:.2f}": "Stärke {:.2f}",
-    "Strength {:.2f}, chosen": "Stärke {:.2f}, gewählt",
     "Chosen": "Gewählt",
     "{:d} of {:d}, strength {:.4g}": "{:d} von {:d}, Stärke {:.4g}",
     "Noise": "Rauschen",

@@ -140,16 +140,12 @@ class TestPanel:
 
     def test_the_slider_tells_the_strength_and_marks_the_chosen_one(self, noisy):
         run()
-        for evolution, text in (
-            (0.0, "Strength 0.00"),
-            (0.1, "Strength 0.25"),
-            (0.2, "Strength 0.50"),
-            (0.6, "Strength 1.00, chosen"),
-            (0.7, "Strength 1.25"),
-            (1.0, "Strength 2.00"),
-        ):
+        for evolution, strength in ((0, 0), (0.1, 0.25), (0.2, 0.5), (0.6, 1), (0.7, 1.25), (1, 2)):
             noisy.adaptive_fairing.evolution = evolution
-            assert text in draw(panel_results.VIEW3D_PT_adaptive_fairing_results).texts
+            drawn = draw(panel_results.VIEW3D_PT_adaptive_fairing_results)
+            text = f"Strength {strength:.2f}"
+            assert text in drawn.texts
+            assert drawn.marked == ([text] if strength == 1 else [])
 
     def test_a_record_of_the_papers_methods_has_no_estimate(self, noisy):
         run()

@@ -15,7 +15,9 @@ class FakeLayout:
         self.drawn = (
             drawn
             if drawn is not None
-            else SimpleNamespace(texts=[], properties=[], operators=[], icons=[], progress=[])
+            else SimpleNamespace(
+                texts=[], marked=[], properties=[], operators=[], icons=[], progress=[]
+            )
         )
 
     def _nested(self, *arguments, **options):
@@ -29,6 +31,8 @@ class FakeLayout:
     def label(self, *, text="", icon="NONE", translate=True):
         known_icon(icon)
         self.drawn.texts.append(text)
+        if icon == "CHECKMARK":
+            self.drawn.marked.append(text)
 
     def progress(self, *, factor, text):
         assert 0.0 <= factor <= 1.0

@@ -162,6 +162,11 @@ class Stage:
             raise LookupError(f"no control of the sidebar copies {text!r}")
         return x, sum(rows) // len(rows)
 
+    def scroll_down(self, kind: str) -> None:
+        """Turn the wheel over a region of the 3D view until its end is in sight."""
+        self.point(*self.middle(kind))
+        xdotool("click", "--repeat", 30, "--delay", 30, 5)
+
     def drag(self, x: int, y: int, distance: int) -> Scenario:
         """Press the left button at a point, move sideways by some pixels, and let go."""
         self.point(x, y)

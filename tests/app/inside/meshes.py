@@ -6,11 +6,15 @@ import bpy
 import numpy as np
 
 
-def add_noisy(primitive: str, noise: float, **sizes: int) -> bpy.types.Object:
+def add_noisy(
+    primitive: str, noise: float, method: str = "adaptive_timestep", **sizes: int
+) -> bpy.types.Object:
     """Replace the scene's objects by one of Blender's primitives with seeded noise.
 
-    `noise` is the standard deviation along the normals in object units.
+    `noise` is the standard deviation along the normals in object units, `method` what the panel
+    is set to.
     """
+    bpy.context.scene.adaptive_fairing.method = method
     for old in list(bpy.data.objects):
         bpy.data.objects.remove(old)
     getattr(bpy.ops.mesh, f"primitive_{primitive}_add")(**sizes)

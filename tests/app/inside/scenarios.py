@@ -115,8 +115,7 @@ def escape(stage: Stage) -> Scenario:
 
 def automatic(stage: Stage) -> Scenario:
     """Esc ends an automatic run at once; a whole one stands at the chosen strength; its colours."""
-    add_noisy("ico_sphere", 0.004, subdivisions=7)
-    bpy.context.scene.adaptive_fairing.method = "auto"
+    add_noisy("ico_sphere", 0.004, "auto", subdivisions=7)
     yield from press_fairing(stage)
     yield 4.0
     yield from stage.picture("auto-running")
@@ -127,7 +126,7 @@ def automatic(stage: Stage) -> Scenario:
     yield stage.until(lambda: not stage.is_running(), 20, "end after Esc")
     stage.results["after escape"] = key_names()
 
-    obj = add_noisy("ico_sphere", 0.02, subdivisions=5)
+    obj = add_noisy("ico_sphere", 0.02, "auto", subdivisions=5)
     with stage.context():
         bpy.ops.view3d.view_selected()
     yield from stage.picture("auto-before")
@@ -140,6 +139,8 @@ def automatic(stage: Stage) -> Scenario:
     stage.results["shown"] = [key.name for key in keys.key_blocks if key.frame == keys.eval_time]
     x, y = yield from stage.find_button("adaptive_fairing_view(field='REMOVED')")
     stage.click(x, y)
+    yield 1.0
+    stage.scroll_down("UI")
     yield 1.0
     yield from stage.picture("auto-removed")
     stage.results["colours"] = obj.data.color_attributes.active_color.name
