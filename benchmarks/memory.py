@@ -29,6 +29,8 @@ CASES = {
     "sphere 6": (lambda: meshes.icosphere(6), 1e-3),
     "sphere 7": (lambda: meshes.icosphere(7), 1e-3),
     "sphere 5, tight": (lambda: meshes.icosphere(5), 1e-6),
+    "sphere 5, auto": (lambda: meshes.noisy_ball(5, 0.003), 1e-3, "auto"),
+    "sphere 6, auto": (lambda: meshes.noisy_ball(6, 0.001), 1e-3, "auto"),
     "irregular": (lambda: meshes.random_closed(1), 1e-3),
     "irregular, tight": (lambda: meshes.random_closed(1), 1e-6),
     "grid": (lambda: meshes.flat_grid(200, 200), 1e-3),
@@ -61,15 +63,15 @@ def main() -> int:
 
 def measure(name: str) -> dict[str, float]:
     """Solve a case in this process; give the estimate and the rise of the peak memory."""
-    make, tolerance = CASES[name]
+    make, tolerance, *method = CASES[name]
     vertices, faces = make()
     before = _peak()
-    settings = FairingSettings(steps=2, quadrature_tolerance=tolerance)
+    settings = FairingSettings(*method, steps=2, quadrature_tolerance=tolerance)
     for _ in fair_steps(vertices, faces, settings):
         pass
     measured = _peak() - before
     topology = solvable_surface(vertices, faces).topology
-    estimate = estimated_bytes(topology, quadrature_choice(tolerance))
+    estimate = estimated_bytes(topology, quadrature_choice(tolerance), settings.method)
     return {"triangles": len(faces), "estimate": estimate, "measured": measured}
 
 

@@ -24,6 +24,7 @@ BYTES_PER_TRIANGLE = 850  # topology, patches, sparsity pattern, matrix, vectors
 BYTES_PER_LOCAL_ENTRY = 4  # place in the matrix of an entry of a triangle's local matrix
 BYTES_PER_ENTRY_IN_WORK = 16  # the same while its chunk is assembled, and places are looked up
 BYTES_PER_TABLE_NUMBER = 16  # basis functions at quadrature points: in the table and its parts
+AUTO_BYTES_PER_TRIANGLE = 2000  # filtered surfaces of "auto", their mixtures and responses
 LARGEST_PRODUCT_BYTES = 32_000_000  # of the table of products of one class
 
 # Neighbours beyond which a vertex is worth naming: its memory grows with their cube.
@@ -45,7 +46,9 @@ class MemoryNeededError(FairingError):
         self.available = available
 
 
-def require_memory(topology: TriangleTopology, choice: QuadratureChoice) -> None:
+def require_memory(
+    topology: TriangleTopology, choice: QuadratureChoice, method: str = "adaptive_timestep"
+) -> None:
     """Refuse a mesh whose solve cannot fit into memory.
 
     Raises
@@ -56,7 +59,7 @@ def require_memory(topology: TriangleTopology, choice: QuadratureChoice) -> None
     available = available_bytes()
     if available is None:
         return
-    needed = estimated_bytes(topology, choice)
+    needed = estimated_bytes(topology, choice, method)
     if needed <= available:
         return
     poles = np.flatnonzero(topology.ring_size > NOTABLE_VALENCE)
@@ -71,7 +74,9 @@ def require_memory(topology: TriangleTopology, choice: QuadratureChoice) -> None
     )
 
 
-def estimated_bytes(topology: TriangleTopology, choice: QuadratureChoice) -> int:
+def estimated_bytes(
+    topology: TriangleTopology, choice: QuadratureChoice, method: str = "adaptive_timestep"
+) -> int:
     """Estimate the peak memory of a solve: an upper bound, at most about twice what is used.
 
     Parameters
@@ -80,6 +85,8 @@ def estimated_bytes(topology: TriangleTopology, choice: QuadratureChoice) -> int
         Of the mesh that is solved on.
     choice : QuadratureChoice
         Decides the size of the tables.
+    method : str
+        As in `FairingSettings`; "auto" takes more than the others.
     """
     codes, decode = corner_codes(topology)
     class_of, _, class_codes = class_groups(codes.reshape(-1, 3))
@@ -95,9 +102,10 @@ def estimated_bytes(topology: TriangleTopology, choice: QuadratureChoice) -> int
     in_work = min(int(local.sum()), 2 * n_threads() * int(chunk_sizes.max()))
     products = np.minimum(4 * 8 * n_points * n_pairs, LARGEST_PRODUCT_BYTES)
     tables = 13 * BYTES_PER_TABLE_NUMBER * n_points * n_control
+    auto_bytes = AUTO_BYTES_PER_TRIANGLE if method == "auto" else 0
     return int(
         FIXED_BYTES
-        + BYTES_PER_TRIANGLE * topology.n_triangles
+        + (BYTES_PER_TRIANGLE + auto_bytes) * topology.n_triangles
         + BYTES_PER_LOCAL_ENTRY * local.sum()
         + BYTES_PER_ENTRY_IN_WORK * in_work
         + (products + tables).sum()

@@ -68,6 +68,7 @@ class PreparedMesh:
         self.triangles = checked_triangles(np.array(faces), len(points))
         require_surface(points, self.triangles)
         self.quadrature_tolerance = settings.quadrature_tolerance
+        self._method = settings.method
         self.surface = solvable_surface(points, self.triangles)
         self.own_scale = SolverFrame.of(points, self.surface, settings.normalize).scale
         self._scale = scale
@@ -81,13 +82,17 @@ class PreparedMesh:
         MemoryNeededError
             The solve cannot fit into memory.
         """
-        require_memory(self.surface.topology, quadrature_choice(self.quadrature_tolerance))
+        require_memory(
+            self.surface.topology, quadrature_choice(self.quadrature_tolerance), self._method
+        )
         return LoopSpace(self.surface.topology, self.quadrature_tolerance)
 
     @property
     def needed_bytes(self) -> int:
         """Upper bound of the memory that a solve takes, this preparation included."""
-        return estimated_bytes(self.surface.topology, quadrature_choice(self.quadrature_tolerance))
+        return estimated_bytes(
+            self.surface.topology, quadrature_choice(self.quadrature_tolerance), self._method
+        )
 
     def serves(self, triangles: NDArray[np.int32], n_vertices: int) -> bool:
         """Whether a mesh has the triangles that were prepared."""

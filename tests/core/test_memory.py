@@ -35,9 +35,17 @@ def estimate(mesh, tolerance=1e-3):
     [
         "sphere 5",
         "bipyramid of 200",
+        "sphere 5, auto",
         *(
             pytest.param(name, marks=pytest.mark.thorough)
-            for name in ("sphere 7", "irregular, tight", "grid", "poles of 100", "bipyramid of 400")
+            for name in (
+                "sphere 7",
+                "sphere 6, auto",
+                "irregular, tight",
+                "grid",
+                "poles of 100",
+                "bipyramid of 400",
+            )
         ),
     ],
 )
