@@ -1,6 +1,6 @@
 """Blocks: the triangles that are integrated in one go, with the surface at their points.
 
-A block is as many triangles as fill the cache with quadrature points.  It may hold parts of
+A block is as many triangles as one numpy call should work on.  It may hold parts of
 several patch classes that have equally many points: what differs by class is a matrix product per
 part, everything between the products runs over all points of the block at once.
 """
@@ -23,8 +23,8 @@ Value = TypeVar("Value", np.float64, np.int32)
 
 _workspace = Workspace()
 
-# Large enough to hide the cost of a numpy call, small enough for the cache of one core.
-POINTS_PER_BLOCK = 6144
+# Large enough to hide the cost of a numpy call, and of threads taking turns at the interpreter.
+POINTS_PER_BLOCK = 24576
 
 
 class Part(NamedTuple):

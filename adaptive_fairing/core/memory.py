@@ -13,7 +13,7 @@ from .fitted_rule import POINTS, is_fitted
 from .loop_basis import table_depth
 from .parallel import n_threads
 from .patch_class import ControlPoints, PatchClass, is_regular_patch
-from .patches import TRIANGLES_PER_CHUNK, class_groups, corner_codes
+from .patches import chunk_size, class_groups, corner_codes
 from .quadrature import QuadratureChoice
 from .topology import TriangleTopology
 
@@ -98,7 +98,7 @@ def estimated_bytes(
     n_points = np.array([_n_points(each, choice) for each in classes], dtype=np.int64)
 
     local = n_pairs[class_of]
-    chunk_sizes = np.add.reduceat(local, np.arange(0, len(local), TRIANGLES_PER_CHUNK))
+    chunk_sizes = np.add.reduceat(local, np.arange(0, len(local), chunk_size(len(local))))
     in_work = min(int(local.sum()), 2 * n_threads() * int(chunk_sizes.max()))
     products = np.minimum(4 * 8 * n_points * n_pairs, LARGEST_PRODUCT_BYTES)
     tables = 13 * BYTES_PER_TABLE_NUMBER * n_points * n_control

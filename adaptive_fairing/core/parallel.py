@@ -23,8 +23,8 @@ Result = TypeVar("Result")
 
 MOST_THREADS = 8  # beyond that memory bandwidth is the limit
 
-# Numbers of an array that a workspace keeps (32 MB): larger ones would be missing elsewhere.
-LARGEST_KEPT = 4_000_000
+# Numbers of an array that a workspace keeps (64 MB): larger ones would be missing elsewhere.
+LARGEST_KEPT = 8_000_000
 
 
 @lru_cache(maxsize=1)

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from .patch_class import TETRAHEDRON, ControlPoints, Corner, PatchClass
 from .topology import TriangleTopology
 
-TRIANGLES_PER_CHUNK = 16384
+# Threads that change places at every small array wait for the interpreter more than they compute:
+# chunks are large, but for meshes that would then have too few for all threads.
+LARGEST_CHUNK, SMALLEST_CHUNK, USUAL_CHUNKS = 32768, 4096, 4
 
 
 class Segment(NamedTuple):
@@ -65,7 +67,7 @@ class PatchSet:
         self.class_sizes = np.bincount(class_of, minlength=len(self.classes))
         self.n_control_points = np.array([ControlPoints(c).count for c in self.classes], dtype=int)
 
-        chunk_of = np.arange(topology.n_triangles) // TRIANGLES_PER_CHUNK
+        chunk_of = np.arange(topology.n_triangles) // chunk_size(topology.n_triangles)
         group = chunk_of * len(self.classes) + class_of
         order = np.argsort(group, kind="stable")
         bounds = np.flatnonzero(np.diff(group[order], prepend=-1, append=-1))
@@ -144,6 +146,11 @@ class PatchSet:
             edges = half_edge[members]
             start = topology.ring_start[topology.origins[edges]]
             flat[place[members]] = topology.ring[start + (topology.ring_position[edges] + 2) % 3]
+
+
+def chunk_size(n_triangles: int) -> int:
+    """How many triangles a chunk of a mesh has; the same on every machine, as results are."""
+    return min(max(-(-n_triangles // USUAL_CHUNKS), SMALLEST_CHUNK), LARGEST_CHUNK)
 
 
 def corner_codes(topology: TriangleTopology) -> tuple[NDArray[np.int64], dict[int, Corner]]:
