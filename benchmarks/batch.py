@@ -238,9 +238,10 @@ def kind_of(mesh: dict) -> str:
 
 
 def reason_of(mesh: dict) -> str:
-    """Shorten an error message: without names of files, numbers and advice."""
-    text = mesh["error"].replace(str(mesh["input"]), "FILE")
-    return text.replace(Path(mesh["input"]).name, "FILE").split(";")[0][:90]
+    """Shorten an error message: without names of files and advice."""
+    path = Path(mesh["input"])
+    text = mesh["error"].split(";")[0].replace(str(path), "FILE")
+    return text.replace(path.name, "FILE").replace(path.stem, "MESH")
 
 
 def print_runs(runs: dict[str, Run]) -> None:
