@@ -69,10 +69,11 @@ class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.
         ]
 
     def conclude(self, context, tasks, *, is_stopped):
+        from ..core.results import chosen_step
         from .keyed_object import show_frames
 
         done = [
-            (frame, task.steps[-1].positions)
+            (frame, chosen_step(task.steps).positions)
             for frame, task in zip(self._frames, tasks, strict=True)
             if task.error is None and task.steps and task.steps[-1].stop_reason is not None
         ]

@@ -154,6 +154,8 @@ def run_frames(tasks: Sequence[FairingTask], *, one_strength: bool) -> Iterator[
         task.settings = settings
         yield from run_tasks([task], preparation.mesh, preparation.plan)
         task.steps = [kept_step(task.steps)] if task.steps else []
+        if task.is_cancelled:
+            return
 
 
 def kept_step(steps: Sequence[FairingStep]) -> FairingStep:

@@ -14,11 +14,13 @@ from adaptive_fairing.blender import modal_run, panel_results, panel_sequence, p
 from adaptive_fairing.blender.mesh_data import read_positions
 from adaptive_fairing.blender.properties import solver_settings
 from adaptive_fairing.blender.run import FairingTask, run_tasks
+from adaptive_fairing.blender.sequence import run_frames
 from adaptive_fairing.core import FairingSettings, fair
 
 pytestmark = pytest.mark.usefixtures("addon")
 
 AUTO = FairingSettings(method="auto")
+FIELDS = ("name", "vertices", "triangles", "weights", "settings")
 STRENGTHS = [0.5, 0.75, 1.0, 1.5, 2.0]
 
 
@@ -182,6 +184,14 @@ class TestRun:
         assert list(run_tasks([task, other])) == []
         assert 0.3 <= task.share < 0.5
         assert (task.steps, task.error, other.steps) == ([], None, [])
+
+    def test_cancelling_a_sequence_ends_it_and_starts_no_other_frame(self, task):
+        frames = [self.Recording(*(getattr(task, name) for name in FIELDS)) for _ in range(3)]
+        for frame in frames[1:]:
+            frame.until = 0.3
+        list(run_frames(frames, one_strength=False))
+        assert [len(frame.steps) for frame in frames] == [1, 0, 0]
+        assert not hasattr(frames[2], "shares")
 
     def test_cancelling_leaves_the_papers_methods_their_finished_step(self, task):
         task.settings, task.until = FairingSettings(steps=2), 0.0
