@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 
 class LocalOrder(NamedTuple):
@@ -37,5 +38,11 @@ def sweep_order(
     new_number = np.empty(n_vertices, dtype=np.int32)
     new_number[vertices] = np.arange(n_vertices, dtype=np.int32)
     renumbered = new_number[triangles]
-    by_front = np.argsort(renumbered.min(axis=1), kind="stable")
-    return LocalOrder(vertices, renumbered[by_front])
+    front = np.minimum(np.minimum(renumbered[:, 0], renumbered[:, 1]), renumbered[:, 2])
+    # Counting, as turning rows into columns does, beats comparing: a stable sort in linear time.
+    n_triangles = len(front)
+    ends = np.arange(n_triangles + 1, dtype=np.int32)
+    rows = sparse.csr_array(
+        (np.ones(n_triangles, dtype=np.int8), front, ends), shape=(n_triangles, n_vertices)
+    )
+    return LocalOrder(vertices, np.take(renumbered, rows.tocsc().indices, axis=0))
