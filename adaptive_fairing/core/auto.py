@@ -17,24 +17,31 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csgraph
 
 from .assembly import LoopSpace
 from .errors import InputError
-from .filter_bank import FilterBank, Filtered, n_solves
+from .filter_bank import TIMES, FilterBank, Filtered, n_solves
 from .lifted_metric import LiftedMetric
 from .linear_solver import SolveReport
-from .noise_level import LocalFrame, beyond_clean, noise_level
-from .unbiased_risk import density_classes, least_risk_shares
+from .mesh_parts import MeshParts
+from .noise_level import LocalFrame, beyond_clean
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
+# Metrics of both rounds, with angles for noise of `COARSE_NOISE` or more; with less noise the
+# normals are less disturbed, and smaller angles tell creases from it.
 FIRST_METRICS = (LiftedMetric(0), LiftedMetric(1), LiftedMetric(1, 0.3))
 SECOND_METRICS = (LiftedMetric(0, 0.07), LiftedMetric(0, 0.3), LiftedMetric(1, 0.3))
+COARSE_NOISE = 0.2
+LEAST_ANGLE_FACTOR = 0.1
 
-# Metrics with an angle of at most this keep creases; those with more, or none, round them.
+# Metrics with an angle of at most this, before that scaling, keep creases; the others round them.
 SHARP_ANGLE = 0.1
+KEEPS_CREASES = np.repeat(
+    [m.angle is not None and m.angle <= SHARP_ANGLE for m in FIRST_METRICS + SECOND_METRICS],
+    len(TIMES),
+)
 SHARP_SHARE = 0.5
 
 # Strengths relative to the chosen one, as factors of the estimated noise.
@@ -44,11 +51,6 @@ CHOSEN = STRENGTHS.index(1.0)
 # Least risk at the estimated noise leaves a little more of it than looks and measures best, because
 # the estimate is a lower bound; found on meshes with known noise.
 NOISE_FACTOR = 1.1
-
-# Fewer vertices cannot tell noise from shape.
-FEWEST_VERTICES = 50
-# Connected parts with as many vertices are judged by themselves, smaller ones together.
-OWN_ESTIMATE = 400
 
 PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large against rounding
 PROBE_SEED = 0
@@ -173,7 +175,7 @@ def auto_surfaces(
     frame = LocalFrame.of(space.topology, track.surface, track.surface)
     notes: tuple[str, ...] = ()
     if plan is None:
-        parts = _Parts(space, frame, is_still)
+        parts = MeshParts(space.topology, frame, is_still)
         noise, notes = parts.noise(positions, strength)
         if beyond_clean(max(STRENGTHS) * strength * noise).any():
             plan = _planned(bank, track, frame, parts, noise, strength, features)
@@ -184,12 +186,11 @@ def auto_surfaces(
             f"the plan is of a mesh of {plan.mixtures.shape[2]} vertices, not {len(positions)}"
         )
     elif plan.mixtures.any():
-        track.filter(FIRST_METRICS)
+        first, second = _metrics(strength * plan.noise)
+        track.filter(first)
         track.surface = track.mixed(plan.pilot)
-        track.filter(SECOND_METRICS)
-    estimates = [
-        _estimate(plan, frame, track.metrics, strength, index) for index in range(len(STRENGTHS))
-    ]
+        track.filter(second)
+    estimates = [_estimate(plan, frame, strength, index) for index in range(len(STRENGTHS))]
     results = [track.mixed(shares) for shares in plan.mixtures]
     if progress is not None:
         progress(1.0)
@@ -200,7 +201,7 @@ def _planned(
     bank: FilterBank,
     track: _Track,
     frame: LocalFrame,
-    parts: _Parts,
+    parts: MeshParts,
     noise: FloatArray,
     strength: float,
     features: str,
@@ -218,13 +219,16 @@ def _planned(
         shares[usable] = parts.best_shares(removed[usable], 1 - kept[usable], variance)
         return shares
 
+    first, second = _metrics(strength * noise)
     for one in (track, shadow):
-        one.filter(FIRST_METRICS)
+        one.filter(first)
     pilot = best_shares(1.0, np.ones(len(track.filtered), dtype=bool))
     for one in (track, shadow):
         one.surface = one.mixed(pilot)
-        one.filter(SECOND_METRICS)
-    usable = np.array([_is_usable(metric, features) for metric in track.metrics])
+        one.filter(second)
+    usable = np.ones(len(track.filtered), dtype=bool)
+    if features != "auto":
+        usable = KEEPS_CREASES == (features == "sharp")
     mixtures = np.stack([best_shares(factor, usable) for factor in STRENGTHS])
     kept = _response(track, shadow, frame, sign)
     removed_noise = np.einsum("skn,kn->sn", mixtures, 1 - kept)[:, parts.is_counted]
@@ -237,9 +241,15 @@ def _idle_plan(noise: FloatArray) -> AutoPlan:
     return AutoPlan(noise, nothing[0], nothing, np.ones(len(STRENGTHS)))
 
 
-def _is_usable(metric: LiftedMetric, features: str) -> bool:
-    keeps_creases = metric.angle is not None and metric.angle <= SHARP_ANGLE
-    return features == "auto" or keeps_creases == (features == "sharp")
+def _metrics(noise: FloatArray) -> tuple[list[LiftedMetric], list[LiftedMetric]]:
+    """Scale the angles of both rounds' metrics to the noise, (n,), of the vertices judged."""
+    typical = float(np.median(noise[noise > 0])) if noise.any() else 0.0
+    factor = float(np.clip(typical / COARSE_NOISE, LEAST_ANGLE_FACTOR, 1))
+
+    def scaled(metrics: tuple[LiftedMetric, ...]) -> list[LiftedMetric]:
+        return [m if m.angle is None else m._replace(angle=factor * m.angle) for m in metrics]
+
+    return scaled(FIRST_METRICS), scaled(SECOND_METRICS)
 
 
 def _response(track: _Track, shadow: _Track, frame: LocalFrame, sign: FloatArray) -> FloatArray:
@@ -258,7 +268,6 @@ def _response(track: _Track, shadow: _Track, frame: LocalFrame, sign: FloatArray
 def _estimate(
     plan: AutoPlan,
     frame: LocalFrame,
-    metrics: list[LiftedMetric],
     strength: float,
     index: int,
 ) -> AutoEstimate:
@@ -266,7 +275,7 @@ def _estimate(
     judged = plan.noise > 0
     level = plan.noise[judged] if judged.any() else np.zeros(1)
     length = level * frame.spacing[judged] if judged.any() else np.zeros(1)
-    keeps = [metric.angle is not None and metric.angle <= SHARP_ANGLE for metric in metrics]
+    sharp = shares[KEEPS_CREASES] if len(shares) else shares
     total = float(shares.sum())
     # A Gaussian of standard deviation r keeps cell / (2 π r²) of white noise, with the area
     # √3/2 of a vertex's cell; the 1 makes the radius of doing nothing 0.
@@ -276,7 +285,7 @@ def _estimate(
         noise=float(np.median(level)),
         noise_length=float(np.median(length)),
         radius=float(radius),
-        sharp_share=float(shares[keeps].sum()) / total if total > 0 else 0.0,
+        sharp_share=float(sharp.sum()) / total if total > 0 else 0.0,
         is_chosen=index == CHOSEN,
         plan=plan,
     )
@@ -291,12 +300,7 @@ class _Track:
         self.filtered: list[Filtered] = []
         self._bank = bank
 
-    @property
-    def metrics(self) -> list[LiftedMetric]:
-        """Metric of each filter."""
-        return [filtered.metric for filtered in self.filtered]
-
-    def filter(self, metrics: tuple[LiftedMetric, ...]) -> None:
+    def filter(self, metrics: list[LiftedMetric]) -> None:
         """Add what the filters in metrics of the present surface make of the positions."""
         self.filtered += self._bank.filtered(self.positions, self.surface, metrics)
 
@@ -312,71 +316,6 @@ class _Track:
             if share.any():
                 result -= share[:, None] * (self.positions - filtered.positions)
         return result
-
-
-class _Parts:
-    """Connected parts that are judged each by itself, small ones together.
-
-    Attributes
-    ----------
-    is_counted : (n,) bool
-        Vertices to judge from.
-    """
-
-    def __init__(self, space: LoopSpace, frame: LocalFrame, is_still: BoolArray) -> None:
-        topology = space.topology
-        self.is_counted = ~(is_still | topology.is_loose | topology.on_boundary)
-        self._frame = frame
-        self._size = frame.spread(np.log(frame.spacing), 3)
-        _, label = csgraph.connected_components(topology.adjacency(), directed=False)
-        n_counted = np.bincount(label, self.is_counted)
-        own = n_counted >= OWN_ESTIMATE
-        order = np.argsort(label, kind="stable")
-        each = np.split(order, np.cumsum(np.bincount(label))[:-1])
-        self._members = [each[index] for index in np.flatnonzero(own)]
-        rest = [each[index] for index in np.flatnonzero(~own)]
-        if rest:
-            self._members.append(np.concatenate(rest))
-
-    def noise(self, positions: FloatArray, strength: float) -> tuple[FloatArray, tuple[str, ...]]:
-        """Estimate the noise, (n,), and say if there is nothing to do."""
-        n_counted = int(np.count_nonzero(self.is_counted))
-        noise = np.zeros(len(positions))
-        if n_counted < FEWEST_VERTICES:
-            return noise, (
-                f"only {n_counted} vertices inside the surface: too few to tell noise from shape, "
-                "nothing was changed; choose one of the other methods",
-            )
-        for members in self._members:
-            counted = np.zeros(len(positions), dtype=bool)
-            counted[members] = self.is_counted[members]
-            noise += noise_level(positions, self._frame, counted)
-        if beyond_clean(strength * noise).any():
-            return noise, ()
-        return noise, (
-            f"no noise found: the surface is rough by {np.median(noise[self.is_counted]):.2g} of "
-            "the local edge length, as clean meshes are; nothing was changed",
-        )
-
-    def best_shares(
-        self, removed: FloatArray, divergence: FloatArray, variance: FloatArray
-    ) -> FloatArray:
-        """Choose the shares (k, n) of the filters with the least risk in every part."""
-        shares = np.zeros_like(removed)
-        for members in self._members:
-            is_counted = self.is_counted[members]
-            if not is_counted.any():
-                continue
-            counted = members[is_counted]
-            classes = density_classes(self._size[members], is_counted)
-            chosen = least_risk_shares(
-                removed[:, counted],
-                divergence[:, counted],
-                variance[counted],
-                classes[:, is_counted],
-            )
-            shares[:, members] = chosen.T @ classes
-        return shares
 
 
 class _Solves:

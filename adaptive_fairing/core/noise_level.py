@@ -16,7 +16,7 @@ FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 # Roughness of this size, in local edge lengths, is what clean meshes have.
-CLEAN_ROUGHNESS = 0.03
+CLEAN_ROUGHNESS = 0.04
 
 # The median of |x| for a normal distribution of unit variance.
 NORMAL_MEDIAN = 0.6744897501960817
@@ -28,6 +28,9 @@ VERTICES_PER_BIN = 400
 # standard error of the median absolute deviation of n values, times √n and relative.
 LEAST_OF = (0.0, 0.0, 0.564, 0.846, 1.029, 1.163)
 MEDIAN_ERROR = 1.167
+
+# What the second kind of noise must explain to be told from chance, as a factor of the variance.
+WORTHWHILE = 1.2
 
 
 @dataclass(frozen=True)
@@ -128,7 +131,10 @@ def _lower_envelope(inverse_square: FloatArray, variance: FloatArray) -> FloatAr
     make parts of a mesh look noisier than they are, so no part may have more than its share.
     """
     terms = np.stack([np.ones_like(variance), inverse_square], axis=1)
-    return np.asarray(linprog(-terms.sum(axis=0), terms, variance).x)
+    both = np.asarray(linprog(-terms.sum(axis=0), terms, variance).x)
+    constant = np.array([variance.min(), 0.0])
+    is_needed = (terms @ both).sum() > WORTHWHILE * (terms @ constant).sum()
+    return both if is_needed else constant
 
 
 def beyond_clean(level: FloatArray) -> FloatArray:

@@ -116,7 +116,7 @@ def test_edges_of_a_block_stay_sharp():
     rng = np.random.default_rng(0)
     points = vertices + 0.03 * rng.normal(size=vertices.shape)
     result = fair(points, faces, AUTO)
-    assert result.chosen.auto.is_sharp
+    assert result.chosen.auto.sharp_share > 0.4
     smooth = fair(points, faces, replace(AUTO, features="smooth"))
     assert smooth.chosen.auto.sharp_share == 0
     assert distance_to_block(result.positions) < distance_to_block(smooth.positions)
