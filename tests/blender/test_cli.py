@@ -53,7 +53,9 @@ def error_of(capsys, *arguments, status):
 
 
 def test_the_main_job_end_to_end(noisy, tmp_path):
-    result = run(noisy, "-o", tmp_path / "out.blend", "--steps", 2, "--report", tmp_path / "r.json")
+    out, report = tmp_path / "out.blend", tmp_path / "r.json"
+    options = ["--method", "timestep", "--steps", 2, "--report", report]
+    result = run(noisy, "-o", out, *options)
     assert result.returncode == 0
     assert result.stdout == ""
     assert result.stderr.endswith(f"wrote {tmp_path / 'out.blend'}\n")
@@ -325,8 +327,9 @@ def _read(terminal):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo terminals")
 def test_a_terminal_gets_a_progress_bar(noisy, tmp_path):
+    options = ["--method", "timestep", "--steps", 3]
     status, shown = on_a_terminal(
-        "-m", "adaptive_fairing", noisy, "-o", tmp_path / "out.ply", "--steps", 3
+        "-m", "adaptive_fairing", noisy, "-o", tmp_path / "out.ply", *options
     )
     assert status == 0
     assert "fairing: 100%" in shown
@@ -358,7 +361,8 @@ def test_without_tqdm_a_terminal_gets_a_line_per_step(noisy, tmp_path):
         "import sys; sys.modules['tqdm'] = None\n"
         "from adaptive_fairing.cli import main; sys.exit(main(sys.argv[1:]))"
     )
-    status, shown = on_a_terminal("-c", code, noisy, "-o", tmp_path / "out.ply", "--steps", 3)
+    options = ["--method", "timestep", "--steps", 3]
+    status, shown = on_a_terminal("-c", code, noisy, "-o", tmp_path / "out.ply", *options)
     assert status == 0
     lines = shown.splitlines()
     assert [line[: len("fairing: step 1 of 3")] for line in lines[:3]] == [
