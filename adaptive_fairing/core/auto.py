@@ -25,6 +25,7 @@ from .lifted_metric import LiftedMetric
 from .linear_solver import SolveReport
 from .mesh_parts import MeshParts
 from .noise_level import LocalFrame, beyond_clean
+from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -43,6 +44,10 @@ KEEPS_CREASES = np.repeat(
     len(TIMES),
 )
 SHARP_SHARE = 0.5
+# An edge is a crease if the normals beside it differ by this many radians; and a mesh with creases
+# has at least such a share of them.
+CREASE_ANGLE = 0.6
+CREASE_SHARE = 0.01
 
 # Strengths relative to the chosen one, as factors of the estimated noise.
 STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)
@@ -96,6 +101,8 @@ class AutoEstimate:
         edge lengths.
     sharp_share : float
         Share of the filters that keep creases in what was removed, 0 to 1.
+    crease_share : float
+        Share of creases among the edges of the faired mesh, 0 to 1.
     is_chosen : bool
         Whether this is the strength that was asked for.
     plan : AutoPlan
@@ -107,13 +114,14 @@ class AutoEstimate:
     noise_length: float
     radius: float
     sharp_share: float
+    crease_share: float
     is_chosen: bool
     plan: AutoPlan = field(repr=False, compare=False)
 
     @property
     def is_sharp(self) -> bool:
-        """Whether the mesh was treated as one with creases for the most part."""
-        return self.sharp_share > SHARP_SHARE
+        """Whether the mesh has creases, and was treated as such for the most part."""
+        return self.sharp_share > SHARP_SHARE and self.crease_share > CREASE_SHARE
 
 
 @dataclass(frozen=True)
@@ -190,8 +198,11 @@ def auto_surfaces(
         track.filter(first)
         track.surface = track.mixed(plan.pilot)
         track.filter(second)
-    estimates = [_estimate(plan, frame, strength, index) for index in range(len(STRENGTHS))]
     results = [track.mixed(shares) for shares in plan.mixtures]
+    estimates = [
+        _estimate(plan, frame, strength, index, _crease_share(space.topology, result))
+        for index, result in enumerate(results)
+    ]
     if progress is not None:
         progress(1.0)
     return AutoOutcome(results, estimates, solves.report(), notes)
@@ -270,6 +281,7 @@ def _estimate(
     frame: LocalFrame,
     strength: float,
     index: int,
+    crease_share: float,
 ) -> AutoEstimate:
     shares, kept = plan.mixtures[index], float(np.clip(plan.kept[index], 1e-6, 1))
     judged = plan.noise > 0
@@ -286,9 +298,20 @@ def _estimate(
         noise_length=float(np.median(length)),
         radius=float(radius),
         sharp_share=float(sharp.sum()) / total if total > 0 else 0.0,
+        crease_share=crease_share,
         is_chosen=index == CHOSEN,
         plan=plan,
     )
+
+
+def _crease_share(topology: TriangleTopology, positions: FloatArray) -> float:
+    """Share of the inner edges of a mesh that are creases."""
+    corner = positions[topology.triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    side = np.flatnonzero(topology.twin >= 0)
+    cosine = np.einsum("ed,ed->e", normal[side // 3], normal[topology.twin[side] // 3])
+    return float(np.mean(cosine < np.cos(CREASE_ANGLE))) if len(side) else 0.0
 
 
 class _Track:
