@@ -103,6 +103,9 @@ class AutoEstimate:
         Share of the filters that keep creases in what was removed, 0 to 1.
     crease_share : float
         Share of creases among the edges of the faired mesh, 0 to 1.
+    is_sharp : bool
+        Whether creases were kept on request; or else whether the mesh has some, and most of what
+        was removed was removed by filters that keep them.
     is_chosen : bool
         Whether this is the strength that was asked for.
     plan : AutoPlan
@@ -115,13 +118,9 @@ class AutoEstimate:
     radius: float
     sharp_share: float
     crease_share: float
+    is_sharp: bool
     is_chosen: bool
     plan: AutoPlan = field(repr=False, compare=False)
-
-    @property
-    def is_sharp(self) -> bool:
-        """Whether the mesh has creases, and was treated as such for the most part."""
-        return self.sharp_share > SHARP_SHARE and self.crease_share > CREASE_SHARE
 
 
 @dataclass(frozen=True)
@@ -200,7 +199,7 @@ def auto_surfaces(
         track.filter(second)
     results = [track.mixed(shares) for shares in plan.mixtures]
     estimates = [
-        _estimate(plan, frame, strength, index, _crease_share(space.topology, result))
+        _estimate(plan, frame, strength, features, index, _crease_share(space.topology, result))
         for index, result in enumerate(results)
     ]
     if progress is not None:
@@ -280,6 +279,7 @@ def _estimate(
     plan: AutoPlan,
     frame: LocalFrame,
     strength: float,
+    features: str,
     index: int,
     crease_share: float,
 ) -> AutoEstimate:
@@ -289,6 +289,8 @@ def _estimate(
     length = level * frame.spacing[judged] if judged.any() else np.zeros(1)
     sharp = shares[KEEPS_CREASES] if len(shares) else shares
     total = float(shares.sum())
+    sharp_share = float(sharp.sum()) / total if total > 0 else 0.0
+    has_creases = sharp_share > SHARP_SHARE and crease_share > CREASE_SHARE
     # A Gaussian of standard deviation r keeps cell / (2 π r²) of white noise, with the area
     # √3/2 of a vertex's cell; the 1 makes the radius of doing nothing 0.
     radius = np.sqrt(np.sqrt(3) / (4 * np.pi) * (1 / kept - 1))
@@ -297,8 +299,9 @@ def _estimate(
         noise=float(np.median(level)),
         noise_length=float(np.median(length)),
         radius=float(radius),
-        sharp_share=float(sharp.sum()) / total if total > 0 else 0.0,
+        sharp_share=sharp_share,
         crease_share=crease_share,
+        is_sharp=has_creases if features == "auto" else features == "sharp",
         is_chosen=index == CHOSEN,
         plan=plan,
     )

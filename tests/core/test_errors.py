@@ -19,6 +19,8 @@ BAD_SETTINGS = {
     "method": ["fast", "", None, 3],
     "tau": [0, -0.1, float("nan"), float("inf"), "0.1", None, True],
     "steps": [0, -1, 2.0, "4", None, True],
+    "strength": [0, -1, 100, float("nan"), "1", None, True],
+    "features": ["round", "", None],
     "density": ["edges", None],
     "density_passes": [-1, 1.5, None],
     "boundary": ["open", None],
