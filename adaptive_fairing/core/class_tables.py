@@ -23,6 +23,11 @@ NUMBERS_PER_TRIANGLE = 15_000
 LARGEST_PRODUCT = 250_000
 
 
+def product_table_pays(n_products: int, n_triangles: int) -> bool:
+    """Whether so many triangles are worth a table of products of so many numbers."""
+    return n_products <= min(LARGEST_PRODUCT_TABLE, NUMBERS_PER_TRIANGLE * n_triangles)
+
+
 class ClassTables:
     """Tables of a patch class with K control points and q quadrature points.
 
@@ -51,7 +56,7 @@ class ClassTables:
         self.pairs = np.triu_indices(self.n_control_points)
         self._products: FloatArray | None = None
         n_products = 4 * self.n_points * len(self.pairs[0])
-        if n_products <= min(LARGEST_PRODUCT_TABLE, NUMBERS_PER_TRIANGLE * n_triangles):
+        if product_table_pays(n_products, n_triangles):
             self._products = self._product_table()
 
     def evaluate(self, control: FloatArray, n_derivatives: int, out: FloatArray) -> None:

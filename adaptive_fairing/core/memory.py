@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .class_tables import product_table_pays
 from .errors import FairingError
 from .fitted_rule import POINTS, is_fitted
 from .loop_basis import table_depth
@@ -25,7 +26,6 @@ BYTES_PER_LOCAL_ENTRY = 4  # place in the matrix of an entry of a triangle's loc
 BYTES_PER_ENTRY_IN_WORK = 16  # the same while its chunk is assembled, and places are looked up
 BYTES_PER_TABLE_NUMBER = 16  # basis functions at quadrature points: in the table and its parts
 AUTO_BYTES_PER_TRIANGLE = 2000  # filtered surfaces of "auto", their mixtures and responses
-LARGEST_PRODUCT_BYTES = 32_000_000  # of the table of products of one class
 
 # Neighbours beyond which a vertex is worth naming: its memory grows with their cube.
 NOTABLE_VALENCE = 300
@@ -100,15 +100,18 @@ def estimated_bytes(
     local = n_pairs[class_of]
     chunk_sizes = np.add.reduceat(local, np.arange(0, len(local), chunk_size(len(local))))
     in_work = min(int(local.sum()), 2 * n_threads() * int(chunk_sizes.max()))
-    products = np.minimum(4 * 8 * n_points * n_pairs, LARGEST_PRODUCT_BYTES)
-    tables = 13 * BYTES_PER_TABLE_NUMBER * n_points * n_control
+    n_products = 4 * n_points * n_pairs
+    of_class = zip(n_products, np.bincount(class_of, minlength=len(classes)), strict=True)
+    products = 8 * n_products[[product_table_pays(*each) for each in of_class]]
+    tables = 8 * BYTES_PER_TABLE_NUMBER * n_points * n_control
     auto_bytes = AUTO_BYTES_PER_TRIANGLE if method == "auto" else 0
     return int(
         FIXED_BYTES
         + (BYTES_PER_TRIANGLE + auto_bytes) * topology.n_triangles
         + BYTES_PER_LOCAL_ENTRY * local.sum()
         + BYTES_PER_ENTRY_IN_WORK * in_work
-        + (products + tables).sum()
+        + products.sum()
+        + tables.sum()
     )
 
 
