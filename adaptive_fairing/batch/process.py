@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import os
 import queue
 import signal
 import subprocess
 import tempfile
 import threading
 from collections.abc import Sequence
+from pathlib import Path
 from typing import IO, Any
 
 from .messages import decode, encode
 
 SECONDS_TO_LEAVE = 5.0
+
+PACKAGE_FOLDER = Path(__file__).resolve().parents[2]
+"""Folder that holds this package."""
 
 Events = queue.SimpleQueue[tuple["WorkerProcess", dict[str, Any]]]
 
@@ -39,6 +44,7 @@ class WorkerProcess:
             stderr=self._errors,
             encoding="utf-8",
             errors="replace",
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(_python_path())},
         )
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
@@ -95,3 +101,9 @@ class WorkerProcess:
                 stream.close()
             except OSError:  # what was to be sent to a process that is gone
                 pass
+
+
+def _python_path() -> list[str]:
+    """Folders that a worker finds modules in, this package too, wherever it was started from."""
+    given = os.environ.get("PYTHONPATH", "")
+    return [*([given] if given else []), str(PACKAGE_FOLDER)]
