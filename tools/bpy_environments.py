@@ -94,16 +94,18 @@ def make_test_packages(module: BlenderModule, cache: Path) -> Path:
     """
     directory = cache / "test-packages" / module.version
     complete = directory / "complete"
-    if not complete.exists():
+    abi = "cp" + module.python.replace(".", "")
+    scipy = next(wheel for wheel in WHEELS["linux-x64"] if wheel.abi == abi)
+    wanted = "\n".join([*TEST_REQUIREMENTS, scipy.requirement])
+    # A folder of an earlier version may lack what the tests have come to need.
+    if not complete.exists() or complete.read_text(encoding="utf-8") != wanted:
         python = make_environment(module, cache)
         shutil.rmtree(directory, ignore_errors=True)
-        abi = "cp" + module.python.replace(".", "")
-        scipy = next(wheel for wheel in WHEELS["linux-x64"] if wheel.abi == abi)
         target = ["--target", str(directory)]
         _pip_install(python, [*target, *TEST_REQUIREMENTS])
         # Without its requirements: numpy has to be the environment's own.
         _pip_install(python, [*target, "--no-deps", scipy.requirement])
-        complete.touch()
+        complete.write_text(wanted, encoding="utf-8")
     return directory
 
 
