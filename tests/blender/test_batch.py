@@ -38,7 +38,13 @@ def command(*arguments):
         cwd=ROOT,
         stderr=subprocess.PIPE,
         text=True,
+        preexec_fn=None if sys.platform == "win32" else _heed_interrupts,
     )
+
+
+def _heed_interrupts():
+    """Undo what a shell does to programs in the background, for a test to interrupt one."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def summary(path):
