@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
+from numpy.typing import ArrayLike
 
 from ..core import FairingSettings, InputError
 from .attributes import write_color, write_scalar
@@ -25,7 +26,12 @@ ATTRIBUTES = {
 """Float attribute of each field; the colour attribute has "_color" behind it."""
 
 
-def color_by_field(obj: bpy.types.Object, field: str, settings: FairingSettings) -> None:
+def color_by_field(
+    obj: bpy.types.Object,
+    field: str,
+    settings: FairingSettings,
+    before: ArrayLike | None = None,
+) -> None:
     """Store a field of the shape that an object shows, as numbers and as colours.
 
     Parameters
@@ -34,17 +40,17 @@ def color_by_field(obj: bpy.types.Object, field: str, settings: FairingSettings)
         Mesh object in Object Mode.
     field
         Key of `ATTRIBUTES`.
-    settings
-        Say how the density is measured.
+    settings, before
+        As in `field_values`.
 
     Raises
     ------
     InputError
-        The mesh is linked from another file, or has no faces.
+        The mesh is linked from another file, or as in `field_values`.
     """
     if obj.data.library is not None:
         raise InputError(rpt_("the mesh is linked from another file: make it local to colour it"))
-    values = field_values(obj, field, settings)
+    values = field_values(obj, field, settings, before)
     is_signed = field in SIGNED_FIELDS
     low, high = symmetric_range(values) if is_signed else color_range(values)
     anchors = DIVERGING_ANCHORS if is_signed else ANCHORS

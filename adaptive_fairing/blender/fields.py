@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
+from bpy.app.translations import pgettext_rpt as rpt_
+from numpy.typing import ArrayLike, NDArray
 
 from ..core import FairingSettings, InputError, LoopSpace, TriangleTopology, mesh_density
 from ..core.solver_frame import SolverFrame, solvable_surface
@@ -12,8 +13,16 @@ from .mesh_data import read_mesh
 
 FloatArray = NDArray[np.float64]
 
+COMPARED_FIELDS = ("DISPLACEMENT", "REMOVED")
+"""Fields that tell the shown shape from the one before the run."""
 
-def field_values(obj: bpy.types.Object, field: str, settings: FairingSettings) -> FloatArray:
+
+def field_values(
+    obj: bpy.types.Object,
+    field: str,
+    settings: FairingSettings,
+    before: ArrayLike | None = None,
+) -> FloatArray:
     """Compute a field on the shape that an object shows, modifiers aside.
 
     Parameters
@@ -24,31 +33,46 @@ def field_values(obj: bpy.types.Object, field: str, settings: FairingSettings) -
         "DENSITY", "DISPLACEMENT", "REMOVED" or "CURVATURE".
     settings
         Say how the density is measured.
+    before
+        (n, 3) positions before the run, if known; None takes the undeformed mesh, which is that
+        shape unless the result of a run is the final shape alone.
 
     Returns
     -------
     (n,) array
-        Density d_i in the solver's frame; displacement from the undeformed mesh in object units,
-        or of what was removed the part along the normal, positive where a bump was taken off;
-        mean curvature in 1 / object units. NaN where the field has no value.
+        Density d_i in the solver's frame; displacement from the shape before in object units, or
+        of what was removed the part along the normal, positive where a bump was taken off; mean
+        curvature in 1 / object units. NaN where the field has no value.
 
     Raises
     ------
     InputError
-        The mesh has no faces, which all but the displacement need.
+        The mesh has no faces, which all but the displacement need; or the shape before is not
+        known, which displacement and what was removed are measured from.
     """
     data = read_mesh(obj.data)
     shown = shown_positions(obj, data.vertices)
+    if before is not None:
+        original = np.asarray(before, dtype=np.float64)
+    elif field in COMPARED_FIELDS and _is_final_shape(obj):
+        raise InputError(
+            rpt_(
+                "the shape before the smoothing was not kept: choose another Result than Final "
+                "Shape Only to see this"
+            )
+        )
+    else:
+        original = data.vertices
     if field == "DISPLACEMENT":
-        return np.linalg.norm(shown - data.vertices, axis=1)
+        return np.linalg.norm(shown - original, axis=1)
     if not len(data.triangles):
         raise InputError("the mesh has no faces: there is no surface to look at")
-    surface = solvable_surface(data.vertices, data.triangles)
-    frame = SolverFrame.of(data.vertices, surface, settings.normalize)
+    surface = solvable_surface(original, data.triangles)
+    frame = SolverFrame.of(original, surface, settings.normalize)
     topology = surface.topology
     positions = shown[surface.vertex_of]
     if field == "REMOVED":
-        moved = data.vertices[surface.vertex_of] - positions
+        moved = original[surface.vertex_of] - positions
         # Of the shown surface: the normals of the one before are as noisy as what was removed.
         removed = np.einsum("id,id->i", moved, _vertex_normals(topology, positions))
         return frame.to_caller(np.where(topology.is_loose, np.nan, removed))
@@ -56,6 +80,11 @@ def field_values(obj: bpy.types.Object, field: str, settings: FairingSettings) -
         return frame.to_caller(mean_curvature(topology, positions, settings.quadrature_tolerance))
     density = mesh_density(topology, frame.inward(shown), settings.density, settings.density_passes)
     return frame.to_caller(np.where(topology.is_loose, np.nan, density))
+
+
+def _is_final_shape(obj: bpy.types.Object) -> bool:
+    """Whether a run has moved the vertices themselves, so that no key holds the shape before."""
+    return obj.data.shape_keys is None and bool(obj.adaptive_fairing.steps)
 
 
 def shown_positions(obj: bpy.types.Object, undeformed: FloatArray) -> FloatArray:

@@ -51,7 +51,7 @@ class VIEW3D_PT_adaptive_fairing_results(FairingPanel, bpy.types.Panel):
         if is_of_strengths(record):
             _draw_estimate(context, layout, record)
         _draw_course(layout, record)
-        _draw_measures(layout, record)
+        _draw_measures(context, layout, record)
         for note in record.notes.splitlines():
             draw_lines(context, layout, note, icon="INFO")
         if record.notes:
@@ -73,9 +73,9 @@ class VIEW3D_PT_adaptive_fairing_view(FairingPanel, bpy.types.Panel):
                 depress=shown == field,
             )
             button.field = field
-        layout.operator(OBJECT_OT_adaptive_fairing_view_end.bl_idname, icon="LOOP_BACK")
         if shown:
             _draw_legend(layout, obj.adaptive_fairing)
+        layout.operator(OBJECT_OT_adaptive_fairing_view_end.bl_idname, icon="LOOP_BACK")
 
 
 class VIEW3D_PT_adaptive_fairing_compare(FairingPanel, bpy.types.Panel):
@@ -124,7 +124,7 @@ def _draw_evolution(context, layout, obj) -> None:
 
 def _draw_estimate(context, layout, record) -> None:
     """Draw what "auto" has found and chosen."""
-    noise = length_text(context, record.noise_length * record.id_data.matrix_world.median_scale)
+    noise = _world_length_text(context, record, record.noise_length)
     chosen = iface_("{:d} of {:d}, strength {:.4g}").format(
         record.chosen, len(record.steps) - 1, result_step(record).strength
     )
@@ -153,7 +153,7 @@ def _draw_course(layout, record) -> None:
         column.label(text=left, translate=False)
 
 
-def _draw_measures(layout, record) -> None:
+def _draw_measures(context, layout, record) -> None:
     first, last = record.steps[0], result_step(record)
     if is_of_strengths(record):
         how, iterations = [], last.iterations  # the solves serve all strengths
@@ -168,9 +168,14 @@ def _draw_measures(layout, record) -> None:
         ("Time", iface_("{:.2f} s, {:d} iterations").format(record.seconds, iterations)),
         ("Volume", _change(first.volume, last.volume)),
         ("Area", _change(first.area, last.area)),
-        ("Largest move", f"{last.displacement:.4g}"),
+        ("Largest move", _world_length_text(context, record, last.displacement)),
     ]
     _draw_table(layout, rows)
+
+
+def _world_length_text(context, record, length: float) -> str:
+    """Write a length of the mesh as it is in the world, where the object may be scaled."""
+    return length_text(context, length * record.id_data.matrix_world.median_scale)
 
 
 def _draw_table(layout, rows) -> None:

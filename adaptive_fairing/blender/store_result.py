@@ -64,7 +64,7 @@ def write_steps(
         write_density(obj.data, chosen.density)
     _write_record(obj, task)
     if obj.adaptive_fairing.view:
-        color_by_field(obj, obj.adaptive_fairing.view, task.settings)
+        color_by_field(obj, obj.adaptive_fairing.view, task.settings, task.vertices)
 
 
 def find_object(task: FairingTask) -> bpy.types.Object:

@@ -297,6 +297,9 @@ GERMAN = {
     "gelöscht oder umbenannt",
     "the mesh was changed during the run; nothing was written": "das Netz wurde während des Laufs "
     "geändert; nichts wurde geschrieben",
+    "the shape before the smoothing was not kept: choose another Result than Final Shape Only to "
+    "see this": "die Form vor dem Glätten wurde nicht aufgehoben: um dies zu sehen, ein anderes "
+    "Ergebnis als Nur Endform wählen",
     "the mesh is linked from another file: make it local to colour it": "das Netz ist aus einer "
     "anderen Datei verknüpft: zum Einfärben lokal machen",
     "Faired {:d} vertices, {:.1f} s": "{:d} Punkte geglättet, {:.1f} s",

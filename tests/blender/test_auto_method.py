@@ -132,12 +132,15 @@ class TestPanel:
         record = noisy.adaptive_fairing
         texts = draw(panel_results.VIEW3D_PT_adaptive_fairing_results).texts
         assert "3 of 5, strength 2" in texts
-        in_scene = f"{float(f'{2 * 100 * record.noise_length:.3g}'):g} cm"
-        assert f"{record.noise:.3g} edges  ·  {in_scene}" in texts
+
+        def in_scene(length):
+            return f"{float(f'{2 * 100 * length:.3g}'):g} cm"
+
+        assert f"{record.noise:.3g} edges  ·  {in_scene(record.noise_length)}" in texts
         assert f"{record.radius:.2f} edges" in texts
         assert "Sharp" in texts
         assert f"After  {record.steps[3].curvature_energy:.4g}" in texts
-        assert f"{record.steps[3].displacement:.4g}" in texts
+        assert in_scene(record.steps[3].displacement) in texts
         assert not any("τ" in text for text in texts)
 
     def test_the_slider_tells_the_strength_and_marks_the_chosen_one(self, noisy):

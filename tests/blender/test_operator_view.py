@@ -12,7 +12,7 @@ from adaptive_fairing.blender import viewport
 from adaptive_fairing.blender.color_map import color_range
 from adaptive_fairing.blender.fields import field_values
 from adaptive_fairing.blender.shape_keys import write_absolute_keys
-from adaptive_fairing.core import FairingSettings, fair
+from adaptive_fairing.core import FairingSettings, InputError, fair
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -105,6 +105,40 @@ class TestRemoved:
             obj.adaptive_fairing.evolution = 0.0
             show("REMOVED")
             assert not numbers(obj.data, "fairing_removed").any()
+
+
+class TestFinalShapeOnly:
+    """No shape key holds the mesh before: only the run itself knows what it has changed."""
+
+    @pytest.fixture
+    def obj(self):
+        return add_selected(*icosphere(2))
+
+    def run(self):
+        bpy.ops.object.adaptive_fairing(steps=2, tau=0.01, output="FINAL_SHAPE")
+
+    @pytest.mark.parametrize("field", ["DISPLACEMENT", "REMOVED"])
+    def test_a_view_that_is_on_shows_what_the_run_has_changed(self, obj, field):
+        show(field)
+        self.run()
+        moved = icosphere(2)[0] - shown_positions(obj)
+        found = numbers(obj.data, f"fairing_{field.lower()}")
+        # A sphere shrinks along its normals, but for the unevenness of its mesh.
+        assert found == pytest.approx(np.linalg.norm(moved, axis=1), rel=1e-2)
+        assert found.min() > 0.0
+
+    @pytest.mark.parametrize("field", ["DISPLACEMENT", "REMOVED"])
+    def test_later_it_is_said_that_there_is_nothing_to_compare_with(self, obj, field):
+        self.run()
+        with pytest.raises(InputError, match="the shape before the smoothing was not kept"):
+            field_values(obj, field, FairingSettings())
+        assert show(field) == {"CANCELLED"}
+        assert obj.adaptive_fairing.view == ""
+
+    @pytest.mark.parametrize("field", ["DENSITY", "CURVATURE"])
+    def test_other_fields_need_nothing_to_compare_with(self, obj, field):
+        self.run()
+        assert show(field) == {"FINISHED"}
 
 
 def active_color(obj):

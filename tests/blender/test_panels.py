@@ -213,6 +213,17 @@ class TestAfterTheRun:
         assert f"After  {last.curvature_energy:.4g}" in text
         assert {"evolution", "eval_time"} <= set(drawn.properties)
 
+    @pytest.mark.parametrize(("system", "unit"), [("NONE", ""), ("METRIC", " m")])
+    def test_the_largest_move_is_a_length_of_the_world(self, sphere, system, unit):
+        bpy.context.scene.unit_settings.system = system
+        sphere.scale = (1000.0, 1000.0, 1000.0)
+        bpy.ops.object.adaptive_fairing(steps=1)
+        bpy.context.view_layer.update()
+        drawn = draw(panel_results.VIEW3D_PT_adaptive_fairing_results)
+        length = 1000.0 * sphere.adaptive_fairing.steps[-1].displacement
+        assert 1.0 < length < 1000.0
+        assert f"{float(f'{length:.3g}'):g}{unit}" in drawn.texts
+
     def test_an_open_surface_has_no_volume(self):
         obj = add_object(*open_cylinder(12, 5))
         obj.select_set(True)
