@@ -134,20 +134,15 @@ def unregister() -> None:
 class ModalRun:
     """Mix-in for operators that fair meshes.
 
-    A subclass gives `prepare`, which reads the meshes, and `conclude`, which writes the results;
-    both are called in the main thread. `conclude` is also called after a stop, with the steps that
-    were finished by then.
+    A subclass has two methods, which are called in the main thread; Blender's classes cannot have
+    abstract ones:
+
+    - ``prepare(context)`` reads the meshes and gives a list of tasks.
+    - ``conclude(context, tasks, *, is_stopped)`` writes the results and gives what an operator
+      returns. It is also called after a stop, with the steps that were finished by then.
     """
 
     _timer: bpy.types.Timer | None = None
-
-    def prepare(self, context: bpy.types.Context) -> list[FairingTask]:
-        raise NotImplementedError
-
-    def conclude(
-        self, context: bpy.types.Context, tasks: list[FairingTask], *, is_stopped: bool
-    ) -> set[str]:
-        raise NotImplementedError
 
     def execute(self, context):
         tasks = self._prepared(context)

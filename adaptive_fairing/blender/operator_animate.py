@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
+from .polls import is_allowed
 from .record import evolution_keys
 
 NO_EVOLUTION = "Fair the active object first, with Evolution as its result"
@@ -18,9 +19,7 @@ class _OnEvolution:
         obj = context.active_object
         has_evolution = obj is not None and evolution_keys(obj) is not None
         is_ours = has_evolution and bool(obj.adaptive_fairing.steps)
-        if not is_ours:
-            cls.poll_message_set(NO_EVOLUTION)
-        return is_ours
+        return is_allowed(cls, None if is_ours else NO_EVOLUTION)
 
 
 class OBJECT_OT_adaptive_fairing_animate(_OnEvolution, bpy.types.Operator):

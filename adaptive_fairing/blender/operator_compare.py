@@ -9,8 +9,9 @@ from bpy.app.translations import pgettext_data as data_
 from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
-from .modal_run import ModalRun, progress
+from .modal_run import ModalRun
 from .object_mode import object_mode
+from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
 from .properties import SolverProperties, solver_settings
 from .regions import refusal
 from .requirements import scipy_problem
@@ -48,15 +49,8 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
 
     @classmethod
     def poll(cls, context):
-        obj = context.active_object
-        message = scipy_problem() or refusal(context)
-        if obj is None or obj.type != "MESH":
-            message = message or "Make a mesh object active"
-        if progress() is not None:
-            message = "A run is going on: wait for it, or stop it with Esc"
-        if message is not None:
-            cls.poll_message_set(message)
-        return message is None
+        problem = scipy_problem() or refusal(context)
+        return is_allowed(cls, busy_refusal(), problem, no_active_mesh_refusal(context))
 
     def prepare(self, context):
         from dataclasses import replace

@@ -7,6 +7,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from .modal_run import ModalRun, progress, stop_run
 from .object_mode import object_mode
+from .polls import busy_refusal, is_allowed
 from .properties import OutputProperties, SolverProperties, solver_settings
 from .regions import refusal, target_objects, vertex_weights
 from .requirements import scipy_problem
@@ -23,12 +24,7 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
 
     @classmethod
     def poll(cls, context):
-        message = scipy_problem() or refusal(context)
-        if progress() is not None:
-            message = "A run is going on: wait for it, or stop it with Esc"
-        if message is not None:
-            cls.poll_message_set(message)
-        return message is None
+        return is_allowed(cls, busy_refusal(), scipy_problem(), refusal(context))
 
     def draw(self, context):
         from .panel_settings import draw_operator

@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import NDArray
 
 from .object_mode import object_mode
+from .polls import is_allowed, no_active_mesh_refusal
 from .requirements import scipy_problem
 
 
@@ -23,17 +24,14 @@ class OBJECT_OT_adaptive_fairing_select_problems(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        obj = context.active_object
-        message = scipy_problem()
-        if obj is None or obj.type != "MESH":
-            message = message or "Make a mesh object active"
-        elif obj.mode not in ("OBJECT", "EDIT"):
-            message = message or "Change to Object Mode or Edit Mode"
-        elif obj.library is not None or obj.data.library is not None:
-            message = message or "The mesh is linked from another file: it cannot be edited here"
-        if message is not None:
-            cls.poll_message_set(message)
-        return message is None
+        no_mesh, not_editable = no_active_mesh_refusal(context), None
+        if no_mesh is None:
+            obj = context.active_object
+            if obj.mode not in ("OBJECT", "EDIT"):
+                not_editable = "Change to Object Mode or Edit Mode"
+            elif obj.library is not None or obj.data.library is not None:
+                not_editable = "The mesh is linked from another file: it cannot be edited here"
+        return is_allowed(cls, scipy_problem(), no_mesh, not_editable)
 
     def execute(self, context):
         from ..core.diagnosis import find_problems

@@ -5,7 +5,8 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from .modal_run import ModalRun, progress
+from .modal_run import ModalRun
+from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
 from .properties import SolverProperties, solver_settings
 from .requirements import scipy_problem
 
@@ -33,17 +34,10 @@ class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.
 
     @classmethod
     def poll(cls, context):
-        message = scipy_problem()
-        obj = context.active_object
-        if obj is None or obj.type != "MESH":
-            message = "Make a mesh object active"
-        elif obj.mode != "OBJECT":
-            message = "Change to Object Mode"
-        elif progress() is not None:
-            message = "A run is going on: wait for it, or stop it with Esc"
-        if message is not None:
-            cls.poll_message_set(message)
-        return message is None
+        no_mesh, wrong_mode = no_active_mesh_refusal(context), None
+        if no_mesh is None and context.active_object.mode != "OBJECT":
+            wrong_mode = "Change to Object Mode"
+        return is_allowed(cls, no_mesh, wrong_mode, busy_refusal(), scipy_problem())
 
     def prepare(self, context):
         from ..core import InputError

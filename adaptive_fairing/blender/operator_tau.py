@@ -7,6 +7,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from . import mesh_scale
 from .object_mode import object_mode
+from .polls import is_allowed, no_active_mesh_refusal
 from .requirements import scipy_problem
 
 
@@ -15,13 +16,7 @@ class _OnActiveMesh:
 
     @classmethod
     def poll(cls, context):
-        obj = context.active_object
-        message = scipy_problem()
-        if obj is None or obj.type != "MESH":
-            message = message or "Make a mesh object active"
-        if message is not None:
-            cls.poll_message_set(message)
-        return message is None
+        return is_allowed(cls, scipy_problem(), no_active_mesh_refusal(context))
 
     def measured(self, context):
         """Measure the active mesh; report and give None if that is not possible."""

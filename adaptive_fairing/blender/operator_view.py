@@ -7,6 +7,7 @@ from bpy.app.translations import pgettext_tip as tip_
 
 from . import viewport
 from .object_mode import object_mode
+from .polls import is_allowed
 from .properties import solver_settings
 from .regions import refusal, target_objects
 from .requirements import scipy_problem
@@ -48,10 +49,7 @@ class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        message = scipy_problem() or refusal(context)
-        if message is not None:
-            cls.poll_message_set(message)
-        return message is None
+        return is_allowed(cls, scipy_problem(), refusal(context))
 
     def execute(self, context):
         from ..core import FairingError

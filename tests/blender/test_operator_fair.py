@@ -260,9 +260,9 @@ class TestErrors:
             run()
 
     def test_a_run_is_going_on(self, monkeypatch):
-        from adaptive_fairing.blender import operator_fair
+        from adaptive_fairing.blender import polls
 
-        monkeypatch.setattr(operator_fair, "progress", object)
+        monkeypatch.setattr(polls, "progress", object)
         noisy_sphere()
         with pytest.raises(RuntimeError, match="A run is going on"):
             run()

@@ -44,7 +44,7 @@ def texts_of_the_source():
                 if function in ("iface_", "rpt_", "data_", "tip_"):
                     texts |= literals(node.args[:1])
                 texts |= literals(word.value for word in node.keywords if word.arg == "text")
-            if isinstance(node, ast.FunctionDef) and node.name in ("poll", "refusal"):
+            if isinstance(node, ast.FunctionDef) and re.fullmatch("poll|(.*_)?refusal", node.name):
                 found = literals(ast.walk(ast.Module(node.body, [])))
                 texts |= {
                     text

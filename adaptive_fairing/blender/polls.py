@@ -1,0 +1,28 @@
+"""Why a button is greyed out: reasons that several operators share, and how Blender is told."""
+
+from __future__ import annotations
+
+import bpy
+
+from .modal_run import progress
+
+
+def is_allowed(operator: type[bpy.types.Operator], *reasons: str | None) -> bool:
+    """Answer for an operator's poll: no if there is a reason, the first of which is shown."""
+    message = next((reason for reason in reasons if reason is not None), None)
+    if message is not None:
+        operator.poll_message_set(message)
+    return message is None
+
+
+def no_active_mesh_refusal(context: bpy.types.Context) -> str | None:
+    """Say that the active object has no mesh; None if it has."""
+    obj = context.active_object
+    return "Make a mesh object active" if obj is None or obj.type != "MESH" else None
+
+
+def busy_refusal() -> str | None:
+    """Say that a run is going on, beside which no other can start; None if there is none."""
+    if progress() is None:
+        return None
+    return "A run is going on: wait for it, or stop it with Esc"
