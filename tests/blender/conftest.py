@@ -36,3 +36,26 @@ def addon(_method_of_the_paper):
     adaptive_fairing.blender.register()
     yield adaptive_fairing.blender
     adaptive_fairing.blender.unregister()
+
+
+@pytest.fixture(scope="session")
+def five_meshes(tmp_path_factory):
+    """Give a folder with five small meshes."""
+    from support.meshes import random_closed
+    from support.objects import write_ply
+
+    folder = tmp_path_factory.mktemp("meshes")
+    for seed in range(5):
+        write_ply(folder / f"mesh_{seed}.ply", *random_closed(seed))
+    return folder
+
+
+@pytest.fixture(scope="session")
+def five_faired(_method_of_the_paper, five_meshes, tmp_path_factory):
+    """Give a folder with their results, made one by one."""
+    from adaptive_fairing import cli
+
+    folder = tmp_path_factory.mktemp("one by one")
+    for path in five_meshes.iterdir():
+        assert cli.main([str(path), "-o", str(folder / path.name), "--quiet"]) == 0
+    return folder

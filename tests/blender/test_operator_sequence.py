@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from support.meshes import graded_sphere, random_closed
-from support.objects import add_object, shown_positions
+from support.objects import add_object, keyframe_motion, world_positions
 
 from adaptive_fairing import cli
 from adaptive_fairing.blender.files import save_blend
@@ -24,11 +24,6 @@ def fair_frames(**options):
     return bpy.ops.object.adaptive_fairing_sequence(**settings)
 
 
-def world(obj):
-    matrix = np.array(obj.matrix_world)
-    return shown_positions(obj) @ matrix[:3, :3].T + matrix[:3, 3]
-
-
 @pytest.fixture
 def bean():
     """A noisy ball under a modifier and a moving object, active and selected."""
@@ -40,10 +35,7 @@ def bean():
     for frame, amount in ((FRAMES[0], 0.0), (FRAMES[-1], 1.0)):
         modifier.factor = amount
         modifier.keyframe_insert("factor", frame=frame)
-        obj.location = (amount, 2 * amount, 0.5)
-        obj.keyframe_insert("location", frame=frame)
-        obj.rotation_euler = (0, 0, amount)
-        obj.keyframe_insert("rotation_euler", frame=frame)
+        keyframe_motion(obj, frame, amount)
     obj.select_set(True)
     bpy.context.scene.frame_set(1)
     return obj
@@ -56,14 +48,14 @@ def test_every_frame_is_that_of_the_command_line(bean, tmp_path):
     by_operator = []
     for frame in FRAMES:
         bpy.context.scene.frame_set(frame)
-        by_operator.append(world(result))
+        by_operator.append(world_positions(result))
     arguments = ["--frames", "3-5", "--steps", "2", "--same-strength", "--quiet"]
     out = tmp_path / "all.blend"
     assert cli.main([str(tmp_path / "bean.blend"), *arguments, "-o", str(out)]) == 0
     bpy.ops.wm.open_mainfile(filepath=str(out))
     for frame, shape in zip(FRAMES, by_operator, strict=True):
         bpy.context.scene.frame_set(frame)
-        found = world(bpy.data.objects["Bean faired"])
+        found = world_positions(bpy.data.objects["Bean faired"])
         np.testing.assert_allclose(found, shape, rtol=0, atol=4 * FLOAT32)
 
 
@@ -75,7 +67,7 @@ def test_each_frame_may_have_its_own_strength(bean):
     expected = fair(data.vertices, data.triangles, FairingSettings(steps=2)).positions
     expected = expected @ matrix[:3, :3].T + matrix[:3, 3]
     bpy.context.scene.frame_set(FRAMES[-1])
-    np.testing.assert_allclose(world(result), expected, rtol=0, atol=20 * FLOAT32)
+    np.testing.assert_allclose(world_positions(result), expected, rtol=0, atol=20 * FLOAT32)
 
 
 def test_the_result_takes_the_place_of_the_object(bean):

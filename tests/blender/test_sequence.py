@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import json
 import struct
-from dataclasses import replace
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
-from support.meshes import graded_sphere, noisy_ball, random_closed
-from support.objects import add_object, shown_positions
+from support.meshes import graded_sphere, random_closed
+from support.objects import add_object, keyframe_motion, shown_positions, world_positions
 
 from adaptive_fairing import cli
 from adaptive_fairing.blender.files import empty_scene, export_mesh, import_mesh, save_blend
 from adaptive_fairing.blender.frames import evaluated_mesh, object_at_frame
 from adaptive_fairing.blender.keyed_object import write_frame_keys
-from adaptive_fairing.blender.mesh_data import MeshData, read_mesh, read_positions
-from adaptive_fairing.blender.run import FairingTask
-from adaptive_fairing.blender.sequence import Preparations, run_frames, same_strength
-from adaptive_fairing.core import FairingError, FairingSettings, PreparedMesh, fair
+from adaptive_fairing.blender.mesh_data import read_mesh, read_positions
+from adaptive_fairing.core import FairingError, FairingSettings, fair
 
 THOROUGH = pytest.mark.thorough
 
@@ -34,12 +31,6 @@ SETTINGS = ("--steps", 2, "--density", "area")
 
 def run(*arguments):
     return cli.main([*(str(argument) for argument in arguments), "--quiet"])
-
-
-def world(obj):
-    """Positions that the viewport shows, in the world, (n, 3)."""
-    matrix = np.array(obj.matrix_world)
-    return shown_positions(obj) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def read_ply(path):
@@ -60,10 +51,7 @@ def animated_bean():
     for frame, amount in ((FRAMES[0], 0.0), (FRAMES[-1], 1.0)):
         key.value = amount
         key.keyframe_insert("value", frame=frame)
-        obj.location = (amount, 2 * amount, 0.5)
-        obj.keyframe_insert("location", frame=frame)
-        obj.rotation_euler = (0, 0, amount)
-        obj.keyframe_insert("rotation_euler", frame=frame)
+        keyframe_motion(obj, frame, amount)
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = FRAMES[0], FRAMES[-1]
     return obj
@@ -153,7 +141,7 @@ def test_numbered_files_are_faired_each(sources, expected, tmp_path, suffix):
     arguments = (given, "--sequence", "--out-dir", tmp_path, *SETTINGS)
     assert run(*arguments) == 0
     for frame, shape in zip(FRAMES, expected, strict=True):
-        found = world(import_mesh(tmp_path / f"bean_{frame}{suffix}"))
+        found = world_positions(import_mesh(tmp_path / f"bean_{frame}{suffix}"))
         digits = 1e-5 if suffix == ".obj" else 20 * FLOAT32
         assert nearest_distance(shape, found) < digits
 
@@ -215,121 +203,6 @@ def test_one_strength_or_each_its_own_are_different_results(sources, tmp_path):
     assert last.read_bytes() != before
 
 
-def surface(vertices, faces):
-    return MeshData(np.asarray(vertices, dtype=np.float64), np.asarray(faces, dtype=np.int32))
-
-
-class TestSameStrength:
-    def test_it_keeps_the_scale_of_the_first_frame(self):
-        vertices, faces = random_closed(1)
-        settings, scale = same_strength(surface(vertices, faces), FairingSettings())
-        assert settings == FairingSettings()
-        assert scale == pytest.approx(6 / np.ptp(vertices, axis=0).max())
-
-    def test_it_leaves_no_stopping_rule(self):
-        data = surface(*random_closed(1))
-        asked = FairingSettings(steps=20, stop_curvature=0.86)
-        settings, _ = same_strength(data, asked)
-        n_steps = len(fair(data.vertices, data.triangles, asked).steps)
-        assert 1 < n_steps < 20
-        assert settings == replace(asked, steps=n_steps, stop_curvature=None)
-
-
-class TestRunFrames:
-    def tasks(self, method, n_frames=3):
-        vertices, faces = noisy_ball()
-        settings = FairingSettings(method=method, steps=2)
-        return [
-            FairingTask(f"Frame {i}", vertices * [1 + 0.1 * i, 1, 1], faces, None, settings)
-            for i in range(n_frames)
-        ]
-
-    @pytest.mark.parametrize("method", ["adaptive_timestep", "auto"])
-    def test_of_each_frame_the_result_is_kept(self, method):
-        tasks = self.tasks(method)
-        for _ in run_frames(tasks, one_strength=False):
-            pass
-        for task in tasks:
-            (step,) = task.steps
-            mesh = PreparedMesh(tasks[0].vertices, task.triangles, task.settings)
-            alone = fair(task.vertices, task.triangles, task.settings, prepared=mesh)
-            assert np.array_equal(step.positions, alone.positions.astype(np.float32))
-            assert step.stop_reason == "steps"
-
-    def test_auto_mixes_all_frames_as_the_first(self):
-        tasks = self.tasks("auto", n_frames=2)
-        for _ in run_frames(tasks, one_strength=True):
-            pass
-        first, second = tasks
-        mesh = PreparedMesh(first.vertices, first.triangles, first.settings)
-        mesh = PreparedMesh(first.vertices, first.triangles, first.settings, scale=mesh.own_scale)
-        plan = fair(first.vertices, first.triangles, first.settings, prepared=mesh)
-        alone = fair(
-            second.vertices,
-            second.triangles,
-            second.settings,
-            prepared=mesh,
-            plan=plan.chosen.auto.plan,
-        )
-        assert np.array_equal(second.steps[0].positions, alone.positions.astype(np.float32))
-
-    def test_a_cancelled_run_begins_no_other_frame(self):
-        tasks = self.tasks("auto")
-        frames = run_frames(tasks, one_strength=False)
-        assert next(frames) is tasks[0]
-        for task in tasks:
-            task.is_cancelled = True
-        assert list(frames) == []
-        assert [len(task.steps) for task in tasks] == [1, 0, 0]
-        assert tasks[1].share == tasks[2].share == 0
-
-
-class TestPreparations:
-    @pytest.fixture
-    def place(self, tmp_path):
-        path = tmp_path / "a.ply"
-        export_mesh(add_object(*random_closed(1)), path, alone=True)
-        return path, None
-
-    def test_frames_with_the_same_triangles_share_one(self, place):
-        preparations = Preparations()
-        settings = FairingSettings()
-        data = read_mesh(import_mesh(place[0]).data)
-        preparations.turn_to(place, None, settings, scale=None, keep_axes=True)
-        first = preparations.of(data, settings, None)
-        moved = replace(data, vertices=data.vertices * [1, 2, 3])
-        preparations.turn_to(place, None, settings, scale=None, keep_axes=True)
-        assert preparations.of(moved, settings, None) is first
-        assert first.plan is None
-
-    def test_auto_takes_the_mixture_of_the_first_frame(self, place):
-        """With one strength for all; otherwise every frame finds its own."""
-        settings = FairingSettings(method="auto")
-        data = read_mesh(import_mesh(place[0]).data)
-        plan = fair(data.vertices, data.triangles, settings).chosen.auto.plan
-        one, own = Preparations(), Preparations()
-        one.turn_to(place, None, settings, scale=1.0, keep_axes=True)
-        own.turn_to(place, None, settings, scale=None, keep_axes=True)
-        assert np.array_equal(one.of(data, settings, 1.0).plan.mixtures, plan.mixtures)
-        assert own.of(data, settings, None).plan is None
-
-    def test_other_triangles_get_one_of_their_own(self, place):
-        preparations = Preparations()
-        settings = FairingSettings()
-        preparations.turn_to(place, None, settings, scale=None, keep_axes=True)
-        other = surface(*random_closed(2))
-        found = preparations.of(other, settings, None)
-        assert np.array_equal(found.mesh.triangles, other.triangles)
-        assert preparations.of(other, settings, None) is not found
-
-    def test_without_a_sequence_nothing_is_kept(self):
-        preparations = Preparations()
-        data = surface(*random_closed(2))
-        preparations.turn_to(None, None, FairingSettings(), scale=None, keep_axes=True)
-        first = preparations.of(data, FairingSettings(), None)
-        assert preparations.of(data, FairingSettings(), None) is not first
-
-
 def growing_files(folder):
     """Write three frames, of which the third has other triangles."""
     folder.mkdir()
@@ -378,7 +251,7 @@ def test_one_keyed_object_shows_every_frame(sources, expected, tmp_path, kind):
     assert not keys.use_relative
     for frame, shape in zip(FRAMES, expected, strict=True):
         bpy.context.scene.frame_set(frame)
-        found = world(obj)
+        found = world_positions(obj)
         digits = 1e-5 if kind == "files.obj" else 20 * FLOAT32
         np.testing.assert_allclose(found, shape, rtol=0, atol=digits)
     n_uv_layers = 0 if kind == "files.ply" else 1

@@ -16,11 +16,6 @@ def method(request):
     return request.param
 
 
-def noisy_sphere(level=2):
-    vertices, faces = meshes.icosphere(level)
-    return vertices + 0.03 * np.random.default_rng(0).normal(size=vertices.shape), faces
-
-
 # Open boundaries ---------------------------------------------------------------------------------
 
 
@@ -148,7 +143,7 @@ def test_boundary_curve_is_the_cubic_b_spline_of_the_boundary_vertices(mesh):
 
 
 def test_weight_zero_holds_vertices_bit_by_bit(method):
-    vertices, faces = noisy_sphere()
+    vertices, faces = meshes.noisy_ball(2, 0.03)
     weights = (vertices[:, 2] > 0.2).astype(float)
     result = fair(vertices, faces, FairingSettings(method=method), weights=weights)
     held = weights == 0
@@ -157,7 +152,7 @@ def test_weight_zero_holds_vertices_bit_by_bit(method):
 
 
 def test_weight_one_everywhere_is_no_weight(method):
-    vertices, faces = noisy_sphere()
+    vertices, faces = meshes.noisy_ball(2, 0.03)
     settings = FairingSettings(method=method, steps=2)
     np.testing.assert_array_equal(
         fair(vertices, faces, settings, weights=np.ones(len(vertices))).positions,
@@ -166,14 +161,14 @@ def test_weight_one_everywhere_is_no_weight(method):
 
 
 def test_all_weights_zero_change_nothing(method):
-    vertices, faces = noisy_sphere()
+    vertices, faces = meshes.noisy_ball(2, 0.03)
     weights = np.zeros(len(vertices))
     result = fair(vertices, faces, FairingSettings(method=method), weights=weights)
     np.testing.assert_array_equal(result.positions, vertices)
 
 
 def test_smaller_weights_move_less(method):
-    vertices, faces = noisy_sphere()
+    vertices, faces = meshes.noisy_ball(2, 0.03)
     settings = FairingSettings(method=method, steps=1)
     moves = []
     for weight in (0.1, 0.4, 1.0):
@@ -185,7 +180,7 @@ def test_smaller_weights_move_less(method):
 
 def test_uniform_weight_is_a_smaller_tau(method):
     """The weight is a share of the local timestep or diffusivity."""
-    vertices, faces = noisy_sphere()
+    vertices, faces = meshes.noisy_ball(2, 0.03)
     weighted = fair(
         vertices,
         faces,
@@ -199,7 +194,7 @@ def test_uniform_weight_is_a_smaller_tau(method):
 
 
 def test_fractional_region_moves_less_than_the_full_one(method):
-    vertices, faces = noisy_sphere(3)
+    vertices, faces = meshes.noisy_ball(3, 0.03)
     weights = np.where(vertices[:, 0] > 0, 1.0, 0.05)
     result = fair(vertices, faces, FairingSettings(method=method, steps=1), weights=weights)
     move = np.linalg.norm(result.positions - vertices, axis=1)
@@ -211,7 +206,7 @@ def test_fractional_region_moves_less_than_the_full_one(method):
 
 def test_loose_vertices_stay_bit_by_bit_and_out_of_the_frame(method):
     """However far away they are: the frame is that of the surface."""
-    vertices, faces = noisy_sphere()
+    vertices, faces = meshes.noisy_ball(2, 0.03)
     settings = FairingSettings(method=method, steps=2)
     alone = fair(vertices, faces, settings)
     loose = np.array([(1e3, 0.1, -7.7), (0.3, 0.3, 0.3)])
@@ -224,7 +219,7 @@ def test_loose_vertices_stay_bit_by_bit_and_out_of_the_frame(method):
 
 def test_components_are_faired_as_if_alone(method):
     """But for the common frame, which ``normalize=False`` takes away."""
-    parts = [noisy_sphere(), meshes.bumpy_disc(0), meshes.random_closed(1)]
+    parts = [meshes.noisy_ball(2, 0.03), meshes.bumpy_disc(0), meshes.random_closed(1)]
     parts = [(vertices + 3 * k, faces) for k, (vertices, faces) in enumerate(parts)]
     settings = FairingSettings(
         method=method, tau=0.02, steps=2, normalize=False, cg_tolerance=1e-13

@@ -3,6 +3,8 @@
 import bpy
 import numpy as np
 
+from adaptive_fairing.blender.files import empty_scene, export_mesh
+
 GRID = 5
 
 
@@ -15,6 +17,13 @@ def add_object(vertices, faces, name="Thing"):
     bpy.context.view_layer.objects.active = obj
     bpy.context.view_layer.update()
     return obj
+
+
+def write_ply(path, vertices, faces):
+    """Write a mesh as the only one of a scene; give its path."""
+    empty_scene()
+    export_mesh(add_object(vertices, faces), path, alone=True)
+    return path
 
 
 def bumpy_box():
@@ -125,6 +134,20 @@ def shown_positions(obj):
     flat = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.vertices.foreach_get("co", flat)
     return flat.reshape(-1, 3)
+
+
+def world_positions(obj):
+    """Positions as the viewport shows them, in the world."""
+    matrix = np.array(obj.matrix_world)
+    return shown_positions(obj) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def keyframe_motion(obj, frame, amount):
+    """Let an object be moved and turned at a frame, the more the larger the amount."""
+    obj.location = (amount, 2 * amount, 0.5)
+    obj.keyframe_insert("location", frame=frame)
+    obj.rotation_euler = (0, 0, amount)
+    obj.keyframe_insert("rotation_euler", frame=frame)
 
 
 def key_positions(obj, name):
