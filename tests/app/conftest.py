@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import sys
 from collections.abc import Sequence
 from pathlib import Path
@@ -22,13 +23,14 @@ BUILDER = ["python3", str(ROOT / "tools/build_extension.py"), "no-wheels"]
 
 sys.path.insert(0, str(ROOT / "tools"))
 
-import real_blender  # noqa: E402  a script of the project, not a package
+import debian_chroot  # noqa: E402  scripts of the project, not packages
+import real_blender  # noqa: E402
 
 
 class App:
     """The program, the user directory with the extension in it, and a place for artefacts."""
 
-    def __init__(self, chroot: real_blender.Chroot, directory: Path) -> None:
+    def __init__(self, chroot: debian_chroot.Chroot, directory: Path) -> None:
         self.chroot = chroot
         self.directory = directory
         self.resources = directory / "resources"
@@ -37,9 +39,9 @@ class App:
 
     def shell(self, *command: str, timeout: float = 300) -> int:
         """Run a command beside Blender, offline; its exit code."""
-        return real_blender.run_inside(
+        return debian_chroot.run_inside(
             self.chroot,
-            real_blender.shlex.join(command),
+            shlex.join(command),
             binds=[self.directory],
             environment=self._environment,
             timeout=timeout,
@@ -106,8 +108,8 @@ class App:
 @pytest.fixture(scope="session")
 def app(tmp_path_factory) -> App:
     """Blender 4.3.2 of Debian 13 with the extension built, installed and enabled."""
-    chroot = real_blender.locate("trixie")
-    real_blender.set_up(chroot)
+    chroot = debian_chroot.locate("trixie")
+    debian_chroot.set_up(chroot)
     named = os.environ.get("APP_ARTEFACTS")
     directory = Path(named).resolve() if named else tmp_path_factory.mktemp("app")
     directory.mkdir(parents=True, exist_ok=True)

@@ -36,15 +36,20 @@ def press_fairing(stage: Stage) -> Scenario:
     yield stage.until(stage.is_running, 20, "start of the modal run")
 
 
+def run_to_the_end(stage: Stage, seconds: float) -> Scenario:
+    """Press the button and wait for the result, so many seconds at most."""
+    yield from press_fairing(stage)
+    yield stage.until(lambda: not stage.is_running(), seconds, "end of the run")
+    yield 1.0
+
+
 def full_run(stage: Stage) -> Scenario:
     """Press the button, wait, move the Evolution slider, undo, redo, save and open again."""
     noisy = vertex_positions(add_noisy("ico_sphere", 0.01, subdivisions=6))
     seen = stage.results
     yield from stage.open_sidebar("Fairing")
     yield from stage.picture("before")
-    yield from press_fairing(stage)
-    yield stage.until(lambda: not stage.is_running(), 120, "end of the run")
-    yield 1.0
+    yield from run_to_the_end(stage, 120)
     yield from stage.picture("after")
 
     obj = bpy.context.object
@@ -80,9 +85,7 @@ def full_run(stage: Stage) -> Scenario:
 def undo(stage: Stage) -> Scenario:
     """One undo takes a whole run back, one redo brings it again."""
     noisy = vertex_positions(add_noisy("ico_sphere", 0.01, subdivisions=4))
-    yield from press_fairing(stage)
-    yield stage.until(lambda: not stage.is_running(), 60, "end of the run")
-    yield 1.0
+    yield from run_to_the_end(stage, 60)
     stage.results["after run"] = key_names()
     yield from stage.press_in_view("ctrl+z")
     stage.results["after undo"] = key_names()
@@ -130,9 +133,7 @@ def automatic(stage: Stage) -> Scenario:
     with stage.context():
         bpy.ops.view3d.view_selected()
     yield from stage.picture("auto-before")
-    yield from press_fairing(stage)
-    yield stage.until(lambda: not stage.is_running(), 200, "end of the run")
-    yield 1.0
+    yield from run_to_the_end(stage, 200)
     yield from stage.picture("auto-after")
     keys = obj.data.shape_keys
     stage.results["keys"] = key_names()
@@ -182,9 +183,7 @@ def run_once_more(stage: Stage) -> Scenario:
     add_noisy("ico_sphere", 0.01, subdivisions=3)
     bpy.context.scene.adaptive_fairing.steps = 2
     yield 1.0
-    yield from press_fairing(stage)
-    yield stage.until(lambda: not stage.is_running(), 60, "end of the second run")
-    yield 1.0
+    yield from run_to_the_end(stage, 60)
     stage.results["second run"] = key_names()
 
 
