@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from .core import FairingSettings
 
 BATCH_OPTIONS = ("out_dir", "format", "jobs", "memory", "shard", "merge", "allow_failures")
-SEQUENCE_OPTIONS = ("sequence", "frames", "same_strength")
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,8 @@ sys.path.insert(0, str(ROOT))
 
 from meshes import Mesh, write_ply  # noqa: E402  needs the search path
 
+from tools.samples.triangles import mean_edge_lengths, vertex_normals  # noqa: E402
+
 NOISE = 0.15  # standard deviation in local edge lengths
 BEND = 1.0  # of one end against the other, in radians
 SEED = 20260009
@@ -109,7 +111,7 @@ def bending(rest: NDArray[np.float64], triangles: NDArray[np.int32], n_frames: i
     axis = int(np.ptp(rest, axis=0).argmax())
     low, high = rest[:, axis].min(), rest[:, axis].max()
     along = (rest[:, axis] - low) / (high - low)
-    edges = local_edges(rest, triangles)
+    edges = mean_edge_lengths(rest, triangles)
     amount = np.random.default_rng(SEED).normal(0.0, NOISE, len(rest)) * edges
     other = (axis + 1) % 3
     centre = rest.mean(axis=0)
@@ -123,26 +125,6 @@ def bending(rest: NDArray[np.float64], triangles: NDArray[np.int32], n_frames: i
         normals.append(vertex_normals(clean, triangles))
         frames.append(clean + amount[:, None] * normals[-1])
     return Sequence(np.array(frames), np.array(normals), edges, triangles)
-
-
-def local_edges(vertices: NDArray[np.float64], triangles: NDArray[np.int32]) -> NDArray[np.float64]:
-    """Mean length of the edges at every vertex, (n,)."""
-    ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-    lengths = np.linalg.norm(vertices[ends[:, 0]] - vertices[ends[:, 1]], axis=1)
-    sums = np.bincount(ends.ravel(), np.repeat(lengths, 2), len(vertices))
-    return sums / np.bincount(ends.ravel(), minlength=len(vertices))
-
-
-def vertex_normals(
-    vertices: NDArray[np.float64], triangles: NDArray[np.int32]
-) -> NDArray[np.float64]:
-    """Average the unit normals, weighted by area, (n, 3)."""
-    corner = vertices[triangles]
-    faces = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    normals = np.zeros_like(vertices)
-    for k in range(3):
-        np.add.at(normals, triangles[:, k], faces)
-    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
 def write_frames(sequence: Sequence, folder: Path) -> None:

@@ -23,7 +23,7 @@ from .linear_elements import fair_linear, mass_matrix, stiffness_matrix
 from .measures import TIMESTEP, DensityClasses, root_mean_square
 from .pairs import MeshPair
 from .shapes import flat_hexagon, icosphere
-from .symbols import linear_symbols, loop_symbols, measured_symbol, wave_vector
+from .symbols import measured_symbol, wave_vector
 from .tables import Cell, Table
 
 RADIUS = 1.0
@@ -76,12 +76,6 @@ def plane_damping(wavelengths: FloatArray) -> Damping:
         factors.append(m / (m + time * s))
     exact = 1 / (1 + time * np.sum(waves**2, axis=1))
     return Damping(wavelengths, exact, *factors)
-
-
-def exact_plane_damping(waves: FloatArray, time: float) -> tuple[FloatArray, FloatArray]:
-    """Return the factors of Loop and linear elements from their exact symbols."""
-    loop, linear = (m / (m + time * s) for m, s in (loop_symbols(waves), linear_symbols(waves)))
-    return loop, linear
 
 
 def sphere_damping(degrees: Sequence[int]) -> Damping:
