@@ -160,16 +160,14 @@ def unavoidable_work(mesh: meshes.Mesh, settings: FairingSettings, iterations: i
     evaluated = control * points * (4 + 6 + 9)
     operations = 2 * members @ (evaluated + 4 * points * pairs + 3 * points * control)
 
-    n, n_upper = topology.n_vertices, SymmetricPattern(topology).n_upper
-    n_stored = 2 * n_upper - n
+    n, n_upper = topology.n_vertices, SymmetricPattern(topology.adjacency()).n_upper
     number, index = 8, 4
     assembly = index * (members @ (control + pairs))  # which vertices, which entries
     assembly += number * n * (4 + 3)  # positions and timestep, right side
-    assembly += number * n_upper  # entries
-    matrix = number * (n_upper + n_stored) + index * n_stored  # read, written, from where
+    assembly += number * n_upper  # entries of the upper triangle, which are all there are
     # Per iteration A p; then x += a p, r -= a A p, z = r / d, p = z + b p and two products.
-    iteration = (number + index) * n_stored + number * n * (3 * 14 + 1)
-    return Work(float(operations), float(assembly + matrix + (iterations + 1) * iteration))
+    iteration = (number + index) * n_upper + number * n * (3 * 14 + 1)
+    return Work(float(operations), float(assembly + (iterations + 1) * iteration))
 
 
 def report(mesh: meshes.Mesh, settings: FairingSettings, repeats: int) -> dict[str, float]:

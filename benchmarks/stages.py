@@ -55,7 +55,6 @@ STEP = (
     Stage("local matrices", "class_tables:ClassTables.local_matrices"),
     Stage("scatter, right side", "assembly:_integrate"),
     Stage("sum of chunks, waiting", "assembly:LoopSpace.step_system"),
-    Stage("matrix from entries", "sparsity:SymmetricPattern.matrix"),
     Stage("conjugate gradients", "fairing:conjugate_gradients"),
 )
 

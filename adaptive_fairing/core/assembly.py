@@ -24,6 +24,7 @@ from .parallel import Workspace, ordered_map
 from .patches import PatchSet
 from .quadrature import quadrature_choice
 from .sparsity import SymmetricPattern, scattered
+from .symmetric_matrix import SymmetricMatrix
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
@@ -34,7 +35,7 @@ _workspace = Workspace()
 class StepSystem(NamedTuple):
     """The linear system (3.3) of one step, and the measures of the surface it starts from."""
 
-    matrix: sparse.csr_array
+    matrix: SymmetricMatrix
     right_side: FloatArray
     measures: SurfaceMeasures
 
@@ -72,7 +73,7 @@ class LoopSpace:
     @cached_property
     def pattern(self) -> SymmetricPattern:
         """Sparsity pattern of every matrix in this space."""
-        return SymmetricPattern(self.topology)
+        return SymmetricPattern(self.topology.adjacency())
 
     def mass_matrix(
         self, positions: ArrayLike, timestep: ArrayLike | None = None
@@ -95,7 +96,7 @@ class LoopSpace:
         Source: M of (3.4) and (3.9).
         """
         form = ScalarForm(with_mass=True, inverse_mass=timestep is not None)
-        return self._assemble(form, positions, timestep).matrix
+        return self._assemble(form, positions, timestep).matrix.full()
 
     def stiffness_matrix(
         self, positions: ArrayLike, diffusivity: ArrayLike | None = None
@@ -117,7 +118,7 @@ class LoopSpace:
         Source: L of (3.4) and (3.9).
         """
         form = ScalarForm(with_stiffness=True, scaled_stiffness=diffusivity is not None)
-        return self._assemble(form, positions, diffusivity).matrix
+        return self._assemble(form, positions, diffusivity).matrix.full()
 
     def step_system(
         self,
@@ -145,7 +146,7 @@ class LoopSpace:
 
     def form_matrix(
         self, form: Form, positions: ArrayLike, field: ArrayLike | None = None
-    ) -> sparse.csr_array:
+    ) -> SymmetricMatrix:
         """Assemble any symmetric form, see `Form`, on the surface of `positions`."""
         return self._assemble(form, positions, field).matrix
 
@@ -177,7 +178,8 @@ class LoopSpace:
             if form.measured:
                 right_side[:, chunk.low : chunk.high] += part.loads
                 totals += part.totals
-        return StepSystem(self.pattern.matrix(upper), right_side.T, self._as_measures(totals))
+        matrix = SymmetricMatrix.from_upper(self.pattern, upper)
+        return StepSystem(matrix, right_side.T, self._as_measures(totals))
 
     @cached_property
     def _entries(self) -> list[_ChunkEntries]:
@@ -210,7 +212,7 @@ class _ChunkEntries:
     Attributes
     ----------
     low, high : int
-        Range of upper-triangle entries that the chunk touches.
+        Range of the upper-triangle entries of the chunk's vertices.
     numbers : (n_entries,) int32
         Upper-triangle entry of every local matrix entry, minus `low`.
     doubled : (k,) int
@@ -218,6 +220,7 @@ class _ChunkEntries:
     """
 
     def __init__(self, chunk: Chunk, pattern: SymmetricPattern) -> None:
+        self.low, self.high = pattern.row_starts[[chunk.low, chunk.high]].tolist()
         self.numbers = np.empty(chunk.n_entries, dtype=np.int32)
         places = pattern.places(chunk.low, chunk.high)
         doubled = [np.empty(0, dtype=np.intp)]
@@ -226,7 +229,7 @@ class _ChunkEntries:
             for part in block.parts:
                 vertices = part.of_control(block.control_points)
                 out = self.numbers[done : done + part.n_entries].reshape(-1, part.n_triangles)
-                places.numbers(vertices, part.tables.pairs, out)
+                places.numbers(vertices, out)
                 ordered = np.sort(vertices, axis=0)
                 if (ordered[1:] == ordered[:-1]).any():
                     a, b = part.tables.pairs
@@ -234,8 +237,6 @@ class _ChunkEntries:
                     doubled.append(done + np.flatnonzero(merged))
                 done += part.n_entries
         self.doubled = np.concatenate(doubled)
-        self.low, self.high = int(self.numbers.min()), int(self.numbers.max()) + 1
-        self.numbers -= np.int32(self.low)
 
 
 class _Contribution(NamedTuple):
@@ -272,12 +273,10 @@ def _integrate(
                 part.tables.weighted_sums(moved[..., part.columns], out=part.of_control(own))
             n_loaded += len(block.control_points)
     local[entries.doubled] *= 2
-    control = [block.control_points for block in chunk.blocks] if form.measured else []
-    size = chunk.high - chunk.low
+    sums = np.zeros((3, 0))
+    if form.measured:
+        control = np.concatenate([block.control_points for block in chunk.blocks])
+        sums = np.stack([scattered(control, load, chunk.high - chunk.low) for load in loads])
     return _Contribution(
-        scattered(entries.numbers, local, entries.high - entries.low),
-        np.stack([scattered(np.concatenate(control), load, size) for load in loads])
-        if form.measured
-        else np.zeros((3, 0)),
-        totals,
+        scattered(entries.numbers, local, entries.high - entries.low), sums, totals
     )

@@ -12,13 +12,13 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from .assembly import LoopSpace
 from .lifted_metric import LiftedMetric
 from .limit_surface import limit_matrix, near_control_points
 from .linear_solver import SolveReport, conjugate_gradients
 from .noise_level import spacing_of
+from .symmetric_matrix import SymmetricMatrix
 
 FloatArray = NDArray[np.float64]
 
@@ -107,26 +107,25 @@ class FilterBank:
 
     def _corrected(
         self,
-        matrices: tuple[sparse.csr_array, sparse.csr_array],
+        matrices: tuple[SymmetricMatrix, SymmetricMatrix],
         control: FloatArray,
         time: float,
         steps: int,
     ) -> FloatArray:
         """Apply 1 - (1 - S)² several times to control points."""
         mass, stiffness = matrices
-        parts = (mass.data + time * stiffness.data, mass.indices, mass.indptr)
-        system = sparse.csr_array(parts, shape=mass.shape)
+        system = mass.plus(time, stiffness)
         for _ in range(steps):
             once = self._solve(system, mass, control)
             control = 2 * once - self._solve(system, mass, once)
         return control
 
     def _solve(
-        self, system: sparse.csr_array, mass: sparse.csr_array, control: FloatArray
+        self, system: SymmetricMatrix, mass: SymmetricMatrix, control: FloatArray
     ) -> FloatArray:
         smooth, report = conjugate_gradients(
             system,
-            mass @ control,
+            mass.product(control.T).T,
             control,
             is_held=self._is_loose,
             tolerance=FILTER_TOLERANCE,

@@ -21,11 +21,11 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from .assembly import LoopSpace
 from .blocks import SurfaceBlock
 from .geometry import Metric
+from .symmetric_matrix import SymmetricMatrix
 
 FloatArray = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ class LiftedMetric(NamedTuple):
 
     def matrices(
         self, space: LoopSpace, positions: FloatArray, spacing: FloatArray
-    ) -> tuple[sparse.csr_array, sparse.csr_array]:
+    ) -> tuple[SymmetricMatrix, SymmetricMatrix]:
         """Assemble mass and stiffness matrix in the metric ĝ of a surface.
 
         Parameters
@@ -65,8 +65,8 @@ class LiftedMetric(NamedTuple):
 
         Returns
         -------
-        M, L : (n, n) csr_array
-            Of one sparsity; time in (M + t L) is in squared edge lengths.
+        M, L : SymmetricMatrix
+            Time in (M + t L) is in squared edge lengths.
         """
         mass = space.form_matrix(_LiftedForm(self, is_mass=True), positions, spacing)
         stiffness = space.form_matrix(_LiftedForm(self, is_mass=False), positions, spacing)

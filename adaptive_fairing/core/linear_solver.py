@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
 from .errors import SolverError
-from .parallel import n_threads, ordered_map
+from .parallel import ordered_map
+from .symmetric_matrix import SymmetricMatrix
 
 FloatArray = NDArray[np.float64]
 
@@ -18,8 +17,8 @@ FloatArray = NDArray[np.float64]
 # for less would never end.
 ATTAINABLE = 64 * np.finfo(np.float64).eps
 
-# Below this number of entries starting threads costs more than it saves.
-SMALLEST_SHARED_PRODUCT = 500_000
+# Unknowns per column that one thread updates in one go.
+UNKNOWNS_PER_PIECE = 16384
 
 
 @dataclass(frozen=True)
@@ -41,7 +40,7 @@ class SolveReport:
 
 
 def conjugate_gradients(
-    matrix: sparse.csr_array,
+    matrix: SymmetricMatrix,
     right_side: FloatArray,
     start: FloatArray,
     *,
@@ -56,8 +55,8 @@ def conjugate_gradients(
 
     Parameters
     ----------
-    matrix : (n, n) csr_array
-        Symmetric, positive definite on the rows that are not held.
+    matrix : SymmetricMatrix, (n, n)
+        Positive definite on the rows that are not held.
     right_side, start : (n, k)
     is_held : (n,) bool
         Rows whose unknowns keep their start value exactly; their equations are dropped.
@@ -76,7 +75,7 @@ def conjugate_gradients(
 
     Source: the paper, after (3.4): conjugate gradients with a diagonal preconditioning.
     """
-    if not (np.isfinite(right_side).all() and np.isfinite(matrix.data).all()):
+    if not (np.isfinite(right_side).all() and matrix.is_finite()):
         raise SolverError("the linear system has entries that are not finite numbers")
     diagonal = matrix.diagonal()
     free = ~is_held
@@ -87,24 +86,21 @@ def conjugate_gradients(
     inverse = np.zeros(len(diagonal))
     inverse[free] = 1 / diagonal[free]
 
-    blocks = _RowBlocks(matrix)
     columns = np.ascontiguousarray(start.T)
-    residual = np.ascontiguousarray(right_side.T) - blocks.product(columns)
-    reference = np.sqrt(np.sum(inverse * np.square(right_side.T)))
-    floor = ATTAINABLE * np.sqrt(np.sum(diagonal * free * np.square(columns)))
+    right_columns = np.ascontiguousarray(right_side.T)
+    reference = np.sqrt(np.einsum("n,kn,kn->", inverse, right_columns, right_columns))
+    floor = ATTAINABLE * np.sqrt(np.einsum("n,kn,kn->", diagonal * free, columns, columns))
     target = max(tolerance * reference, floor)
 
-    update, scratch = np.zeros_like(columns), np.empty_like(columns)
-    preconditioned = inverse * residual
-    direction = preconditioned.copy()
-    square = float(np.vdot(residual, preconditioned))
+    state = _State(right_columns - matrix.product(columns), inverse)
+    square = state.square()
     # pᵀDp with the diagonal D: the size of the terms that may cancel in pᵀAp.
     direction_size = square
     is_exhausted = False
     iterations = 0
     while np.sqrt(square) > target and iterations < max_iterations:
-        image = blocks.product(direction)
-        curvature = float(np.vdot(direction, image))
+        image = matrix.product(state.direction)
+        curvature = float(np.einsum("kn,kn->", state.direction, image))
         if abs(curvature) <= ATTAINABLE * direction_size:
             # What is left are motions that the matrix does not see at this precision.
             is_exhausted = True
@@ -114,13 +110,8 @@ def conjugate_gradients(
                 f"the linear system is not positive definite: pᵀAp = {curvature:g} in iteration "
                 f"{iterations + 1}, residual {np.sqrt(square) / reference:.3g}"
             )
-        step = square / curvature
-        update += np.multiply(direction, step, out=scratch)
-        residual -= np.multiply(image, step, out=scratch)
-        np.multiply(inverse, residual, out=preconditioned)
-        square, previous = float(np.vdot(residual, preconditioned)), square
-        direction *= square / previous
-        direction += preconditioned
+        square, previous = state.advance(square / curvature, image), square
+        state.turn(square / previous)
         # Preconditioned residual and last direction are orthogonal with respect to D.
         direction_size = square + (square / previous) ** 2 * direction_size
         iterations += 1
@@ -134,35 +125,51 @@ def conjugate_gradients(
         residual=float(size / reference) if reference > 0 else 0.0,
         converged=bool(size <= target) or is_exhausted,
     )
-    return start + update.T, report
+    return start + state.update.T, report
 
 
-class _RowBlocks:
-    """A matrix as horizontal strips of equal numbers of entries, multiplied by several threads."""
+class _State:
+    """The vectors of the iteration, changed piece by piece: each is read once while in the cache.
 
-    def __init__(self, matrix: sparse.csr_array) -> None:
-        n_rows, n_columns = matrix.shape
-        n_strips = n_threads() if matrix.nnz >= SMALLEST_SHARED_PRODUCT else 1
-        shares = np.linspace(0, matrix.nnz, n_strips + 1)
-        bounds = np.searchsorted(matrix.indptr, shares)
-        bounds[0], bounds[-1] = 0, n_rows
-        self._strips = []
-        for first, last in pairwise(bounds.tolist()):
-            begin, end = matrix.indptr[first], matrix.indptr[last]
-            pointers = matrix.indptr[first : last + 1] - begin
-            entries = (matrix.data[begin:end], matrix.indices[begin:end], pointers)
-            strip = sparse.csr_array(entries, shape=(last - first, n_columns))
-            self._strips.append((slice(first, last), strip))
+    Attributes
+    ----------
+    update, direction : (k, n)
+        What to add to the start; and the search direction.
+    """
 
-    def product(self, columns: FloatArray) -> FloatArray:
-        """Multiply by (k, n) columns, one after the other: faster than scipy's block product."""
-        result = np.empty_like(columns)
+    def __init__(self, residual: FloatArray, inverse: FloatArray) -> None:
+        self._residual, self._inverse = residual, inverse
+        self.update = np.zeros_like(residual)
+        self.direction = inverse * residual
+        n = len(inverse)
+        self._pieces = [
+            slice(first, first + UNKNOWNS_PER_PIECE) for first in range(0, n, UNKNOWNS_PER_PIECE)
+        ]
 
-        def fill(rows_and_strip: tuple[slice, sparse.csr_array]) -> None:
-            rows, strip = rows_and_strip
-            for column, out in zip(columns, result, strict=True):
-                out[rows] = strip @ column
+    def square(self) -> float:
+        """Squared norm of the residual, in the first iteration."""
+        return float(np.einsum("kn,kn->", self._residual, self.direction))
 
-        for _ in ordered_map(fill, self._strips):
+    def advance(self, step: float, image: FloatArray) -> float:
+        """Go along the direction, whose image is A p; return the residual's squared norm."""
+
+        def of_piece(piece: slice) -> float:
+            residual, direction = self._residual[:, piece], self.direction[:, piece]
+            scratch = step * direction
+            self.update[:, piece] += scratch
+            residual -= np.multiply(image[:, piece], step, out=scratch)
+            np.multiply(self._inverse[piece], residual, out=scratch)
+            return float(np.einsum("kn,kn->", residual, scratch))
+
+        return sum(ordered_map(of_piece, self._pieces))
+
+    def turn(self, factor: float) -> None:
+        """Make the next direction: the preconditioned residual and `factor` times the last one."""
+
+        def of_piece(piece: slice) -> None:
+            direction = self.direction[:, piece]
+            direction *= factor
+            direction += self._inverse[piece] * self._residual[:, piece]
+
+        for _ in ordered_map(of_piece, self._pieces):
             pass
-        return result

@@ -1,13 +1,13 @@
-"""The fixed sparsity pattern of all matrices in the Loop space, and scattering into it.
+"""The fixed sparsity pattern of all matrices in the Loop space, and the places of entries in it.
 
 Two basis functions meet on a triangle exactly if their vertices are at most three edges apart
 (one step to a corner, one edge, one step out), so the pattern is that of (I + A)³ with the vertex
-adjacency A: 37 entries a row on a regular mesh.  Only the upper triangle is accumulated.
+adjacency A: 37 entries a row on a regular mesh.  Only the upper triangle is kept.
 """
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,19 +15,42 @@ from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
 from .parallel import ordered_map
-from .topology import TriangleTopology
 
 IntArray = NDArray[np.int32]
 
-ENTRIES_PER_PIECE = 1 << 20
+# Rows of a strip: its entries should stay in the cache while several columns are multiplied.
+ROWS_PER_STRIP = 8192
 
 # Places in a table of entries, four bytes each and as many tables as threads.  Where a pole of high
 # valence needs more, entries are searched for in the pattern, which takes three times as long.
 LARGEST_TABLE = 32_000_000
 
 
+class Strip(NamedTuple):
+    """Consecutive rows of the upper triangle, with the columns that they reach.
+
+    Attributes
+    ----------
+    rows : slice
+    window : slice
+        The columns, from the first row's diagonal on.
+    starts : (n_rows + 1,) int32, columns : (n_entries,) int32
+        Row pointers, and ascending columns counted from the window's first: the diagonal first.
+    """
+
+    rows: slice
+    window: slice
+    starts: IntArray
+    columns: IntArray
+
+
 class SymmetricPattern:
     """Sparsity pattern of a symmetric matrix, with numbered entries of its upper triangle.
+
+    Parameters
+    ----------
+    adjacency : (n, n) csr_array
+        Which vertices are neighbours; symmetric, without the diagonal.
 
     Attributes
     ----------
@@ -35,105 +58,115 @@ class SymmetricPattern:
         Number of rows.
     n_upper : int
         Number of entries on and above the diagonal, which are numbered row by row.
+    row_starts : (n + 1,) int32
+        Number of the first entry of each row: the one on the diagonal.
+    strips : list of Strip
     """
 
-    def __init__(self, topology: TriangleTopology) -> None:
-        self.n = topology.n_vertices
-        self._adjacency = topology.adjacency()
-        near = self._adjacency + sparse.eye_array(self.n, dtype=np.int8, format="csr")
-        reach = near @ near @ near
-        reach = reach.T.tocsr()  # transposing a symmetric pattern sorts its rows in linear time
-        self._indptr, self._indices = reach.indptr, reach.indices
-        del near, reach
-        rows = np.repeat(np.arange(self.n, dtype=np.int32), np.diff(self._indptr))
-        is_upper = self._indices >= rows
-        self._upper_columns = self._indices[is_upper]
-        self.n_upper = len(self._upper_columns)
-        self._upper_start = np.zeros(self.n + 1, dtype=np.int32)
-        np.cumsum(np.bincount(rows[is_upper], minlength=self.n), out=self._upper_start[1:])
-        del rows
-        # Below the diagonal an entry has the number of its mirror image, diagonal ones twice.
-        numbers = np.arange(self.n_upper, dtype=np.int32)
-        upper = sparse.csr_array(
-            (numbers, self._upper_columns, self._upper_start), shape=(self.n, self.n)
-        )
-        lower = upper.T.tocsr()
-        self._upper_of = np.empty(len(self._indices), dtype=np.int32)
-        self._upper_of[is_upper] = numbers
-        below = np.ones(self.n_upper, dtype=bool)
-        below[lower.indptr[1:] - 1] = False
-        self._upper_of[~is_upper] = lower.data[below]
+    def __init__(self, adjacency: sparse.csr_array) -> None:
+        self.n = adjacency.shape[0]
+        self._near = adjacency.astype(np.int16)
+        self._near += sparse.eye_array(self.n, dtype=np.int16, format="csr")
+        firsts = range(0, self.n, ROWS_PER_STRIP)
+        self.strips = list(ordered_map(lambda first: _strip(self._near, first), firsts))
+        self.row_starts = np.zeros(self.n + 1, dtype=np.int32)
+        for strip in self.strips:
+            first, last = strip.rows.start, strip.rows.stop
+            self.row_starts[first + 1 : last + 1] = strip.starts[1:] + self.row_starts[first]
+        self.n_upper = int(self.row_starts[-1])
+
+    def columns(self, low: int, high: int) -> IntArray:
+        """Columns of the entries of rows `low` to `high` - 1."""
+        parts = [np.empty(0, dtype=np.int32)]
+        for rows, _, starts, columns in self.strips:
+            first, last = max(low, rows.start), min(high, rows.stop)
+            if first < last:
+                own = slice(starts[first - rows.start], starts[last - rows.start])
+                parts.append(columns[own] + np.int32(rows.start))
+        return np.concatenate(parts)
 
     def places(self, low: int, high: int) -> Places:
-        """Prepare to look up entries among the vertices from `low` to `high` - 1."""
-        first, last = self._upper_start[low], self._upper_start[high]
-        sizes = np.diff(self._upper_start[low : high + 1])
+        """Prepare to look up entries among the vertices from `low` to `high` - 1.
+
+        Numbers are counted from the first entry of row `low`.
+        """
+        sizes = np.diff(self.row_starts[low : high + 1])
         rows = np.repeat(np.arange(high - low, dtype=np.int32), sizes)
-        columns = self._upper_columns[first:last] - np.int32(low)
-        numbers = np.arange(first, last, dtype=np.int32)
+        columns = self.columns(low, high) - np.int32(low)
+        numbers = np.arange(len(rows), dtype=np.int32)
         if columns.max() >= high - low:
             within = columns < high - low
             rows, columns, numbers = rows[within], columns[within], numbers[within]
         # In an order of small bandwidth a table with a place for every pair of near vertices is
         # not much larger than the entries.
-        order = _narrow_order(self._adjacency[low:high, low:high])
+        window = self._near[low:high, low:high]
+        order = _narrow_order(window)
         row, column = _ascending(order[rows], order[columns])
-        stride = np.int32((column - row).max())
-        if (high - low) * int(stride + 1) > LARGEST_TABLE:
+        last = _last_within_three(window, order)
+        # Row r of the table has columns r to last[r], the first of them at base[r] + r.
+        ends = np.cumsum(last - np.arange(-1, high - low - 1))
+        if ends[-1] > LARGEST_TABLE:
             return _SearchedPlaces(rows, columns, numbers, high - low)
-        table = np.empty((high - low) * int(stride + 1), dtype=np.int32)
-        row *= stride
-        row += column
-        table[row] = numbers
-        return _TabledPlaces(table, stride, order)
+        base = ends - last - 1
+        if (column > last[row]).any():
+            within = column <= last[row]
+            row, column, numbers = row[within], column[within], numbers[within]
+        table = np.empty(ends[-1], dtype=np.int32)
+        table[base[row] + column] = numbers
+        return _TabledPlaces(table, base, order)
 
-    def matrix(self, upper: NDArray[np.float64]) -> sparse.csr_array:
-        """Return the full symmetric matrix with upper entries `upper`, (n_upper,)."""
-        data = np.empty(len(self._indices))
 
-        def fill(start: int) -> None:
-            piece = slice(start, start + ENTRIES_PER_PIECE)
-            np.take(upper, self._upper_of[piece], out=data[piece], mode="clip")
-
-        for _ in ordered_map(fill, range(0, len(data), ENTRIES_PER_PIECE)):
-            pass
-        matrix = sparse.csr_array((data, self._indices, self._indptr), shape=(self.n, self.n))
-        matrix.has_canonical_format = True
-        return matrix
+def _strip(near: sparse.csr_array, first: int) -> Strip:
+    """Find the vertices that are at most three edges away, for a strip of rows."""
+    n = near.shape[0]
+    rows = slice(first, min(first + ROWS_PER_STRIP, n))
+    two_edges = near[rows] @ near
+    # Entries count paths: they must not add up to 0 by overflow, which would drop the entry.
+    two_edges.data[:] = 1
+    reach = two_edges @ near
+    row = np.repeat(np.arange(len(reach.indptr) - 1, dtype=np.int32), np.diff(reach.indptr))
+    columns = reach.indices - np.int32(first)
+    is_upper = columns >= row
+    row, columns = row[is_upper], columns[is_upper]
+    starts = np.zeros(rows.stop - first + 1, dtype=np.int32)
+    np.cumsum(np.bincount(row, minlength=rows.stop - first), out=starts[1:])
+    width = int(columns.max()) + 1
+    entries = (np.ones(len(columns), dtype=bool), columns, starts)
+    upper = sparse.csr_array(entries, shape=(rows.stop - first, width))
+    # Transposing twice sorts the columns of every row in linear time.
+    return Strip(rows, slice(first, first + width), starts, upper.tocsc().tocsr().indices)
 
 
 class Places(Protocol):
     """Finds the upper entries of pairs of vertices of one chunk."""
 
-    def numbers(
-        self, vertices: IntArray, pairs: tuple[NDArray[np.intp], NDArray[np.intp]], out: IntArray
-    ) -> None:
+    def numbers(self, vertices: IntArray, out: IntArray) -> None:
         """Write the numbers of entries of local matrices.
 
         Parameters
         ----------
         vertices : (K, n) int32
             Control points, counted from the chunk's lowest vertex.
-        pairs : two arrays (p,)
-            Pairs of control points.
         out : (p, n) int32
+            For the pairs of control points (a, b), a ≤ b, in the order of ``numpy.triu_indices``.
         """
 
 
 class _TabledPlaces:
-    """The number of each upper entry, at row · stride + column of a table."""
+    """The number of each upper entry, at base[row] + column of a table; base never decreases."""
 
-    def __init__(self, table: IntArray, stride: np.int32, order: IntArray) -> None:
-        self._table, self._stride, self._order = table, stride, order
+    def __init__(self, table: IntArray, base: NDArray[np.intp], order: IntArray) -> None:
+        self._table, self._base, self._order = table, base, order.astype(np.intp)
 
-    def numbers(
-        self, vertices: IntArray, pairs: tuple[NDArray[np.intp], NDArray[np.intp]], out: IntArray
-    ) -> None:
-        ordered = self._order[vertices]
-        place, column = _ascending(ordered[pairs[0]], ordered[pairs[1]])
-        place *= self._stride
-        place += column
-        np.take(self._table, place, out=out, mode="clip")
+    def numbers(self, vertices: IntArray, out: IntArray) -> None:
+        order = self._order[vertices]
+        base = self._base[order]
+        done = 0
+        for a in range(len(vertices)):
+            place = np.maximum(order[a], order[a:])
+            place += np.minimum(base[a], base[a:])
+            np.take(self._table, place, out=out[done : done + len(place)], mode="clip")
+            done += len(place)
 
 
 class _SearchedPlaces:
@@ -142,21 +175,31 @@ class _SearchedPlaces:
     def __init__(self, rows: IntArray, columns: IntArray, numbers: IntArray, n: int) -> None:
         self._numbers = sparse.csr_array((numbers, (rows, columns)), shape=(n, n))
 
-    def numbers(
-        self, vertices: IntArray, pairs: tuple[NDArray[np.intp], NDArray[np.intp]], out: IntArray
-    ) -> None:
-        row, column = _ascending(vertices[pairs[0]], vertices[pairs[1]])
+    def numbers(self, vertices: IntArray, out: IntArray) -> None:
+        a, b = np.triu_indices(len(vertices))
+        row, column = _ascending(vertices[a], vertices[b])
         found = self._numbers[row.reshape(-1), column.reshape(-1)]
         out[:] = np.asarray(found).reshape(out.shape)
 
 
-def _narrow_order(adjacency: sparse.csr_array) -> IntArray:
+def _narrow_order(near: sparse.csr_array) -> IntArray:
     """Renumber vertices so that neighbours have near numbers."""
-    order = np.empty(adjacency.shape[0], dtype=np.int32)
-    order[reverse_cuthill_mckee(adjacency, symmetric_mode=True)] = np.arange(
-        len(order), dtype=np.int32
-    )
+    order = np.empty(near.shape[0], dtype=np.int32)
+    order[reverse_cuthill_mckee(near, symmetric_mode=True)] = np.arange(len(order), dtype=np.int32)
     return order
+
+
+def _last_within_three(near: sparse.csr_array, order: IntArray) -> NDArray[np.intp]:
+    """Largest number of a vertex at most three edges away, for each vertex in the new order.
+
+    Two control points of a triangle have a path of three edges among its other control points.
+    """
+    last = order.astype(np.intp)
+    for _ in range(3):
+        last = np.maximum.reduceat(last[near.indices], near.indptr[:-1])
+    result = np.empty_like(last)
+    result[order] = last
+    return result
 
 
 def _ascending(first: IntArray, second: IntArray) -> tuple[IntArray, IntArray]:

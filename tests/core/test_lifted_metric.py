@@ -12,7 +12,8 @@ BUMPY = meshes.random_closed(2)
 
 def matrices(metric, vertices, faces, spacing=None):
     space = LoopSpace(TriangleTopology(faces, len(vertices)))
-    return metric.matrices(space, vertices, np.ones(len(vertices)) if spacing is None else spacing)
+    spacing = np.ones(len(vertices)) if spacing is None else spacing
+    return [matrix.full() for matrix in metric.matrices(space, vertices, spacing)]
 
 
 def largest_difference(a, b):

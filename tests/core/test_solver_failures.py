@@ -6,6 +6,8 @@ from scipy import sparse
 
 from adaptive_fairing.core import SolverError
 from adaptive_fairing.core.linear_solver import conjugate_gradients
+from adaptive_fairing.core.sparsity import SymmetricPattern
+from adaptive_fairing.core.symmetric_matrix import SymmetricMatrix
 
 
 def solve(matrix, right_side, start=None, held=(), tolerance=1e-10, max_iterations=100):
@@ -13,8 +15,10 @@ def solve(matrix, right_side, start=None, held=(), tolerance=1e-10, max_iteratio
     right_side = np.asarray(right_side, dtype=float).reshape(n, -1)
     is_held = np.zeros(n, dtype=bool)
     is_held[list(held)] = True
+    every_pair = sparse.csr_array(1 - np.eye(n, dtype=np.int8))
+    upper = np.asarray(matrix, dtype=float)[np.triu_indices(n)]
     return conjugate_gradients(
-        sparse.csr_array(np.asarray(matrix, dtype=float)),
+        SymmetricMatrix.from_upper(SymmetricPattern(every_pair), upper),
         right_side,
         np.zeros_like(right_side) if start is None else np.asarray(start, float).reshape(n, -1),
         is_held=is_held,

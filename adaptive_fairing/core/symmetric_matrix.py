@@ -1,0 +1,90 @@
+"""Symmetric sparse matrices of which only the upper triangle is stored."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from .parallel import ordered_map
+from .sparsity import Strip, SymmetricPattern
+
+FloatArray = NDArray[np.float64]
+
+
+class SymmetricMatrix:
+    """A = H + Hᵀ with H the upper triangle, half the diagonal in it.
+
+    Products read half as much memory as with all entries, and a strip of rows at a time, which
+    serves all columns while it is in the cache.
+
+    Parameters
+    ----------
+    pattern : SymmetricPattern
+    halves : (n_upper,)
+        Entries of H, in the order of the pattern.
+    """
+
+    def __init__(self, pattern: SymmetricPattern, halves: FloatArray) -> None:
+        self.pattern = pattern
+        self._halves = halves
+        self._strips = [
+            _StripProduct(strip, halves[pattern.row_starts[strip.rows.start] :])
+            for strip in pattern.strips
+        ]
+
+    @classmethod
+    def from_upper(cls, pattern: SymmetricPattern, upper: FloatArray) -> SymmetricMatrix:
+        """Make the matrix with the upper entries `upper`, (n_upper,), which are changed."""
+        upper[pattern.row_starts[:-1]] /= 2
+        return cls(pattern, upper)
+
+    def diagonal(self) -> FloatArray:
+        """Entries on the diagonal, (n,)."""
+        diagonal: FloatArray = 2 * self._halves[self.pattern.row_starts[:-1]]
+        return diagonal
+
+    def is_finite(self) -> bool:
+        """Whether all entries are finite numbers."""
+        return bool(np.isfinite(self._halves).all())
+
+    def plus(self, factor: float, other: SymmetricMatrix) -> SymmetricMatrix:
+        """Add `factor` times another matrix of the same pattern."""
+        return SymmetricMatrix(self.pattern, self._halves + factor * other._halves)
+
+    def product(self, columns: FloatArray) -> FloatArray:
+        """Multiply by k vectors, given and returned as rows (k, n)."""
+        columns = np.ascontiguousarray(columns)
+        result = np.zeros_like(columns)
+        parts = ordered_map(lambda strip: strip.product(columns), self._strips)
+        for strip, part in zip(self._strips, parts, strict=True):
+            result[:, strip.window] += part
+        return result
+
+    def full(self) -> sparse.csr_array:
+        """Return all entries, (n, n), in ascending columns."""
+        pattern = self.pattern
+        entries = (self._halves, pattern.columns(0, pattern.n), pattern.row_starts)
+        upper = sparse.csr_array(entries, shape=(pattern.n, pattern.n))
+        return (upper + upper.T).tocsr()
+
+
+class _StripProduct:
+    """Products with a strip of H, and with its transpose."""
+
+    def __init__(self, strip: Strip, halves: FloatArray) -> None:
+        self._rows, self.window = strip.rows, strip.window
+        shape = strip.rows.stop - strip.rows.start, strip.window.stop - strip.window.start
+        entries = (halves[: len(strip.columns)], strip.columns, strip.starts)
+        self._upper = sparse.csr_array(entries, shape=shape)
+        self._lower = sparse.csc_array(entries, shape=shape[::-1])
+
+    def product(self, columns: FloatArray) -> FloatArray:
+        """Return what this strip contributes to a product, in its window."""
+        n_rows = self._upper.shape[0]
+        parts = []
+        for column in columns[:, self.window]:
+            part = self._lower @ column[:n_rows]
+            part[:n_rows] += self._upper @ column
+            parts.append(part)
+        return np.stack(parts)
