@@ -21,6 +21,7 @@ from support import bad_meshes, meshes  # noqa: E402  the search path has to be 
 
 from adaptive_fairing.core import FairingSettings, fair_steps  # noqa: E402
 from adaptive_fairing.core.memory import estimated_bytes  # noqa: E402
+from adaptive_fairing.core.patches import PatchSet  # noqa: E402
 from adaptive_fairing.core.quadrature import quadrature_choice  # noqa: E402
 from adaptive_fairing.core.solver_frame import solvable_surface  # noqa: E402
 
@@ -70,8 +71,8 @@ def measure(name: str) -> dict[str, float]:
     for _ in fair_steps(vertices, faces, settings):
         pass
     measured = _peak() - before
-    topology = solvable_surface(vertices, faces).topology
-    estimate = estimated_bytes(topology, quadrature_choice(tolerance), settings.method)
+    patches = PatchSet(solvable_surface(vertices, faces).topology)
+    estimate = estimated_bytes(patches, quadrature_choice(tolerance), settings.method)
     return {"triangles": len(faces), "estimate": estimate, "measured": measured}
 
 

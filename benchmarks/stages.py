@@ -39,7 +39,8 @@ class Stage(NamedTuple):
 SETUP = (
     Stage("ordering", "solver_frame:sweep_order"),
     Stage("topology", "solver_frame:TriangleTopology"),
-    Stage("patches", "assembly:PatchSet"),
+    Stage("patches", "prepared:PatchSet"),
+    Stage("patches", "patches:PatchSet._segments"),
     Stage("tables", "assembly:basis_table"),
     Stage("tables", "assembly:ClassTables"),
     Stage("chunks", "assembly:Chunk"),

@@ -51,6 +51,8 @@ class LoopSpace:
     topology : TriangleTopology
     quadrature_tolerance : float
         Bound for the error of matrix entries, relative to the largest; 1e-6 to 1.
+    patches : PatchSet, optional
+        The patches of this topology, where they are known already.
 
     Raises
     ------
@@ -58,10 +60,15 @@ class LoopSpace:
         If the tolerance is out of range.
     """
 
-    def __init__(self, topology: TriangleTopology, quadrature_tolerance: float = 1e-3) -> None:
+    def __init__(
+        self,
+        topology: TriangleTopology,
+        quadrature_tolerance: float = 1e-3,
+        patches: PatchSet | None = None,
+    ) -> None:
         self.topology = topology
         choice = quadrature_choice(quadrature_tolerance)
-        patches = PatchSet(topology)
+        patches = patches or PatchSet(topology)
         tables = [
             ClassTables(basis_table(patch_class, choice), n_triangles)
             for patch_class, n_triangles in zip(

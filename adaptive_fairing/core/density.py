@@ -8,11 +8,15 @@ from scipy import sparse
 
 from .errors import SettingsError
 from .masks import limit_weight
+from .parallel import ordered_map
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
 
 DENSITY_KINDS = ("edge_length", "area")
+
+# Vertices that one thread works on in one go.
+VERTICES_PER_PIECE = 32768
 
 
 def mesh_density(
@@ -80,17 +84,27 @@ def smoothed(topology: TriangleTopology, values: FloatArray, passes: int) -> Flo
 
 def _mean_edge_length(topology: TriangleTopology, points: FloatArray) -> FloatArray:
     columns = np.ascontiguousarray(points.T)
-    squared = np.zeros(len(topology.ring))
-    for column in columns:
-        difference = np.repeat(column, topology.ring_size)
-        difference -= column[topology.ring]
-        difference *= difference
-        squared += difference
-    lengths = sparse.csr_array(
-        (np.sqrt(squared), topology.ring, topology.ring_start),
-        shape=(topology.n_vertices, topology.n_vertices),
-    )
-    return (lengths @ np.ones(topology.n_vertices)) / np.maximum(topology.ring_size, 1)
+
+    def of_vertices(first: int) -> FloatArray:
+        own = slice(first, min(first + VERTICES_PER_PIECE, topology.n_vertices))
+        starts = topology.ring_start[first : own.stop + 1]
+        ring, ring_size = topology.ring[starts[0] : starts[-1]], topology.ring_size[own]
+        squared = np.zeros(len(ring))
+        for column in columns:
+            difference = np.repeat(column[own], ring_size)
+            difference -= column[ring]
+            difference *= difference
+            squared += difference
+        lengths = sparse.csr_array(
+            (np.sqrt(squared, out=squared), ring, starts - starts[0]),
+            shape=(len(ring_size), topology.n_vertices),
+        )
+        sums: FloatArray = lengths @ ones
+        return sums / np.maximum(ring_size, 1)
+
+    ones = np.ones(topology.n_vertices)
+    pieces = range(0, topology.n_vertices, VERTICES_PER_PIECE)
+    return np.concatenate([np.empty(0), *ordered_map(of_vertices, pieces)])
 
 
 def _ring_area(topology: TriangleTopology, points: FloatArray) -> FloatArray:

@@ -102,6 +102,25 @@ def surface_notes(points: FloatArray, surface: SolverSurface) -> tuple[str, ...]
 
 def _is_thin(points: FloatArray, triangles: NDArray[np.int32]) -> NDArray[np.bool_]:
     """Tell which triangles the metric of `geometry.metric_at` would bound, were they flat."""
+    suspects = _may_be_thin(np.ascontiguousarray(points.T), triangles)
+    is_thin = np.zeros(len(triangles), dtype=bool)
+    is_thin[suspects] = _is_thin_at_any_size(points, triangles[suspects])
+    return is_thin
+
+
+def _may_be_thin(columns: FloatArray, triangles: NDArray[np.int32]) -> IntArray:
+    """Find triangles that are thin or nearly so, or so small or large that squares say nothing."""
+    a, b, c = (np.ascontiguousarray(corner) for corner in triangles.T)
+    with np.errstate(over="ignore", invalid="ignore"):
+        u, v = ([x[end] - x[a] for x in columns] for end in (b, c))
+        trace = sum(x * x for x in u) + sum(x * x for x in v)
+        normal = [u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2] for k in range(3)]
+        # Half as thin again; sums that are no numbers, or vanish, decide nothing.
+        clear = sum(x * x for x in normal) > (2 * THINNEST_ASPECT * trace) ** 2
+    return np.flatnonzero(~clear)
+
+
+def _is_thin_at_any_size(points: FloatArray, triangles: NDArray[np.int32]) -> NDArray[np.bool_]:
     origin = points[triangles[:, 0]]
     u, v = points[triangles[:, 1]] - origin, points[triangles[:, 2]] - origin
     # Squares of coordinates of any size stay in range if the largest is 1.

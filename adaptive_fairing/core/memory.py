@@ -13,10 +13,9 @@ from .errors import FairingError
 from .fitted_rule import POINTS, is_fitted
 from .loop_basis import table_depth
 from .parallel import n_threads
-from .patch_class import ControlPoints, PatchClass, is_regular_patch
-from .patches import chunk_size, class_groups, corner_codes
+from .patch_class import PatchClass, is_regular_patch
+from .patches import PatchSet, chunk_size
 from .quadrature import QuadratureChoice
-from .topology import TriangleTopology
 
 # Bytes, fitted to the measured peak of runs on regular, irregular, cut and pole meshes of 200 to
 # 1,000,000 triangles (benchmarks/memory.py prints estimate and measurement side by side).
@@ -47,7 +46,7 @@ class MemoryNeededError(FairingError):
 
 
 def require_memory(
-    topology: TriangleTopology, choice: QuadratureChoice, method: str = "adaptive_timestep"
+    patches: PatchSet, choice: QuadratureChoice, method: str = "adaptive_timestep"
 ) -> None:
     """Refuse a mesh whose solve cannot fit into memory.
 
@@ -59,9 +58,10 @@ def require_memory(
     available = available_bytes()
     if available is None:
         return
-    needed = estimated_bytes(topology, choice, method)
+    needed = estimated_bytes(patches, choice, method)
     if needed <= available:
         return
+    topology = patches.topology
     poles = np.flatnonzero(topology.ring_size > NOTABLE_VALENCE)
     advice = "decimate it, or fair it in parts"
     if len(poles):
@@ -75,39 +75,35 @@ def require_memory(
 
 
 def estimated_bytes(
-    topology: TriangleTopology, choice: QuadratureChoice, method: str = "adaptive_timestep"
+    patches: PatchSet, choice: QuadratureChoice, method: str = "adaptive_timestep"
 ) -> int:
     """Estimate the peak memory of a solve: an upper bound, at most about twice what is used.
 
     Parameters
     ----------
-    topology : TriangleTopology
+    patches : PatchSet
         Of the mesh that is solved on.
     choice : QuadratureChoice
         Decides the size of the tables.
     method : str
         As in `FairingSettings`; "auto" takes more than the others.
     """
-    codes, decode = corner_codes(topology)
-    class_of, _, class_codes = class_groups(codes.reshape(-1, 3))
-    classes: list[PatchClass] = [
-        (decode[a], decode[b], decode[c]) for a, b, c in class_codes.tolist()
-    ]
-    n_control = np.array([ControlPoints(each).count for each in classes], dtype=np.int64)
+    n_triangles = patches.topology.n_triangles
+    n_control = patches.n_control_points.astype(np.int64)
     n_pairs = n_control * (n_control + 1) // 2
-    n_points = np.array([_n_points(each, choice) for each in classes], dtype=np.int64)
+    n_points = np.array([_n_points(each, choice) for each in patches.classes], dtype=np.int64)
 
-    local = n_pairs[class_of]
-    chunk_sizes = np.add.reduceat(local, np.arange(0, len(local), chunk_size(len(local))))
+    local = n_pairs[patches.class_of]
+    chunk_sizes = np.add.reduceat(local, np.arange(0, n_triangles, chunk_size(n_triangles)))
     in_work = min(int(local.sum()), 2 * n_threads() * int(chunk_sizes.max()))
     n_products = 4 * n_points * n_pairs
-    of_class = zip(n_products, np.bincount(class_of, minlength=len(classes)), strict=True)
+    of_class = zip(n_products, patches.class_sizes, strict=True)
     products = 8 * n_products[[product_table_pays(*each) for each in of_class]]
     tables = 8 * BYTES_PER_TABLE_NUMBER * n_points * n_control
     auto_bytes = AUTO_BYTES_PER_TRIANGLE if method == "auto" else 0
     return int(
         FIXED_BYTES
-        + (BYTES_PER_TRIANGLE + auto_bytes) * topology.n_triangles
+        + (BYTES_PER_TRIANGLE + auto_bytes) * n_triangles
         + BYTES_PER_LOCAL_ENTRY * local.sum()
         + BYTES_PER_ENTRY_IN_WORK * in_work
         + products.sum()

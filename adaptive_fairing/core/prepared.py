@@ -12,6 +12,7 @@ from .assembly import LoopSpace
 from .checks import checked_vertices, require_surface
 from .errors import InputError
 from .memory import estimated_bytes, require_memory
+from .patches import PatchSet
 from .quadrature import quadrature_choice
 from .settings import FairingSettings
 from .solver_frame import SolverFrame, solvable_surface
@@ -82,17 +83,15 @@ class PreparedMesh:
         MemoryNeededError
             The solve cannot fit into memory.
         """
-        require_memory(
-            self.surface.topology, quadrature_choice(self.quadrature_tolerance), self._method
-        )
-        return LoopSpace(self.surface.topology, self.quadrature_tolerance)
+        patches = PatchSet(self.surface.topology)
+        require_memory(patches, quadrature_choice(self.quadrature_tolerance), self._method)
+        return LoopSpace(self.surface.topology, self.quadrature_tolerance, patches)
 
     @property
     def needed_bytes(self) -> int:
         """Upper bound of the memory that a solve takes, this preparation included."""
-        return estimated_bytes(
-            self.surface.topology, quadrature_choice(self.quadrature_tolerance), self._method
-        )
+        patches = PatchSet(self.surface.topology)
+        return estimated_bytes(patches, quadrature_choice(self.quadrature_tolerance), self._method)
 
     def serves(self, triangles: NDArray[np.int32], n_vertices: int) -> bool:
         """Whether a mesh has the triangles that were prepared."""

@@ -11,6 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from .checks import bounding_box
 from .errors import TopologyError
 from .manifold import cut_to_manifold
 from .ordering import sweep_order
@@ -75,8 +76,7 @@ class SolverFrame:
     @classmethod
     def of(cls, points: FloatArray, surface: SolverSurface, normalize: bool) -> SolverFrame:
         """Fit the frame to the box of all vertices that have a triangle."""
-        used = points[surface.vertex_of[~surface.topology.is_loose]]
-        low, high = used.min(axis=0), used.max(axis=0)
+        low, high = bounding_box(points[surface.vertex_of[~surface.topology.is_loose]])
         size = float((high - low).max())
         scale = FRAME_SIZE / size if normalize and size > 0 else 1.0
         # Centred in any case: far from the origin the coordinates would lose digits.

@@ -16,6 +16,7 @@ from adaptive_fairing.core import (
     fair_steps,
     memory,
 )
+from adaptive_fairing.core.patches import PatchSet
 from adaptive_fairing.core.quadrature import quadrature_choice
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -24,9 +25,8 @@ MEGABYTE = 1_000_000
 
 def estimate(mesh, tolerance=1e-3):
     vertices, faces = mesh
-    return memory.estimated_bytes(
-        TriangleTopology(faces, len(vertices)), quadrature_choice(tolerance)
-    )
+    patches = PatchSet(TriangleTopology(faces, len(vertices)))
+    return memory.estimated_bytes(patches, quadrature_choice(tolerance))
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no peak memory of a process")
