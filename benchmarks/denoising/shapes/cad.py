@@ -75,6 +75,14 @@ class Part:
             mesh.faces.new((bottom[k - 1], bottom[k], top[k], top[k - 1]))
         return self._apply(mesh, cut)
 
+    def solid(self, vertices: np.ndarray, faces: np.ndarray, cut: bool = False) -> Part:
+        """Join or cut a closed mesh, (n, 3) and (m, 3)."""
+        mesh = bmesh.new()
+        corners = [mesh.verts.new(vertex) for vertex in vertices]
+        for face in faces:
+            mesh.faces.new([corners[k] for k in face])
+        return self._apply(mesh, cut)
+
     def bevel(self, width: float, segments: int = 6) -> Part:
         """Round all edges bent by more than 30 degrees."""
         modifier = self._item.modifiers.new("bevel", "BEVEL")
@@ -118,3 +126,59 @@ def gear_outline(n_teeth: int, inner: float, outer: float, points_per_flank: int
     angles = (turns[None] + np.arange(n_teeth)[:, None]).ravel() * pitch
     radii = np.tile(radii, n_teeth)
     return np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)
+
+
+def torus(major: float, minor: float, segments: tuple[int, int] = (96, 32)) -> MeshArrays:
+    """Return a ring about the z axis."""
+    around, across = (2 * np.pi * np.arange(n) / n for n in segments)
+    radius = major + minor * np.cos(across)
+    points = np.stack(
+        [
+            np.outer(np.cos(around), radius),
+            np.outer(np.sin(around), radius),
+            np.broadcast_to(minor * np.sin(across), segments),
+        ],
+        axis=-1,
+    )
+    return points.reshape(-1, 3), grid_faces(*segments, closed=True)
+
+
+def helical_ridge(
+    radius: float, height: float, pitch: float, n_turns: float, per_turn: int = 64
+) -> MeshArrays:
+    """Return the ridge of a screw thread about the z axis, closed, from z = 0 upwards.
+
+    Its foot lies within a cylinder of that radius; at both ends it runs out into it.
+    """
+    turns = np.linspace(0, n_turns, round(n_turns * per_turn) + 1)
+    run_out = np.clip(np.minimum(turns, n_turns - turns) / 0.4, 0, 1)
+    crest = radius - 0.02 + (height + 0.02) * run_out
+    foot = np.full(len(turns), radius - 0.3 * pitch)
+    flank = np.full(len(turns), radius - 0.02)
+    profile = ((foot, -0.42), (flank, -0.42), (crest, -0.08), (crest, 0.08), (flank, 0.42),
+               (foot, 0.42))  # fmt: skip
+    angle = 2 * np.pi * turns
+    rings = [
+        np.stack([r * np.cos(angle), r * np.sin(angle), pitch * (turns + z)], axis=-1)
+        for r, z in profile
+    ]
+    n = len(profile)
+    points = np.stack(rings, axis=1).reshape(-1, 3)
+    sides = grid_faces(len(turns), n, closed=False)
+    fan = np.array([[0, k, k + 1] for k in range(1, n - 1)])
+    last = len(points) - n
+    return points, np.concatenate([sides, fan[:, ::-1], fan + last]).astype(np.int32)
+
+
+def grid_faces(n_rows: int, n_columns: int, closed: bool) -> np.ndarray:
+    """Return the triangles (m, 3) of a grid whose rows are rings, closed to a torus or not."""
+    number = np.arange(n_rows * n_columns).reshape(n_rows, n_columns)
+    below = np.concatenate([number, number[:1]]) if closed else number
+    here, there = below[:-1], below[1:]
+    here_next, there_next = np.roll(here, -1, axis=1), np.roll(there, -1, axis=1)
+    return np.concatenate(
+        [
+            np.stack([here, there, there_next], axis=-1).reshape(-1, 3),
+            np.stack([here, there_next, here_next], axis=-1).reshape(-1, 3),
+        ]
+    ).astype(np.int32)

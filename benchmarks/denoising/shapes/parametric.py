@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull, Delaunay
 
-from ..geometry import FloatArray
-from .meshing import MeshArrays, graded, near, remeshed, uneven
+from .cad import grid_faces
+from .meshing import MeshArrays, near, uneven
 
 
 def pole_sphere(n_around: int, n_rings: int, bumps: float) -> MeshArrays:
@@ -60,44 +60,60 @@ def terrain(seed: int, n_points: int, ridged: bool) -> MeshArrays:
     return np.column_stack([place, height]), faces.astype(np.int32)
 
 
-def turned(profile: FloatArray, n_around: int, crease: float, edge: float) -> MeshArrays:
-    """Make a solid of revolution from radii and heights (n, 2), from axis to axis."""
+def crater(n_points: int = 9_500) -> MeshArrays:
+    """Make a volcano's island with a jagged coast: points in a spiral, densest at the crater."""
+    generator = np.random.default_rng(31)
+    share = np.sqrt((np.arange(n_points) + 0.5) / n_points)
+    angle = np.pi * (3 - 5**0.5) * np.arange(n_points)
+    disc = share[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    disc += 0.5 / n_points**0.5 * generator.uniform(-1, 1, disc.shape)
+    n_rim = round(3.2 * n_points**0.5)
+    turn = 2 * np.pi * np.arange(n_rim) / n_rim
+    inner = disc[np.linalg.norm(disc, axis=1) < 1 - 1.2 / n_points**0.5]
+    disc = np.concatenate([inner, np.stack([np.cos(turn), np.sin(turn)], axis=1)])
+    faces = Delaunay(disc).simplices
+    corner = disc[faces]
+    first, second = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    is_turned = first[:, 0] * second[:, 1] < first[:, 1] * second[:, 0]
+    faces[is_turned] = faces[is_turned][:, ::-1]
+
+    radius, angle = np.linalg.norm(disc, axis=1), np.arctan2(disc[:, 1], disc[:, 0])
+    coast = 1 + 0.12 * np.sin(3 * angle + 1) + 0.06 * np.sin(8 * angle) + 0.03 * np.sin(17 * angle)
+    # Drawn towards the middle, and out to the coast near the rim.
+    place = 2 * disc * (radius**0.7 * (1 + radius**3 * (coast - 1)))[:, None]
+    far = np.linalg.norm(place - [0.1, 0.05], axis=1)
+    gullies = np.sin(26 * angle + 4 * far) * np.exp(-(((far - 0.9) / 0.4) ** 2))
+    height = 0.9 * np.exp(-1.6 * far) + 0.04 * gullies
+    height -= 0.55 * np.exp(-((far / 0.32) ** 4))
+    height += 0.03 * np.tanh(2 * np.sin(9 * place[:, 0] + 3 * place[:, 1])) * np.clip(far - 1, 0, 1)
+    height += 0.01 * np.sin(21 * place[:, 0]) * np.cos(19 * place[:, 1])
+    return np.column_stack([place, height]), faces.astype(np.int32)
+
+
+def knot(n_along: int = 420, n_around: int = 26) -> MeshArrays:
+    """Make a trefoil of a ribbed band, its rings closer to each other on one side."""
+    step = 2 * np.pi * np.arange(n_along) / n_along
+    t = step + 0.45 * np.sin(step)
+    radius = 2 + np.cos(3 * t)
+    centre = np.stack([radius * np.cos(2 * t), radius * np.sin(2 * t), 1.1 * np.sin(3 * t)], axis=1)
+    before, after = np.roll(centre, 1, axis=0), np.roll(centre, -1, axis=0)
+    along = (after - before) / np.linalg.norm(after - before, axis=1, keepdims=True)
+    out = [np.array([0.0, 0.0, 1.0])]
+    for way in [*along, along[0]]:
+        carried = out[-1] - (out[-1] @ way) * way
+        out.append(carried / np.linalg.norm(carried))
+    first, last = out[1], out[-1]
+    # What is carried once around comes back turned: every ring takes its share of that.
+    turn = np.arctan2(np.cross(first, last) @ along[0], first @ last)
+    out = np.array(out[1:-1])
+    side = np.cross(out, along)
     angle = 2 * np.pi * np.arange(n_around) / n_around
-    radius, height = profile[1:-1].T
-    ring = np.stack(
-        [
-            radius[:, None] * np.cos(angle),
-            radius[:, None] * np.sin(angle),
-            np.broadcast_to(height[:, None], (len(radius), n_around)),
-        ],
-        axis=-1,
-    ).reshape(-1, 3)
-    points = np.concatenate([ring, [[0, 0, profile[0, 1]], [0, 0, profile[-1, 1]]]])
-    number = np.arange(len(ring)).reshape(len(radius), n_around)
-    after = np.roll(number, -1, axis=1)
-    first, last = np.full(n_around, len(ring)), np.full(n_around, len(ring) + 1)
-    faces = np.concatenate(
-        [
-            np.stack([number[:-1], after[:-1], after[1:]], axis=-1).reshape(-1, 3),
-            np.stack([number[:-1], after[1:], number[1:]], axis=-1).reshape(-1, 3),
-            np.stack([first, after[0], number[0]], axis=1),
-            np.stack([last, number[-1], after[-1]], axis=1),
-        ]
+    turned_by = angle + turn * np.arange(n_along)[:, None] / n_along
+    across = 0.42 + 0.03 * np.cos(24 * t)[:, None] + 0.04 * np.cos(4 * angle)
+    points = centre[:, None] + across[..., None] * (
+        np.cos(turned_by)[..., None] * out[:, None] + np.sin(turned_by)[..., None] * side[:, None]
     )
-    return remeshed(points, faces.astype(np.int32), edge, crease)
-
-
-def pawn() -> MeshArrays:
-    """Make a chessman: smooth curves that meet in sharp rims; finer at the head."""
-    curve = [
-        (0, 0), (1.0, 0), (1.0, 0.25), (0.8, 0.3), (0.8, 0.5),
-        *[(0.33 + 0.47 * (1 - t) ** 2.2, 0.5 + 1.5 * t) for t in np.linspace(0.05, 1, 22)],
-        (0.62, 2.0), (0.62, 2.12), (0.3, 2.17),
-        *[(0.5 * np.sin(a), 2.6 - 0.5 * np.cos(a)) for a in np.linspace(0.75, 3.1, 30)],
-        (0, 3.1),
-    ]  # fmt: skip
-    vertices, faces = turned(np.array(curve), 160, 30.0, 0.03)
-    return graded(vertices, faces, 13_000, near(vertices, (0, 0, 2.8), 0.9, 1e-5))
+    return points.reshape(-1, 3), grid_faces(n_along, n_around, closed=True)
 
 
 def jittered_ball(generator: np.random.Generator, n_points: int) -> MeshArrays:
