@@ -128,8 +128,8 @@ def gear_outline(n_teeth: int, inner: float, outer: float, points_per_flank: int
     return np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)
 
 
-def torus(major: float, minor: float, segments: tuple[int, int] = (96, 32)) -> MeshArrays:
-    """Return a ring about the z axis."""
+def torus(major: float, minor: float, segments: tuple[int, int]) -> MeshArrays:
+    """Return a ring about the z axis, of so many segments around it and across."""
     around, across = (2 * np.pi * np.arange(n) / n for n in segments)
     radius = major + minor * np.cos(across)
     points = np.stack(
