@@ -236,7 +236,7 @@ class _ChunkEntries:
             for part in block.parts:
                 vertices = part.of_control(block.control_points)
                 out = self.numbers[done : done + part.n_entries].reshape(-1, part.n_triangles)
-                places.numbers(vertices, out)
+                places.numbers(vertices, part.tables.pairs, out)
                 ordered = np.sort(vertices, axis=0)
                 if (ordered[1:] == ordered[:-1]).any():
                     a, b = part.tables.pairs

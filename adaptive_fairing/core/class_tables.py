@@ -18,6 +18,9 @@ FloatArray = NDArray[np.float64]
 LARGEST_PRODUCT_TABLE = 4_000_000
 NUMBERS_PER_TRIANGLE = 15_000
 
+# Without such a table, so many triangles are integrated in one go.
+TRIANGLES_AT_ONCE = 16
+
 # Multiplications per matrix product.  Products of this size stay below the limit at which OpenBLAS
 # starts threads of its own, which would compete with those that work on other chunks.
 LARGEST_PRODUCT = 250_000
@@ -97,12 +100,13 @@ class ClassTables:
             _multiply(self._products, coefficients.reshape(-1, n_triangles), out)
             return
         phi, d1, d2 = self.basis.reshape(6, self.n_points, -1)[:3]
-        for triangle in range(n_triangles):
-            mass, first, mixed, second = (coefficients[..., triangle] * self.weights)[..., None]
+        for low in range(0, n_triangles, TRIANGLES_AT_ONCE):
+            columns = coefficients[..., low : low + TRIANGLES_AT_ONCE] * self.weights[:, None]
+            mass, first, mixed, second = columns.swapaxes(1, 2)[..., None]
             local = phi.T @ (mass * phi)
             local += d1.T @ (first * d1 + mixed * d2)
             local += d2.T @ (mixed * d1 + second * d2)
-            out[:, triangle] = local[self.pairs]
+            out[:, low : low + TRIANGLES_AT_ONCE] = local[:, *self.pairs].T
 
     def _product_table(self) -> FloatArray:
         """Weighted products of all pairs of basis functions at all points, (p, 4 q)."""

@@ -20,7 +20,7 @@ from .topology import TriangleTopology
 
 # Threads that change places at every small array wait for the interpreter more than they compute:
 # chunks are large, but for meshes that would then have too few for all threads.
-LARGEST_CHUNK, SMALLEST_CHUNK, USUAL_CHUNKS = 32768, 4096, 4
+LARGEST_CHUNK, SMALLEST_CHUNK, USUAL_CHUNKS = 32768, 8192, 4
 
 # Up to so many times their number, values are sorted by marking them in a table.
 SMALL_VALUES = 4

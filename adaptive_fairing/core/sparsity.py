@@ -17,6 +17,7 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from .parallel import ordered_map
 
 IntArray = NDArray[np.int32]
+Pairs = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 # Rows of a strip: its entries should stay in the cache while several columns are multiplied.
 ROWS_PER_STRIP = 8192
@@ -24,6 +25,9 @@ ROWS_PER_STRIP = 8192
 # Places in a table of entries, four bytes each and as many tables as threads.  Where a pole of high
 # valence needs more, entries are searched for in the pattern, which takes three times as long.
 LARGEST_TABLE = 32_000_000
+
+# Below this number of triangles of a class the calls take longer than what they compute.
+FEW_TRIANGLES = 256
 
 
 class Strip(NamedTuple):
@@ -140,15 +144,16 @@ def _strip(near: sparse.csr_array, first: int) -> Strip:
 class Places(Protocol):
     """Finds the upper entries of pairs of vertices of one chunk."""
 
-    def numbers(self, vertices: IntArray, out: IntArray) -> None:
+    def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:
         """Write the numbers of entries of local matrices.
 
         Parameters
         ----------
         vertices : (K, n) int32
             Control points, counted from the chunk's lowest vertex.
+        pairs : two arrays (p,)
+            Pairs of control points (a, b), a ≤ b, in the order of ``numpy.triu_indices``.
         out : (p, n) int32
-            For the pairs of control points (a, b), a ≤ b, in the order of ``numpy.triu_indices``.
         """
 
 
@@ -158,13 +163,20 @@ class _TabledPlaces:
     def __init__(self, table: IntArray, base: NDArray[np.intp], order: IntArray) -> None:
         self._table, self._base, self._order = table, base, order.astype(np.intp)
 
-    def numbers(self, vertices: IntArray, out: IntArray) -> None:
+    def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:
         order = self._order[vertices]
         base = self._base[order]
+        a, b = pairs
+        if vertices.shape[1] < FEW_TRIANGLES:
+            place = np.maximum(order[a], order[b])
+            place += np.minimum(base[a], base[b])
+            np.take(self._table, place, out=out, mode="clip")
+            return
+        # The same row by row, without copies.
         done = 0
-        for a in range(len(vertices)):
-            place = np.maximum(order[a], order[a:])
-            place += np.minimum(base[a], base[a:])
+        for k in range(len(vertices)):
+            place = np.maximum(order[k], order[k:])
+            place += np.minimum(base[k], base[k:])
             np.take(self._table, place, out=out[done : done + len(place)], mode="clip")
             done += len(place)
 
@@ -175,8 +187,8 @@ class _SearchedPlaces:
     def __init__(self, rows: IntArray, columns: IntArray, numbers: IntArray, n: int) -> None:
         self._numbers = sparse.csr_array((numbers, (rows, columns)), shape=(n, n))
 
-    def numbers(self, vertices: IntArray, out: IntArray) -> None:
-        a, b = np.triu_indices(len(vertices))
+    def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:
+        a, b = pairs
         row, column = _ascending(vertices[a], vertices[b])
         found = self._numbers[row.reshape(-1), column.reshape(-1)]
         out[:] = np.asarray(found).reshape(out.shape)

@@ -80,9 +80,9 @@ def test_places_of_all_pairs_within_triangles(mesh, largest_table, monkeypatch):
     pattern = pattern_of(mesh)
     low, high = 1, len(vertices)  # a window that not all vertices are in
     inside = faces[(faces >= low).all(axis=1)].T.astype(np.int32)
-    found = np.empty((6, inside.shape[1]), dtype=np.int32)
-    pattern.places(low, high).numbers(inside - np.int32(low), found)
     a, b = np.triu_indices(3)
+    found = np.empty((6, inside.shape[1]), dtype=np.int32)
+    pattern.places(low, high).numbers(inside - np.int32(low), (a, b), found)
     expected = numbered(pattern).full().toarray()[inside[a], inside[b]] - 1
     np.testing.assert_array_equal(found + pattern.row_starts[low], expected)
 
@@ -95,7 +95,7 @@ def test_places_of_all_pairs_of_the_pattern(mesh, largest_table, monkeypatch):
     numbers = numbered(pattern).full().tocoo()
     pairs = np.stack([numbers.row, numbers.col]).astype(np.int32)
     found = np.empty((3, pairs.shape[1]), dtype=np.int32)
-    pattern.places(0, pattern.n).numbers(pairs, found)
+    pattern.places(0, pattern.n).numbers(pairs, np.triu_indices(2), found)
     np.testing.assert_array_equal(found[1] + 1, numbers.data)
     np.testing.assert_array_equal(found[[0, 2]], pattern.row_starts[pairs])
 
