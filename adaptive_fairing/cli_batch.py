@@ -21,6 +21,7 @@ from .batch.plan import (
     plan_files,
     shard_of,
 )
+from .batch.summary import DONE, FAILED, MISSING, SKIPPED, is_complete
 from .formats import BLEND, suffix_of
 
 if TYPE_CHECKING:
@@ -162,7 +163,6 @@ def run_plan(
         Nothing could be done at all, or a file of the whole batch cannot be written.
     """
     from .batch.run import Batch, merge_batch, run_batch
-    from .batch.summary import is_complete
     from .core.atomic_files import writable_place
     from .core.memory import available_bytes
     from .core.report import write_report
@@ -213,10 +213,10 @@ def run_plan(
 def describe(account: dict[str, Any]) -> str:
     """Sum a summary up in one line."""
     counts = account["counts"]
-    parts = [f"{counts['meshes']} meshes: {counts['done']} faired"]
-    if counts["skipped"]:
-        parts.append(f"{counts['skipped']} finished before")
-    parts += [f"{counts[status]} {status}" for status in ("failed", "missing") if counts[status]]
+    parts = [f"{counts['meshes']} meshes: {counts[DONE]} faired"]
+    if counts[SKIPPED]:
+        parts.append(f"{counts[SKIPPED]} finished before")
+    parts += [f"{counts[status]} {status}" for status in (FAILED, MISSING) if counts[status]]
     return f"{', '.join(parts)}; {account['seconds']:.1f} s"
 
 
@@ -266,8 +266,8 @@ def _items(
 
 def _what_is_missing(account: dict[str, Any]) -> str:
     counts = account["counts"]
-    n_missing = counts["failed"] + counts["missing"]
-    first = next(e for e in account["meshes"] if e["status"] in ("failed", "missing"))
+    n_missing = counts[FAILED] + counts[MISSING]
+    first = next(mesh for mesh in account["meshes"] if mesh["status"] in (FAILED, MISSING))
     reason = first["error"] or "not tried yet"
     return (
         f"{n_missing} of {counts['meshes']} meshes have no output, the first is "

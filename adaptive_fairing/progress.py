@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
+from .batch.summary import FAILED
 from .core import FairingStep
 
 try:
@@ -108,7 +109,7 @@ class MeshProgress:
 
     def finished(self, entry: Mapping[str, Any]) -> None:
         """Take note of a mesh, see `batch.summary.mesh_entry`."""
-        if entry["status"] == "failed" and self._show_errors:
+        if entry["status"] == FAILED and self._show_errors:
             self._write(f"{self._program}: {entry['output']}: {entry['error']}")
         if self._bar is not None:
             self._bar.update()

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core.report import strict, write_report
+from .summary import DONE, FAILED
 
 Json = dict[str, Any]
 
@@ -58,9 +59,7 @@ def is_finished(record: Json | None, made_with: Mapping[str, Any], output: Path)
         The file.
     """
     return (
-        record is not None
-        and record.get("status") == "done"
-        and record.get("made_with") == strict(made_with)
+        _says(record, DONE, made_with)
         and record.get("output_stamp") is not None
         and record["output_stamp"] == stamp(output)
     )
@@ -68,9 +67,13 @@ def is_finished(record: Json | None, made_with: Mapping[str, Any], output: Path)
 
 def has_failed(record: Json | None, made_with: Mapping[str, Any]) -> bool:
     """Whether an output was tried from this, with this, and could not be made."""
+    return _says(record, FAILED, made_with)
+
+
+def _says(record: Json | None, status: str, made_with: Mapping[str, Any]) -> bool:
     return (
         record is not None
-        and record.get("status") == "failed"
+        and record.get("status") == status
         and record.get("made_with") == strict(made_with)
     )
 
@@ -85,7 +88,7 @@ def write_record(
     path
         File of the record; its folder is made.
     status
-        "done" or "failed".
+        `DONE` or `FAILED`, see `summary`.
     made_with
         As for `is_finished`.
     output
@@ -95,7 +98,7 @@ def write_record(
     """
     record = {
         "status": status,
-        "output_stamp": stamp(output) if status == "done" else None,
+        "output_stamp": stamp(output) if status == DONE else None,
         "made_with": dict(made_with),
         **account,
     }

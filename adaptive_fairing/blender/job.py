@@ -31,6 +31,7 @@ from .files import export_mesh, import_mesh, save_blend
 from .frames import object_at_frame
 from .import_check import import_notes
 from .mesh_data import MeshData, read_mesh, welded
+from .run import not_converged
 from .shape_keys import animate_evolution, write_absolute_keys, write_final_shape
 from .target import needs_copy, writable_object
 
@@ -212,7 +213,7 @@ class _Run:
                 self.notes = [*given_notes, *step.notes]
                 on_step(step)
                 if not step.solve.converged:
-                    return shapes, density, _not_converged(step)
+                    return shapes, density, SolverError(not_converged(step))
                 # Blender keeps float32: half the memory for the same result.
                 shapes.append(step.positions[surface_vertex].astype(np.float32))
                 if step.auto is not None and step.auto.is_chosen:
@@ -266,14 +267,6 @@ def prepared_alone(
 def solved_surface(data: MeshData, source: Path) -> tuple[MeshData, np.ndarray | slice]:
     """Surface to solve on for a mesh of a file, and its vertex for each of the mesh's."""
     return welded(data) if splits_vertices(source) else (data, slice(None))
-
-
-def _not_converged(step: FairingStep) -> SolverError:
-    advice = "choose a smaller tau" if step.auto is None else "repair or remesh thin triangles"
-    return SolverError(
-        f"step {step.index} did not converge: residual {step.solve.residual:.3g} after "
-        f"{step.solve.iterations} iterations; {advice}"
-    )
 
 
 def _put_on_timeline(obj: bpy.types.Object, shown: int, *, extend: bool) -> None:

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from ..batch.plan import Item
 from ..core import FairingError
 from ..formats import keeps_axes
-from . import compatibility
 from .files import import_mesh, save_blend
 from .frames import Frame, object_at_frame
 from .mesh_data import flat_float32, read_positions
+from .shape_keys import keyframe_keys
 
 
 def frame_key_name(frame: int) -> str:
@@ -44,13 +44,7 @@ def write_frame_keys(
         block.points.foreach_set("co", buffer)
     keys = obj.data.shape_keys
     keys.use_relative = False
-    for frame, block in zip(frames, keys.key_blocks, strict=True):
-        # Where a key stands is read, never computed: 0, 10, 20, 30.0000019 …
-        keys.eval_time = block.frame
-        keys.keyframe_insert("eval_time", frame=frame)
-    for curve in compatibility.fcurves(keys):
-        for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
+    keyframe_keys(keys, frames)
     obj.data.update()
 
 

@@ -117,7 +117,7 @@ def _run(
         task.seconds = time.perf_counter() - started
         for step in batch:
             if not step.solve.converged:
-                task.error = _not_converged(step)
+                task.error = not_converged(step)
                 return
         task.steps += [_for_blender(step) for step in batch]
         yield task
@@ -128,8 +128,9 @@ def _for_blender(step: FairingStep) -> FairingStep:
     return replace(step, positions=positions, density=density)
 
 
-def _not_converged(step: FairingStep) -> str:
-    advice = "choose a smaller τ" if step.auto is None else "repair or remesh thin triangles"
+def not_converged(step: FairingStep) -> str:
+    """Say that the solver gave up a step, and what to do."""
+    advice = "choose a smaller tau" if step.auto is None else "repair or remesh thin triangles"
     return (
         f"step {step.index} did not converge: residual {step.solve.residual:.3g} after "
         f"{step.solve.iterations} iterations; {advice}"

@@ -130,9 +130,15 @@ def animate_evolution(obj: bpy.types.Object, frame_start: float, frame_end: floa
     """
     keys = obj.data.shape_keys
     last = len(keys.key_blocks) - 1
-    for index, block in enumerate(keys.key_blocks):
+    length = frame_end - frame_start
+    keyframe_keys(keys, [frame_start + length * index / last for index in range(last + 1)])
+
+
+def keyframe_keys(keys: bpy.types.Key, frames: Sequence[float]) -> None:
+    """Let every absolute key be shown at a frame of its own, and straight lines between them."""
+    for frame, block in zip(frames, keys.key_blocks, strict=True):
+        # Where a key stands is read, never computed: 0, 10, 20, 30.0000019 …
         keys.eval_time = block.frame
-        frame = frame_start + (frame_end - frame_start) * index / last
         keys.keyframe_insert("eval_time", frame=frame)
     for curve in compatibility.fcurves(keys):
         if curve.data_path == "eval_time":
