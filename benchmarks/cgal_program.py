@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 import subprocess
+from functools import lru_cache
 from pathlib import Path
 
 SOURCE = Path(__file__).resolve().parent / "cgal" / "smooth_shape.cpp"
@@ -21,6 +22,7 @@ class NotInstalledError(Exception):
     """The compiler or the libraries are not on this machine."""
 
 
+@lru_cache(maxsize=1)
 def compiled(folder: Path) -> Path:
     """Compile the program into `folder`, with all optimization, and return its path.
 

@@ -18,7 +18,7 @@ FloatArray = NDArray[np.float64]
 ATTAINABLE = 64 * np.finfo(np.float64).eps
 
 # Unknowns per column that one thread updates in one go.
-UNKNOWNS_PER_PIECE = 16384
+UNKNOWNS_PER_PIECE = 32768
 
 
 @dataclass(frozen=True)

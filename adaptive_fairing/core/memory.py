@@ -20,7 +20,7 @@ from .quadrature import QuadratureChoice
 # Bytes, fitted to the measured peak of runs on regular, irregular, cut and pole meshes of 200 to
 # 1,000,000 triangles (benchmarks/memory.py prints estimate and measurement side by side).
 FIXED_BYTES = 50_000_000
-BYTES_PER_TRIANGLE = 900  # topology, patches, sparsity pattern, matrix, vectors of the solver
+BYTES_PER_TRIANGLE = 650  # topology, patches, sparsity pattern, matrix, vectors of the solver
 BYTES_PER_LOCAL_ENTRY = 4  # place in the matrix of an entry of a triangle's local matrix
 BYTES_PER_ENTRY_IN_WORK = 16  # the same while its chunk is assembled, and places are looked up
 BYTES_PER_TABLE_NUMBER = 16  # basis functions at quadrature points: in the table and its parts

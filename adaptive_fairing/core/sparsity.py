@@ -20,7 +20,7 @@ IntArray = NDArray[np.int32]
 Pairs = tuple[NDArray[np.intp], NDArray[np.intp]]
 
 # Rows of a strip: its entries should stay in the cache while several columns are multiplied.
-ROWS_PER_STRIP = 8192
+ROWS_PER_STRIP = 16384
 
 # Places in a table of entries, four bytes each and as many tables as threads.  Where a pole of high
 # valence needs more, entries are searched for in the pattern, which takes three times as long.
