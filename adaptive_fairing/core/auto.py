@@ -3,8 +3,8 @@
 1.  Noise level of each connected part, by density (`noise_level`).
 2.  Filters in metrics of the slightly smoothed surface (`filter_bank`), and the mixture of them
     with the least estimated distance to the surface without noise (`unbiased_risk`).
-3.  The same again with metrics of that mixture, which knows the creases; the last mixture is of
-    all filters of both rounds.
+3.  The same again with metrics of that mixture, which knows the creases, and once more with a
+    smaller angle; the last mixture is of all filters of all rounds.
 
 How much of the noise a filter removes is measured by filtering a second time with a little noise
 of our own added: the metrics follow the noise too, which no formula for a linear filter sees.
@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from .assembly import LoopSpace
 from .errors import InputError
-from .filter_bank import TIMES, FilterBank, Filtered, n_solves
+from .filter_bank import FIRST, GENTLE, STEEP, FilterBank, FilterFamily
 from .lifted_metric import LiftedMetric
 from .linear_solver import SolveReport
 from .mesh_parts import MeshParts
@@ -30,24 +30,39 @@ from .topology import TriangleTopology
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-# Metrics of both rounds, with angles for noise of `COARSE_NOISE` or more; with less noise the
-# normals are less disturbed, and smaller angles tell creases from it.
-FIRST_METRICS = (LiftedMetric(0), LiftedMetric(1), LiftedMetric(1, 0.3))
-SECOND_METRICS = (LiftedMetric(0, 0.07), LiftedMetric(0, 0.3), LiftedMetric(1, 0.3))
+# Filters of each round, in metrics of the mixture of the rounds before it.  The angles are for
+# noise of `COARSE_NOISE` or more; with less noise the normals are less disturbed, and smaller
+# angles tell creases from it.
+ROUNDS = (
+    (
+        FilterFamily(LiftedMetric(0), STEEP),
+        FilterFamily(LiftedMetric(1), STEEP),
+        FilterFamily(LiftedMetric(1, 0.3), GENTLE),
+    ),
+    (
+        FilterFamily(LiftedMetric(0, 0.07), GENTLE),
+        FilterFamily(LiftedMetric(0, 0.3), STEEP),
+        FilterFamily(LiftedMetric(1, 0.3), STEEP),
+    ),
+    (FilterFamily(LiftedMetric(0, 0.035), GENTLE),),
+)
+FAMILIES = tuple(family for families in ROUNDS for family in families)
 COARSE_NOISE = 0.2
 LEAST_ANGLE_FACTOR = 0.1
 
-# Metrics with an angle of at most this, before that scaling, keep creases; the others round them.
-SHARP_ANGLE = 0.1
-KEEPS_CREASES = np.repeat(
-    [m.angle is not None and m.angle <= SHARP_ANGLE for m in FIRST_METRICS + SECOND_METRICS],
-    len(TIMES),
+# Angle of each filter.  With at most `SHARP_ANGLE` it keeps creases, without one (inf) it rounds
+# them; those between keep what stands out of the noise.
+ANGLES = np.repeat(
+    [np.inf if f.metric.angle is None else f.metric.angle for f in FAMILIES],
+    [len(f.diffusions) for f in FAMILIES],
 )
-SHARP_SHARE = 0.5
+SHARP_ANGLE = 0.1
+KEEPS_CREASES = ANGLES <= SHARP_ANGLE
+USABLE = {"auto": ANGLES > 0, "sharp": KEEPS_CREASES, "smooth": np.isinf(ANGLES)}
 # An edge is a crease if the normals beside it differ by this many radians; and a mesh with creases
 # has at least such a share of them.
 CREASE_ANGLE = 0.6
-CREASE_SHARE = 0.01
+CREASE_SHARE = 0.02
 
 # Strengths relative to the chosen one, as factors of the estimated noise.
 STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)
@@ -72,14 +87,15 @@ class AutoPlan:
     ----------
     noise : (n,)
         Level at the solver's vertices, in local edge lengths; 0 where it was not judged.
-    pilot : (k1, n), mixtures : (s, k, n)
-        Shares of the filters at each vertex after the first round, and for each strength.
+    pilots : sequence of (k, n), mixtures : (s, k, n)
+        Shares of the filters so far at each vertex after each round but the last, and of all of
+        them for each strength.
     kept : (s,)
         Share of white noise that each mixture keeps.
     """
 
     noise: FloatArray
-    pilot: FloatArray
+    pilots: tuple[FloatArray, ...]
     mixtures: FloatArray
     kept: FloatArray
 
@@ -104,8 +120,8 @@ class AutoEstimate:
     crease_share : float
         Share of creases among the edges of the faired mesh, 0 to 1.
     is_sharp : bool
-        Whether creases were kept on request; or else whether the mesh has some, and most of what
-        was removed was removed by filters that keep them.
+        Whether creases were asked for; or else whether the faired mesh has a share of them that
+        smooth meshes do not have.
     is_chosen : bool
         Whether this is the strength that was asked for.
     plan : AutoPlan
@@ -164,7 +180,8 @@ def auto_surfaces(
     strength : float
         Factor of the estimated noise.
     features : "auto", "sharp" or "smooth"
-        Which filters may be used: all, only those that keep creases, or only the others.
+        Which filters may be used: all, only those that keep creases, or only those that round
+        them.
     plan : AutoPlan, optional
         Of another frame of this surface: nothing is estimated then.
     progress : callable, optional
@@ -175,9 +192,9 @@ def auto_surfaces(
     InputError
         A plan of a mesh of another size.
     """
-    n_expected = n_solves(len(FIRST_METRICS) + len(SECOND_METRICS))
+    n_expected = FIRST.n_solves + sum(family.n_solves for family in FAMILIES)
     solves = _Solves(n_expected * (2 if plan is None else 1), progress)
-    bank = FilterBank(space, solves.count)
+    bank = FilterBank(space, positions, solves.count)
     track = _Track(bank, positions)
     frame = LocalFrame.of(space.topology, track.surface, track.surface)
     notes: tuple[str, ...] = ()
@@ -193,10 +210,11 @@ def auto_surfaces(
             f"the plan is of a mesh of {plan.mixtures.shape[2]} vertices, not {len(positions)}"
         )
     elif plan.mixtures.any():
-        first, second = _metrics(strength * plan.noise)
+        first, *others = _rounds(strength * plan.noise)
         track.filter(first)
-        track.surface = track.mixed(plan.pilot)
-        track.filter(second)
+        for families, pilot in zip(others, plan.pilots, strict=True):
+            track.surface = track.mixed(pilot)
+            track.filter(families)
     results = [track.mixed(shares) for shares in plan.mixtures]
     estimates = [
         _estimate(plan, frame, strength, features, index, _crease_share(space.topology, result))
@@ -216,7 +234,7 @@ def _planned(
     strength: float,
     features: str,
 ) -> AutoPlan:
-    """Filter in two rounds, and choose the shares in both."""
+    """Filter in all rounds, and choose the shares in each."""
     sign = np.random.default_rng(PROBE_SEED).choice([-1.0, 1.0], len(noise))
     probe = (PROBE_SIZE * sign * frame.spacing)[:, None] * frame.normals
     shadow = _Track(bank, track.positions + probe)
@@ -229,37 +247,39 @@ def _planned(
         shares[usable] = parts.best_shares(removed[usable], 1 - kept[usable], variance)
         return shares
 
-    first, second = _metrics(strength * noise)
+    first, *others = _rounds(strength * noise)
+    pilots = []
     for one in (track, shadow):
         one.filter(first)
-    pilot = best_shares(1.0, np.ones(len(track.filtered), dtype=bool))
-    for one in (track, shadow):
-        one.surface = one.mixed(pilot)
-        one.filter(second)
-    usable = np.ones(len(track.filtered), dtype=bool)
-    if features != "auto":
-        usable = KEEPS_CREASES == (features == "sharp")
-    mixtures = np.stack([best_shares(factor, usable) for factor in STRENGTHS])
+    for families in others:
+        pilots.append(best_shares(1.0, np.ones(len(track.filtered), dtype=bool)))
+        for one in (track, shadow):
+            one.surface = one.mixed(pilots[-1])
+            one.filter(families)
+    mixtures = np.stack([best_shares(factor, USABLE[features]) for factor in STRENGTHS])
     kept = _response(track, shadow, frame, sign)
     removed_noise = np.einsum("skn,kn->sn", mixtures, 1 - kept)[:, parts.is_counted]
-    return AutoPlan(noise, pilot, mixtures, 1 - removed_noise.mean(axis=1))
+    return AutoPlan(noise, tuple(pilots), mixtures, 1 - removed_noise.mean(axis=1))
 
 
 def _idle_plan(noise: FloatArray) -> AutoPlan:
     """Leave everything as it is."""
     nothing = np.zeros((len(STRENGTHS), 0, len(noise)))
-    return AutoPlan(noise, nothing[0], nothing, np.ones(len(STRENGTHS)))
+    return AutoPlan(noise, (), nothing, np.ones(len(STRENGTHS)))
 
 
-def _metrics(noise: FloatArray) -> tuple[list[LiftedMetric], list[LiftedMetric]]:
-    """Scale the angles of both rounds' metrics to the noise, (n,), of the vertices judged."""
+def _rounds(noise: FloatArray) -> list[list[FilterFamily]]:
+    """Scale the angles of all rounds' metrics to the noise, (n,), of the vertices judged."""
     typical = float(np.median(noise[noise > 0])) if noise.any() else 0.0
     factor = float(np.clip(typical / COARSE_NOISE, LEAST_ANGLE_FACTOR, 1))
 
-    def scaled(metrics: tuple[LiftedMetric, ...]) -> list[LiftedMetric]:
-        return [m if m.angle is None else m._replace(angle=factor * m.angle) for m in metrics]
+    def scaled(metric: LiftedMetric) -> LiftedMetric:
+        return metric if metric.angle is None else metric._replace(angle=factor * metric.angle)
 
-    return scaled(FIRST_METRICS), scaled(SECOND_METRICS)
+    return [
+        [family._replace(metric=scaled(family.metric)) for family in families]
+        for families in ROUNDS
+    ]
 
 
 def _response(track: _Track, shadow: _Track, frame: LocalFrame, sign: FloatArray) -> FloatArray:
@@ -270,7 +290,7 @@ def _response(track: _Track, shadow: _Track, frame: LocalFrame, sign: FloatArray
     Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
     """
     pairs = zip(track.filtered, shadow.filtered, strict=True)
-    changes = [frame.along_normal(b.positions - a.positions) for a, b in pairs]
+    changes = [frame.along_normal(b - a) for a, b in pairs]
     response = np.stack(changes) * sign / PROBE_SIZE
     return np.clip(response, -LARGEST_RESPONSE, LARGEST_RESPONSE)
 
@@ -290,7 +310,7 @@ def _estimate(
     sharp = shares[KEEPS_CREASES] if len(shares) else shares
     total = float(shares.sum())
     sharp_share = float(sharp.sum()) / total if total > 0 else 0.0
-    has_creases = sharp_share > SHARP_SHARE and crease_share > CREASE_SHARE
+    has_creases = crease_share > CREASE_SHARE
     # A Gaussian of standard deviation r keeps cell / (2 π r²) of white noise, with the area
     # √3/2 of a vertex's cell; the 1 makes the radius of doing nothing 0.
     radius = np.sqrt(np.sqrt(3) / (4 * np.pi) * (1 / kept - 1))
@@ -323,16 +343,16 @@ class _Track:
     def __init__(self, bank: FilterBank, positions: FloatArray) -> None:
         self.positions = positions
         self.surface = bank.first_surface(positions)
-        self.filtered: list[Filtered] = []
+        self.filtered: list[FloatArray] = []
         self._bank = bank
 
-    def filter(self, metrics: list[LiftedMetric]) -> None:
-        """Add what the filters in metrics of the present surface make of the positions."""
-        self.filtered += self._bank.filtered(self.positions, self.surface, metrics)
+    def filter(self, families: list[FilterFamily]) -> None:
+        """Add what filters in metrics of the present surface make of the positions."""
+        self.filtered += self._bank.filtered(self.positions, self.surface, families)
 
     def removed(self, frame: LocalFrame) -> FloatArray:
         """Measure the normal part of what each filter takes away, in local edge lengths, (k, n)."""
-        parts = [frame.along_normal(self.positions - f.positions) for f in self.filtered]
+        parts = [frame.along_normal(self.positions - filtered) for filtered in self.filtered]
         return np.stack(parts)
 
     def mixed(self, shares: FloatArray) -> FloatArray:
@@ -340,7 +360,7 @@ class _Track:
         result = self.positions.copy()
         for share, filtered in zip(shares, self.filtered, strict=True):
             if share.any():
-                result -= share[:, None] * (self.positions - filtered.positions)
+                result -= share[:, None] * (self.positions - filtered)
         return result
 
 

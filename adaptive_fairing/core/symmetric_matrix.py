@@ -52,6 +52,12 @@ class SymmetricMatrix:
         """Add `factor` times another matrix of the same pattern."""
         return SymmetricMatrix(self.pattern, self._halves + factor * other._halves)
 
+    def weighted(self, weights: FloatArray) -> SymmetricMatrix:
+        """Return D½ A D½ for the diagonal matrix D of `weights` > 0, (n,)."""
+        pattern, root = self.pattern, np.sqrt(weights)
+        rows = np.repeat(root, np.diff(pattern.row_starts))
+        return SymmetricMatrix(pattern, self._halves * rows * root[pattern.columns(0, pattern.n)])
+
     def product(self, columns: FloatArray) -> FloatArray:
         """Multiply by k vectors, given and returned as rows (k, n)."""
         columns = np.ascontiguousarray(columns)

@@ -117,12 +117,12 @@ def test_edges_of_a_block_stay_sharp():
     rng = np.random.default_rng(0)
     points = vertices + 0.03 * rng.normal(size=vertices.shape)
     result = fair(points, faces, AUTO)
-    assert result.chosen.auto.sharp_share > 0.4
+    assert result.chosen.auto.is_sharp
     # 144 of the block's 1296 edges are its creases; what noise is left breaks some of them up.
     assert 0.03 < result.chosen.auto.crease_share < 144 / 1296
     smooth = fair(points, faces, replace(AUTO, features="smooth"))
     assert smooth.chosen.auto.sharp_share == 0
-    assert distance_to_block(result.positions) < distance_to_block(smooth.positions)
+    assert distance_to_block(result.positions) < 0.8 * distance_to_block(smooth.positions)
     assert distance_to_block(result.positions) < 0.5 * distance_to_block(points)
     sharp = fair(points, faces, replace(AUTO, features="sharp"))
     assert sharp.chosen.auto.sharp_share == pytest.approx(1)
