@@ -32,6 +32,7 @@ METHODS = {
     "tensor": "adaptive_tensor",
     "auto": "auto",
 }
+METHOD_NAMES = {method: name for name, method in METHODS.items()}
 DENSITIES = {"edge": "edge_length", "area": "area"}
 
 
@@ -139,9 +140,10 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--method",
         choices=tuple(METHODS),
-        default=next(name for name, method in METHODS.items() if method == defaults.METHOD),
         help="what follows the density: the timestep, the diffusion tensor, or nothing; auto "
-        "estimates the noise and needs neither tau nor steps (default: %(default)s)",
+        "estimates the noise and needs none of --tau, --steps, --density, --density-passes, "
+        "--stop-curvature and --stop-rate (default: timestep if one of these is given, "
+        f"otherwise {METHOD_NAMES[defaults.METHOD]})",
     )
     parser.add_argument(
         "--strength",
@@ -159,26 +161,20 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--tau",
         type=float,
-        default=0.016,
         metavar="T",
-        help="time of a step, in the frame where the mesh fits [-3, 3]^3 (default: %(default)s)",
+        help="time of a step, in the frame where the mesh fits [-3, 3]^3 (default: 0.016)",
     )
-    parser.add_argument(
-        "--steps", type=int, default=4, metavar="N", help="number of steps (default: %(default)s)"
-    )
+    parser.add_argument("--steps", type=int, metavar="N", help="number of steps (default: 4)")
     parser.add_argument(
         "--density",
         choices=tuple(DENSITIES),
-        default="edge",
-        help="measure of the density: mean edge length or area around a vertex "
-        "(default: %(default)s)",
+        help="measure of the density: mean edge length or area around a vertex (default: edge)",
     )
     parser.add_argument(
         "--density-passes",
         type=int,
-        default=3,
         metavar="N",
-        help="smoothing passes over the density (default: %(default)s)",
+        help="smoothing passes over the density (default: 3)",
     )
     parser.add_argument(
         "--boundary",
@@ -218,17 +214,26 @@ def settings_of(arguments: argparse.Namespace) -> FairingSettings:
     """
     from .core import FairingSettings
 
+    diffusion = {
+        "tau": arguments.tau,
+        "steps": arguments.steps,
+        "density": arguments.density and DENSITIES[arguments.density],
+        "density_passes": arguments.density_passes,
+        "stop_curvature": arguments.stop_curvature,
+        "stop_rate": arguments.stop_rate,
+    }
+    given = {name: value for name, value in diffusion.items() if value is not None}
+    if arguments.method is not None:
+        method = METHODS[arguments.method]
+    else:
+        # Who says how far to diffuse does not want it estimated.
+        method = METHODS["timestep"] if given else defaults.METHOD
     return FairingSettings(
-        method=METHODS[arguments.method],
+        method=method,
         strength=arguments.strength,
         features=arguments.features,
-        tau=arguments.tau,
-        steps=arguments.steps,
-        density=DENSITIES[arguments.density],
-        density_passes=arguments.density_passes,
         boundary=arguments.boundary,
-        stop_curvature=arguments.stop_curvature,
-        stop_rate=arguments.stop_rate,
+        **given,
     )
 
 

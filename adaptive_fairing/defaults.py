@@ -2,5 +2,5 @@
 
 from __future__ import annotations
 
-METHOD = "adaptive_timestep"
+METHOD = "auto"
 """Method, by its name in `FairingSettings`."""

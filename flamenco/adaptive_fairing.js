@@ -51,7 +51,7 @@ const JOB_TYPE = {
             description: "Mesh object to fair, if a file holds several",
         },
         {
-            key: "method", type: "string", default: "timestep",
+            key: "method", type: "string", default: "auto",
             choices: ["timestep", "tensor", "uniform", "auto"],
             description: "What follows the density: the timestep, the diffusion tensor, or " +
                 "nothing; auto estimates the noise and needs neither Tau nor Steps",

@@ -109,7 +109,8 @@ def test_a_killed_batch_leaves_whole_outputs_and_goes_on_where_it_was(
         for path in five_meshes.iterdir():
             shutil.copy(path, given / f"{path.stem}_{copy}.ply")
     out = tmp_path / "out"
-    process = command(given, "--out-dir", out, "--jobs", 2)
+    options = ("--out-dir", out, "--method", "timestep")
+    process = command(given, *options, "--jobs", 2)
     while not any(out.glob("*.ply")):
         time.sleep(0.01)
     process.kill()
@@ -120,7 +121,7 @@ def test_a_killed_batch_leaves_whole_outputs_and_goes_on_where_it_was(
     # Records that are whole: the kill may have left a hidden draft of one more.
     records = list((out / RECORDS).iterdir()) if (out / RECORDS).exists() else []
     finished = len([path for path in records if not path.name.startswith(".")])
-    assert batch(given, "--out-dir", out, "--quiet", "--report", tmp_path / "r.json") == 0
+    assert batch(given, *options, "--quiet", "--report", tmp_path / "r.json") == 0
     assert list(summary(tmp_path / "r.json").values()).count("skipped") == finished
     found, expected = outputs(out), outputs(five_faired)
     assert len(found) == 20, "and no drafts"

@@ -12,7 +12,7 @@ import pytest
 from support.meshes import bumpy_disc, icosphere, noisy_ball, random_closed
 from support.objects import add_object
 
-from adaptive_fairing import cli
+from adaptive_fairing import cli, defaults
 from adaptive_fairing.blender.files import empty_scene, export_mesh, import_mesh, save_blend
 from adaptive_fairing.core import FairingSettings
 from adaptive_fairing.version import program_version
@@ -156,6 +156,27 @@ def test_defaults_are_those_of_the_core():
 )
 def test_every_argument_reaches_its_setting(arguments, field, value):
     assert settings_for(*arguments) == FairingSettings(**{field: value})
+
+
+@pytest.mark.parametrize(
+    ("arguments", "method"),
+    [
+        ([], "auto"),
+        (["--strength", "2"], "auto"),
+        (["--boundary", "free"], "auto"),
+        (["--tau", "0.016"], "adaptive_timestep"),
+        (["--steps", "4"], "adaptive_timestep"),
+        (["--density", "edge"], "adaptive_timestep"),
+        (["--density-passes", "3"], "adaptive_timestep"),
+        (["--stop-rate", "2"], "adaptive_timestep"),
+        (["--stop-curvature", "0.4"], "adaptive_timestep"),
+        (["--method", "auto", "--tau", "0.02"], "auto"),
+        (["--method", "tensor", "--tau", "0.02"], "adaptive_tensor"),
+    ],
+)
+def test_who_says_how_far_to_diffuse_does_not_want_it_estimated(monkeypatch, arguments, method):
+    monkeypatch.setattr(defaults, "METHOD", "auto")
+    assert settings_for(*arguments).method == method
 
 
 @pytest.mark.parametrize(
