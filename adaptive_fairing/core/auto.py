@@ -252,7 +252,7 @@ def _planned(
     for one in (track, shadow):
         one.filter(first)
     for families in others:
-        pilots.append(best_shares(1.0, np.ones(len(track.filtered), dtype=bool)))
+        pilots.append(best_shares(1.0, np.ones(len(track.taken), dtype=bool)))
         for one in (track, shadow):
             one.surface = one.mixed(pilots[-1])
             one.filter(families)
@@ -289,10 +289,11 @@ def _response(track: _Track, shadow: _Track, frame: LocalFrame, sign: FloatArray
 
     Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
     """
-    pairs = zip(track.filtered, shadow.filtered, strict=True)
-    changes = [frame.along_normal(b - a) for a, b in pairs]
-    response = np.stack(changes) * sign / PROBE_SIZE
-    return np.clip(response, -LARGEST_RESPONSE, LARGEST_RESPONSE)
+    response = shadow.removed(frame)
+    response -= track.removed(frame)
+    response *= -sign / PROBE_SIZE
+    response += 1
+    return np.clip(response, -LARGEST_RESPONSE, LARGEST_RESPONSE, out=response)
 
 
 def _estimate(
@@ -338,29 +339,35 @@ def _crease_share(topology: TriangleTopology, positions: FloatArray) -> float:
 
 
 class _Track:
-    """Positions on their way through the filters, with what the filters made of them."""
+    """Positions on their way through the filters, with what each filter takes away.
+
+    What is taken away is kept in single precision, which is plenty for it, to save memory.
+    """
 
     def __init__(self, bank: FilterBank, positions: FloatArray) -> None:
         self.positions = positions
         self.surface = bank.first_surface(positions)
-        self.filtered: list[FloatArray] = []
+        self.taken: list[NDArray[np.float32]] = []
         self._bank = bank
 
     def filter(self, families: list[FilterFamily]) -> None:
-        """Add what filters in metrics of the present surface make of the positions."""
-        self.filtered += self._bank.filtered(self.positions, self.surface, families)
+        """Add filters in metrics of the present surface."""
+        for filtered in self._bank.filtered(self.positions, self.surface, families):
+            self.taken.append((self.positions - filtered).astype(np.float32))
 
     def removed(self, frame: LocalFrame) -> FloatArray:
         """Measure the normal part of what each filter takes away, in local edge lengths, (k, n)."""
-        parts = [frame.along_normal(self.positions - filtered) for filtered in self.filtered]
-        return np.stack(parts)
+        removed = np.empty((len(self.taken), len(self.positions)))
+        for row, taken in zip(removed, self.taken, strict=True):
+            row[:] = frame.along_normal(taken.astype(np.float64))
+        return removed
 
     def mixed(self, shares: FloatArray) -> FloatArray:
         """Mix the filters with shares (k, n) at each vertex."""
         result = self.positions.copy()
-        for share, filtered in zip(shares, self.filtered, strict=True):
+        for share, taken in zip(shares, self.taken, strict=True):
             if share.any():
-                result -= share[:, None] * (self.positions - filtered)
+                result -= share[:, None] * taken
         return result
 
 

@@ -11,7 +11,7 @@ noise grows with the edges: M counts it for more.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -116,7 +116,7 @@ class FilterBank:
 
     def filtered(
         self, positions: FloatArray, surface: FloatArray, families: Sequence[FilterFamily]
-    ) -> list[FloatArray]:
+    ) -> Iterator[FloatArray]:
         """Filter positions in the metrics of a surface.
 
         Parameters
@@ -126,23 +126,21 @@ class FilterBank:
             Positions of the surface that the metrics are taken from.
         families : sequence of FilterFamily
 
-        Returns
-        -------
-        list of (n, 3)
-            What the filters make of the positions, family by family.
+        Yields
+        ------
+        (n, 3)
+            What the next filter makes of the positions, family by family.
         """
         control = near_control_points(self._limit, positions)
         spacing = spacing_of(self._space.topology, surface, SPACING_PASSES)
         surface_control = near_control_points(self._limit, surface)
-        results = []
         for metric, diffusions in families:
             if metric == LiftedMetric():
                 matrices = self._mesh_matrices
             else:
                 matrices = self._matrices(metric, surface_control, spacing)
             for diffusion in diffusions:
-                results.append(self._limit @ self._diffused(matrices, control, diffusion))
-        return results
+                yield self._limit @ self._diffused(matrices, control, diffusion)
 
     def _matrices(
         self, metric: LiftedMetric, control: FloatArray, spacing: FloatArray

@@ -24,6 +24,9 @@ FloatArray = NDArray[np.float64]
 VERTICES_PER_CLASS = 200
 MOST_CLASSES = 3
 
+# Sums over the vertices are taken in pieces of so many, which bounds the memory.
+VERTICES_AT_ONCE = 16384
+
 # Relative sizes of the terms that keep the least squares definite, and the shares at most 1.
 RIDGE = 1e-6
 CONSTRAINT = 100.0
@@ -52,9 +55,14 @@ def least_risk_shares(
         Shares a ≥ 0 with a sum of at most 1 in each class; the rest of the sum is left unfiltered.
     """
     n_classes, n_filters = len(classes), len(removed)
-    parts = (classes[:, None] * removed).reshape(n_classes * n_filters, -1)
-    gain = (classes[:, None] * divergence).reshape(n_classes * n_filters, -1) @ variance
-    square = parts @ parts.T
+    square = np.zeros((n_classes * n_filters, n_classes * n_filters))
+    gain = np.zeros(n_classes * n_filters)
+    for start in range(0, removed.shape[1], VERTICES_AT_ONCE):
+        some = slice(start, start + VERTICES_AT_ONCE)
+        weights = classes[:, None, some]
+        parts = (weights * removed[:, some]).reshape(len(square), -1)
+        square += parts @ parts.T
+        gain += (weights * divergence[:, some]).reshape(len(square), -1) @ variance[some]
     size = float(np.trace(square)) / len(square)
     if not size > 0 or not gain.any():
         return np.zeros((n_classes, n_filters))
