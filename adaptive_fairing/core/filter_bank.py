@@ -75,7 +75,9 @@ LARGEST_WEIGHT = 8.0
 # Passes of (3.6) over the edge length that serves as the unit in a metric.
 SPACING_PASSES = 3
 
+# Relative to what is filtered: the positions, or the small part that is still missing.
 FILTER_TOLERANCE = 1e-4
+MISSING_TOLERANCE = 1e-2
 MAX_ITERATIONS = 5000
 
 
@@ -158,22 +160,24 @@ class FilterBank:
         mass, stiffness = matrices
         system = mass.plus(diffusion.time, stiffness)
         for _ in range(diffusion.steps):
-            missing, control = control, np.zeros_like(control)
-            for _ in range(diffusion.order):
-                part = self._solve(system, mass, missing)
-                control += part
-                missing = missing - part
+            whole, control = control, self._solve(system, mass, control, FILTER_TOLERANCE)
+            for _ in range(diffusion.order - 1):
+                control = control + self._solve(system, mass, whole - control, MISSING_TOLERANCE)
         return control
 
     def _solve(
-        self, system: SymmetricMatrix, mass: SymmetricMatrix, control: FloatArray
+        self,
+        system: SymmetricMatrix,
+        mass: SymmetricMatrix,
+        control: FloatArray,
+        tolerance: float,
     ) -> FloatArray:
         smooth, report = conjugate_gradients(
             system,
             mass.product(control.T).T,
             control,
             is_held=self._is_loose,
-            tolerance=FILTER_TOLERANCE,
+            tolerance=tolerance,
             max_iterations=MAX_ITERATIONS,
         )
         self._on_solve(report)
