@@ -214,20 +214,14 @@ def settings_of(arguments: argparse.Namespace) -> FairingSettings:
     """
     from .core import FairingSettings
 
-    diffusion = {
-        "tau": arguments.tau,
-        "steps": arguments.steps,
-        "density": arguments.density and DENSITIES[arguments.density],
-        "density_passes": arguments.density_passes,
-        "stop_curvature": arguments.stop_curvature,
-        "stop_rate": arguments.stop_rate,
-    }
+    diffusion = {name: getattr(arguments, name) for name in defaults.DIFFUSION}
     given = {name: value for name, value in diffusion.items() if value is not None}
+    if "density" in given:
+        given["density"] = DENSITIES[given["density"]]
     if arguments.method is not None:
         method = METHODS[arguments.method]
     else:
-        # Who says how far to diffuse does not want it estimated.
-        method = METHODS["timestep"] if given else defaults.METHOD
+        method = defaults.method_beside(given)
     return FairingSettings(
         method=method,
         strength=arguments.strength,

@@ -283,6 +283,11 @@ def solver_settings(properties: SolverProperties) -> FairingSettings:
     from ..core import FairingSettings
 
     values = {name: getattr(properties, name) for name in SOLVER_NAMES}
+    if isinstance(properties, bpy.types.Operator):
+        # Scripts name what they want; buttons name everything.
+        named = [name for name in SOLVER_NAMES if properties.properties.is_property_set(name)]
+        if "method" not in named and values["method"] == defaults.METHOD:
+            values["method"] = defaults.method_beside(named)
     for name, value in values.items():
         if isinstance(value, float):
             # Blender keeps float32; seven digits give back the number that was typed.

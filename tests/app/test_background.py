@@ -27,7 +27,8 @@ def test_the_operator_blocks_in_a_script_and_gives_the_cores_result(script):
 def command(app, script) -> dict:
     folder = script["folder"]
     output = folder / "command.blend"
-    assert app.blender(["-c", "adaptive_fairing", folder / "noisy.obj", "-o", output]) == 0
+    arguments = [folder / "noisy.obj", "-o", output, "--method", "timestep"]
+    assert app.blender(["-c", "adaptive_fairing", *arguments]) == 0
     return app.script("inspect", output, folder)
 
 

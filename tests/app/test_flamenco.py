@@ -23,7 +23,7 @@ pytestmark = pytest.mark.app
 
 SCRIPT = ROOT / "flamenco" / "adaptive_fairing.js"
 N_MESHES = 12
-SETTINGS = {"steps": 2, "tau": 0.008, "density": "area"}
+SETTINGS = {"method": "timestep", "steps": 2, "tau": 0.008, "density": "area"}
 ARGUMENTS = ["--steps", "2", "--tau", "0.008", "--density", "area"]
 
 
