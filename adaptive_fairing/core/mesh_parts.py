@@ -6,7 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csgraph
 
-from .noise_level import LocalFrame, beyond_clean, noise_level
+from .line_roughness import LineRoughness
+from .noise_level import CLEAN_ROUGHNESS, LocalFrame, beyond_clean, noise_level
 from .topology import TriangleTopology
 from .unbiased_risk import density_classes, least_risk_shares
 
@@ -30,7 +31,7 @@ class MeshParts:
 
     def __init__(self, topology: TriangleTopology, frame: LocalFrame, is_still: BoolArray) -> None:
         self.is_counted = ~(is_still | topology.is_loose | topology.on_boundary)
-        self._frame = frame
+        self._topology, self._frame = topology, frame
         self._size = frame.spread(np.log(frame.spacing), 3)
         _, label = csgraph.connected_components(topology.adjacency(), directed=False)
         n_counted = np.bincount(label, self.is_counted)
@@ -51,10 +52,17 @@ class MeshParts:
                 f"only {n_counted} vertices inside the surface: too few to tell noise from shape, "
                 "nothing was changed; choose one of the other methods",
             )
+        lines = LineRoughness(self._topology, positions, self._frame)
         for members in self._members:
             counted = np.zeros(len(positions), dtype=bool)
             counted[members] = self.is_counted[members]
-            noise += noise_level(positions, self._frame, counted)
+            level = noise_level(positions, self._frame, counted)
+            if beyond_clean(level).any():
+                along_lines = lines.level(counted)
+                # Creases everywhere look like noise to the level; along them all may be smooth.
+                if along_lines <= CLEAN_ROUGHNESS:
+                    level = np.minimum(level, along_lines)
+            noise += level
         if beyond_clean(strength * noise).any():
             return noise, ()
         return noise, (
