@@ -239,26 +239,28 @@ def _planned(
     probe = (PROBE_SIZE * sign * frame.spacing)[:, None] * frame.normals
     shadow = _Track(bank, track.positions + probe)
 
-    def best_shares(factor: float, usable: BoolArray) -> FloatArray:
+    def measured() -> tuple[FloatArray, FloatArray]:
         removed = track.removed(frame)
-        kept = _response(track, shadow, frame, sign)
-        shares = np.zeros_like(removed)
-        variance = np.square(NOISE_FACTOR * beyond_clean(factor * strength * noise))
-        shares[usable] = parts.best_shares(removed[usable], 1 - kept[usable], variance)
-        return shares
+        return removed, 1 - _response(removed, shadow.removed(frame), sign)
+
+    def variance(factor: float) -> FloatArray:
+        return np.square(NOISE_FACTOR * beyond_clean(factor * strength * noise))
 
     first, *others = _rounds(strength * noise)
     pilots = []
     for one in (track, shadow):
         one.filter(first)
     for families in others:
-        pilots.append(best_shares(1.0, np.ones(len(track.taken), dtype=bool)))
+        pilots.append(parts.best_shares(*measured(), variance(1.0)))
         for one in (track, shadow):
             one.surface = one.mixed(pilots[-1])
             one.filter(families)
-    mixtures = np.stack([best_shares(factor, USABLE[features]) for factor in STRENGTHS])
-    kept = _response(track, shadow, frame, sign)
-    removed_noise = np.einsum("skn,kn->sn", mixtures, 1 - kept)[:, parts.is_counted]
+    removed, divergence = measured()
+    usable = USABLE[features]
+    mixtures = np.zeros((len(STRENGTHS), *removed.shape))
+    for shares, factor in zip(mixtures, STRENGTHS, strict=True):
+        shares[usable] = parts.best_shares(removed[usable], divergence[usable], variance(factor))
+    removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
     return AutoPlan(noise, tuple(pilots), mixtures, 1 - removed_noise.mean(axis=1))
 
 
@@ -282,15 +284,15 @@ def _rounds(noise: FloatArray) -> list[list[FilterFamily]]:
     ]
 
 
-def _response(track: _Track, shadow: _Track, frame: LocalFrame, sign: FloatArray) -> FloatArray:
+def _response(removed: FloatArray, shadow: FloatArray, sign: FloatArray) -> FloatArray:
     """Share of its own noise that each filter keeps at each vertex, (k, n).
 
-    The neighbours' probes mix in, but cancel in sums over many vertices.
+    From what the filters remove of the positions, and of them with the probes added.  The
+    neighbours' probes mix in, but cancel in sums over many vertices.
 
     Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
     """
-    response = shadow.removed(frame)
-    response -= track.removed(frame)
+    response = shadow - removed
     response *= -sign / PROBE_SIZE
     response += 1
     return np.clip(response, -LARGEST_RESPONSE, LARGEST_RESPONSE, out=response)
