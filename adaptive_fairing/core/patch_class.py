@@ -56,7 +56,6 @@ class Corner(NamedTuple):
 
 PatchClass = tuple[Corner, Corner, Corner]
 INTERIOR_REGULAR = Corner(6)
-REGULAR: PatchClass = (INTERIOR_REGULAR,) * 3
 TETRAHEDRON: PatchClass = (Corner(3),) * 3
 
 

@@ -138,6 +138,14 @@ def test_defaults_are_those_of_the_core():
     assert settings_for() == FairingSettings()
 
 
+@pytest.mark.parametrize("name", ["tau", "steps", "density_passes"])
+def test_help_tells_the_defaults_of_the_core(name):
+    option = f"--{name.replace('_', '-')}"
+    actions = cli.build_parser()._actions
+    told = next(action.help for action in actions if option in action.option_strings)
+    assert told.endswith(f"(default: {getattr(FairingSettings(), name)})")
+
+
 @pytest.mark.parametrize(
     ("arguments", "field", "value"),
     [
