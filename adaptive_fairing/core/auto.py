@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from .assembly import LoopSpace
 from .errors import InputError
-from .filter_bank import FIRST, GENTLE, STEEP, FilterBank, FilterFamily
+from .filter_bank import GENTLE, STEEP, FilterBank, FilterFamily
 from .lifted_metric import LiftedMetric
 from .linear_solver import SolveReport
 from .mesh_parts import MeshParts
@@ -71,6 +71,9 @@ CHOSEN = STRENGTHS.index(1.0)
 # Least risk at the estimated noise leaves a little more of it than looks and measures best, because
 # the estimate is a lower bound; found on meshes with known noise.
 NOISE_FACTOR = 1.1
+
+# Solves for the filters of one metric, as far as the progress goes; it differs a little.
+EXPECTED_SOLVES = 9
 
 PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large against rounding
 PROBE_SEED = 0
@@ -192,8 +195,8 @@ def auto_surfaces(
     InputError
         A plan of a mesh of another size.
     """
-    n_expected = FIRST.n_solves + sum(family.n_solves for family in FAMILIES)
-    solves = _Solves(n_expected * (2 if plan is None else 1), progress)
+    n_spaces = 1 + len(FAMILIES)
+    solves = _Solves(EXPECTED_SOLVES * n_spaces * (2 if plan is None else 1), progress)
     bank = FilterBank(space, positions, solves.count)
     track = _Track(bank, positions)
     frame = LocalFrame.of(space.topology, track.surface, track.surface)
@@ -389,7 +392,7 @@ class _Solves:
         self._residual = max(self._residual, report.residual)
         self._converged &= report.converged
         if self._progress is not None:
-            self._progress(self._n_done / self._n_expected)
+            self._progress(min(self._n_done / self._n_expected, 1.0))
 
     def report(self) -> SolveReport:
         """All solves together."""

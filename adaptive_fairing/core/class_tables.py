@@ -31,6 +31,10 @@ def product_table_pays(n_products: int, n_triangles: int) -> bool:
     return n_products <= min(LARGEST_PRODUCT_TABLE, NUMBERS_PER_TRIANGLE * n_triangles)
 
 
+# Which factors of `ClassTables.local_matrices` count: of M alone, of L alone, of their sum.
+MASS, STIFFNESS, SUM = slice(0, 1), slice(1, 4), slice(0, 4)
+
+
 class ClassTables:
     """Tables of a patch class with K control points and q quadrature points.
 
@@ -85,27 +89,34 @@ class ClassTables:
         """
         _multiply(self.weighted_values, values, out)
 
-    def local_matrices(self, coefficients: FloatArray, out: FloatArray) -> None:
+    def local_matrices(self, coefficients: FloatArray, terms: slice, out: FloatArray) -> None:
         """Integrate products of basis functions over n triangles.
 
         Parameters
         ----------
         coefficients : (4, q, n)
             Factors of φa φb, ∂1φa ∂1φb, ∂1φa ∂2φb + ∂2φa ∂1φb and ∂2φa ∂2φb.
+        terms : MASS, STIFFNESS or SUM
+            Those of the products that are added up.
         out : (p, n)
             Entries (a, b) of the local matrices, see `pairs`.
         """
         n_triangles = coefficients.shape[2]
         if self._products is not None:
-            _multiply(self._products, coefficients.reshape(-1, n_triangles), out)
+            own = slice(terms.start * self.n_points, terms.stop * self.n_points)
+            factors = coefficients[terms].reshape(-1, n_triangles)
+            _multiply(self._products[:, own], factors, out)
             return
         phi, d1, d2 = self.basis.reshape(6, self.n_points, -1)[:3]
         for low in range(0, n_triangles, TRIANGLES_AT_ONCE):
             columns = coefficients[..., low : low + TRIANGLES_AT_ONCE] * self.weights[:, None]
             mass, first, mixed, second = columns.swapaxes(1, 2)[..., None]
-            local = phi.T @ (mass * phi)
-            local += d1.T @ (first * d1 + mixed * d2)
-            local += d2.T @ (mixed * d1 + second * d2)
+            local = np.zeros((len(mass), self.n_control_points, self.n_control_points))
+            if terms != STIFFNESS:
+                local += phi.T @ (mass * phi)
+            if terms != MASS:
+                local += d1.T @ (first * d1 + mixed * d2)
+                local += d2.T @ (mixed * d1 + second * d2)
             out[:, low : low + TRIANGLES_AT_ONCE] = local[:, *self.pairs].T
 
     def _product_table(self) -> FloatArray:
