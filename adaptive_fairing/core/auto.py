@@ -13,60 +13,30 @@ of our own added: the metrics follow the noise too, which no formula for a linea
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import LoopSpace
+from .auto_estimate import (
+    STRENGTHS,
+    AutoEstimate,
+    AutoPlan,
+    crease_share_of,
+    estimate_of,
+)
 from .errors import InputError
-from .filter_bank import GENTLE, STEEP, FilterBank, FilterFamily
-from .lifted_metric import LiftedMetric
+from .filter_bank import FilterBank, FilterFamily
+from .filter_rounds import FAMILIES, USABLE, rounds_for
+from .folds import Unfolding
 from .linear_solver import SolveReport
+from .local_frame import LocalFrame
 from .mesh_parts import MeshParts
-from .noise_level import LocalFrame, beyond_clean
-from .topology import TriangleTopology
+from .noise_level import beyond_clean
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
-
-# Filters of each round, in metrics of the mixture of the rounds before it.  The angles are for
-# noise of `COARSE_NOISE` or more; with less noise the normals are less disturbed, and smaller
-# angles tell creases from it.
-ROUNDS = (
-    (
-        FilterFamily(LiftedMetric(0), STEEP),
-        FilterFamily(LiftedMetric(1), STEEP),
-        FilterFamily(LiftedMetric(1, 0.3), GENTLE),
-    ),
-    (
-        FilterFamily(LiftedMetric(0, 0.07), GENTLE),
-        FilterFamily(LiftedMetric(0, 0.3), STEEP),
-        FilterFamily(LiftedMetric(1, 0.3), STEEP),
-    ),
-    (FilterFamily(LiftedMetric(0, 0.035), GENTLE),),
-)
-FAMILIES = tuple(family for families in ROUNDS for family in families)
-COARSE_NOISE = 0.2
-LEAST_ANGLE_FACTOR = 0.1
-
-# Angle of each filter.  With at most `SHARP_ANGLE` it keeps creases, without one (inf) it rounds
-# them; those between keep what stands out of the noise.
-ANGLES = np.repeat(
-    [np.inf if f.metric.angle is None else f.metric.angle for f in FAMILIES],
-    [len(f.diffusions) for f in FAMILIES],
-)
-SHARP_ANGLE = 0.1
-KEEPS_CREASES = ANGLES <= SHARP_ANGLE
-USABLE = {"auto": ANGLES > 0, "sharp": KEEPS_CREASES, "smooth": np.isinf(ANGLES)}
-# An edge is a crease if the normals beside it differ by this many radians; and a mesh with creases
-# has at least such a share of them.
-CREASE_ANGLE = 0.6
-CREASE_SHARE = 0.02
-
-# Strengths relative to the chosen one, as factors of the estimated noise.
-STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)
-CHOSEN = STRENGTHS.index(1.0)
 
 # Least risk at the estimated noise leaves a little more of it than looks and measures best, because
 # the estimate is a lower bound; found on meshes with known noise.
@@ -80,66 +50,6 @@ PROBE_SEED = 0
 # A probe that folds a triangle over changes the filtered surface by leaps; such outliers of its
 # response, which is about 1 at most, are cut off.
 LARGEST_RESPONSE = 3.0
-
-
-@dataclass(frozen=True)
-class AutoPlan:
-    """How the filters were mixed on one mesh, for other frames of the same surface.
-
-    Attributes
-    ----------
-    noise : (n,)
-        Level at the solver's vertices, in local edge lengths; 0 where it was not judged.
-    pilots : sequence of (k, n), mixtures : (s, k, n)
-        Shares of the filters so far at each vertex after each round but the last, and of all of
-        them for each strength.
-    kept : (s,)
-        Share of white noise that each mixture keeps.
-    """
-
-    noise: FloatArray
-    pilots: tuple[FloatArray, ...]
-    mixtures: FloatArray
-    kept: FloatArray
-
-
-@dataclass(frozen=True)
-class AutoEstimate:
-    """What `auto` found and chose.
-
-    Attributes
-    ----------
-    strength : float
-        Factor of the estimated noise that the positions are meant for.
-    noise : float
-        Median standard deviation of the noise along the normals, in local edge lengths.
-    noise_length : float
-        The same in object units.
-    radius : float
-        Smoothing radius: of the Gaussian filter that keeps the same share of white noise, in local
-        edge lengths.
-    sharp_share : float
-        Share of the filters that keep creases in what was removed, 0 to 1.
-    crease_share : float
-        Share of creases among the edges of the faired mesh, 0 to 1.
-    is_sharp : bool
-        Whether creases were asked for; or else whether the faired mesh has a share of them that
-        smooth meshes do not have.
-    is_chosen : bool
-        Whether this is the strength that was asked for.
-    plan : AutoPlan
-        For other frames of the same surface.
-    """
-
-    strength: float
-    noise: float
-    noise_length: float
-    radius: float
-    sharp_share: float
-    crease_share: float
-    is_sharp: bool
-    is_chosen: bool
-    plan: AutoPlan = field(repr=False, compare=False)
 
 
 @dataclass(frozen=True)
@@ -213,14 +123,22 @@ def auto_surfaces(
             f"the plan is of a mesh of {plan.mixtures.shape[2]} vertices, not {len(positions)}"
         )
     elif plan.mixtures.any():
-        first, *others = _rounds(strength * plan.noise)
+        first, *others = rounds_for(strength * plan.noise)
         track.filter(first)
         for families, pilot in zip(others, plan.pilots, strict=True):
             track.surface = track.mixed(pilot)
             track.filter(families)
-    results = [track.mixed(shares) for shares in plan.mixtures]
+    unfolding = Unfolding(space.topology, positions, frame)
+    results = [unfolding.unfolded(track.mixed(shares)) for shares in plan.mixtures]
     estimates = [
-        _estimate(plan, frame, strength, features, index, _crease_share(space.topology, result))
+        estimate_of(
+            plan,
+            index,
+            frame,
+            crease_share_of(space.topology, result),
+            strength=strength,
+            features=features,
+        )
         for index, result in enumerate(results)
     ]
     if progress is not None:
@@ -249,7 +167,7 @@ def _planned(
     def variance(factor: float) -> FloatArray:
         return np.square(NOISE_FACTOR * beyond_clean(factor * strength * noise))
 
-    first, *others = _rounds(strength * noise)
+    first, *others = rounds_for(strength * noise)
     pilots = []
     for one in (track, shadow):
         one.filter(first)
@@ -273,20 +191,6 @@ def _idle_plan(noise: FloatArray) -> AutoPlan:
     return AutoPlan(noise, (), nothing, np.ones(len(STRENGTHS)))
 
 
-def _rounds(noise: FloatArray) -> list[list[FilterFamily]]:
-    """Scale the angles of all rounds' metrics to the noise, (n,), of the vertices judged."""
-    typical = float(np.median(noise[noise > 0])) if noise.any() else 0.0
-    factor = float(np.clip(typical / COARSE_NOISE, LEAST_ANGLE_FACTOR, 1))
-
-    def scaled(metric: LiftedMetric) -> LiftedMetric:
-        return metric if metric.angle is None else metric._replace(angle=factor * metric.angle)
-
-    return [
-        [family._replace(metric=scaled(family.metric)) for family in families]
-        for families in ROUNDS
-    ]
-
-
 def _response(removed: FloatArray, shadow: FloatArray, sign: FloatArray) -> FloatArray:
     """Share of its own noise that each filter keeps at each vertex, (k, n).
 
@@ -299,48 +203,6 @@ def _response(removed: FloatArray, shadow: FloatArray, sign: FloatArray) -> Floa
     response *= -sign / PROBE_SIZE
     response += 1
     return np.clip(response, -LARGEST_RESPONSE, LARGEST_RESPONSE, out=response)
-
-
-def _estimate(
-    plan: AutoPlan,
-    frame: LocalFrame,
-    strength: float,
-    features: str,
-    index: int,
-    crease_share: float,
-) -> AutoEstimate:
-    shares, kept = plan.mixtures[index], float(np.clip(plan.kept[index], 1e-6, 1))
-    judged = plan.noise > 0
-    level = plan.noise[judged] if judged.any() else np.zeros(1)
-    length = level * frame.spacing[judged] if judged.any() else np.zeros(1)
-    sharp = shares[KEEPS_CREASES] if len(shares) else shares
-    total = float(shares.sum())
-    sharp_share = float(sharp.sum()) / total if total > 0 else 0.0
-    has_creases = crease_share > CREASE_SHARE
-    # A Gaussian of standard deviation r keeps cell / (2 π r²) of white noise, with the area
-    # √3/2 of a vertex's cell; the 1 makes the radius of doing nothing 0.
-    radius = np.sqrt(np.sqrt(3) / (4 * np.pi) * (1 / kept - 1))
-    return AutoEstimate(
-        strength=STRENGTHS[index] * strength,
-        noise=float(np.median(level)),
-        noise_length=float(np.median(length)),
-        radius=float(radius),
-        sharp_share=sharp_share,
-        crease_share=crease_share,
-        is_sharp=has_creases if features == "auto" else features == "sharp",
-        is_chosen=index == CHOSEN,
-        plan=plan,
-    )
-
-
-def _crease_share(topology: TriangleTopology, positions: FloatArray) -> float:
-    """Share of the inner edges of a mesh that are creases."""
-    corner = positions[topology.triangles]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-    side = np.flatnonzero(topology.twin >= 0)
-    cosine = np.einsum("ed,ed->e", normal[side // 3], normal[topology.twin[side] // 3])
-    return float(np.mean(cosine < np.cos(CREASE_ANGLE))) if len(side) else 0.0
 
 
 class _Track:

@@ -22,7 +22,7 @@ from .diffusion_space import Diffusion, removed_by
 from .lifted_metric import LiftedMetric
 from .limit_surface import limit_matrix, near_control_points
 from .linear_solver import SolveReport
-from .noise_level import spacing_of
+from .local_frame import spacing_of
 from .symmetric_matrix import SymmetricMatrix
 
 FloatArray = NDArray[np.float64]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .noise_level import LocalFrame
+from .local_frame import LocalFrame
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csgraph
 
 from .line_roughness import LineRoughness
-from .noise_level import CLEAN_ROUGHNESS, LocalFrame, beyond_clean, noise_level
+from .local_frame import LocalFrame
+from .noise_level import CLEAN_ROUGHNESS, beyond_clean, noise_level
 from .topology import TriangleTopology
 from .unbiased_risk import density_classes, least_risk_shares
 

@@ -6,7 +6,8 @@ from support import meshes
 
 from adaptive_fairing.core import FairingSettings, TriangleTopology, fair
 from adaptive_fairing.core.line_roughness import LineRoughness
-from adaptive_fairing.core.noise_level import CLEAN_ROUGHNESS, LocalFrame, noise_level, spacing_of
+from adaptive_fairing.core.local_frame import LocalFrame, spacing_of
+from adaptive_fairing.core.noise_level import CLEAN_ROUGHNESS, noise_level
 
 
 def plane(n=48):
