@@ -33,6 +33,7 @@ from .folds import Unfolding
 from .linear_solver import SolveReport
 from .local_frame import LocalFrame
 from .mesh_parts import MeshParts
+from .noise_correlation import noise_correlation
 from .noise_level import beyond_clean
 
 FloatArray = NDArray[np.float64]
@@ -156,16 +157,19 @@ def _planned(
     features: str,
 ) -> AutoPlan:
     """Filter in all rounds, and choose the shares in each."""
+    correlation = noise_correlation(track.positions, frame, parts.is_counted & (noise > 0))
+    seen, noise = noise, noise / correlation.seen * correlation.deviation
+    # The divergence weighted with the correlation of the noise comes from probes that have it too.
     sign = np.random.default_rng(PROBE_SEED).choice([-1.0, 1.0], len(noise))
-    probe = (PROBE_SIZE * sign * frame.spacing)[:, None] * frame.normals
-    shadow = _Track(bank, track.positions + probe)
+    probe = PROBE_SIZE * correlation.applied(sign, frame)
+    shadow = _Track(bank, track.positions + (probe * frame.spacing)[:, None] * frame.normals)
 
     def measured() -> tuple[FloatArray, FloatArray]:
         removed = track.removed(frame)
-        return removed, 1 - _response(removed, shadow.removed(frame), sign)
+        return removed, _divergence(removed, shadow.removed(frame), probe)
 
     def variance(factor: float) -> FloatArray:
-        return np.square(NOISE_FACTOR * beyond_clean(factor * strength * noise))
+        return np.square(NOISE_FACTOR * beyond_clean(factor * strength * seen) / correlation.seen)
 
     first, *others = rounds_for(strength * noise)
     pilots = []
@@ -182,7 +186,8 @@ def _planned(
     for shares, factor in zip(mixtures, STRENGTHS, strict=True):
         shares[usable] = parts.best_shares(removed[usable], divergence[usable], variance(factor))
     removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
-    return AutoPlan(noise, tuple(pilots), mixtures, 1 - removed_noise.mean(axis=1))
+    kept = 1 - removed_noise.mean(axis=1) / correlation.deviation**2
+    return AutoPlan(noise, tuple(pilots), mixtures, kept)
 
 
 def _idle_plan(noise: FloatArray) -> AutoPlan:
@@ -191,18 +196,17 @@ def _idle_plan(noise: FloatArray) -> AutoPlan:
     return AutoPlan(noise, (), nothing, np.ones(len(STRENGTHS)))
 
 
-def _response(removed: FloatArray, shadow: FloatArray, sign: FloatArray) -> FloatArray:
-    """Share of its own noise that each filter keeps at each vertex, (k, n).
+def _divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
+    """How much of its own noise each filter removes at each vertex, (k, n); for white noise 0 to 1.
 
-    From what the filters remove of the positions, and of them with the probes added.  The
+    From what the filters remove of the positions, and of them with the probes (n,) added.  The
     neighbours' probes mix in, but cancel in sums over many vertices.
 
     Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
     """
-    response = shadow - removed
-    response *= -sign / PROBE_SIZE
-    response += 1
-    return np.clip(response, -LARGEST_RESPONSE, LARGEST_RESPONSE, out=response)
+    divergence = shadow - removed
+    divergence *= probe / PROBE_SIZE**2
+    return np.clip(divergence, 1 - LARGEST_RESPONSE, 1 + LARGEST_RESPONSE, out=divergence)
 
 
 class _Track:
