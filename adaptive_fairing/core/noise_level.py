@@ -21,13 +21,19 @@ NORMAL_MEDIAN = 0.6744897501960817
 MOST_BINS = 5
 VERTICES_PER_BIN = 400
 
-# The least of k estimates with a standard error of 1 is, on average, so much too low; and the
-# standard error of the median absolute deviation of n values, times √n and relative.
-LEAST_OF = (0.0, 0.0, 0.564, 0.846, 1.029, 1.163)
+# Features raise the level of some bins, and a flat part or a rim may lower one: the noise is taken
+# to be above this share of the bins.
+SHARE_BELOW = 0.3
+
+# The lowest of up to three estimates with a standard error of 1, and the second lowest of four or
+# five, is on average so much too low; and the standard error of the median absolute deviation of n
+# values, times √n and relative.
+LEAST_OF = (0.0, 0.0, 0.564, 0.846, 0.297, 0.495)
 MEDIAN_ERROR = 1.167
 
-# What the second kind of noise must explain to be told from chance, as a factor of the variance.
-WORTHWHILE = 1.2
+# How much nearer to each bin, relative to the median variance, the second kind of noise must come
+# to be told from chance.
+WORTHWHILE = 0.06
 
 
 def noise_level(positions: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> FloatArray:
@@ -65,22 +71,41 @@ def noise_level(positions: FloatArray, frame: LocalFrame, is_counted: BoolArray)
     centres = np.array([np.median(size[members]) for members in order])
     levels = np.array([np.median(ratio[members]) for members in order]) / NORMAL_MEDIAN
     levels *= 1 + LEAST_OF[n_bins] * MEDIAN_ERROR / np.sqrt([len(members) for members in order])
-    constant, uniform = _lower_envelope(np.exp(-2 * centres), np.square(levels))
+    constant, uniform = _low_fit(np.exp(-2 * centres), np.square(levels))
     level[chosen] = np.sqrt(constant + uniform * np.exp(-2 * size))
     return level
 
 
-def _lower_envelope(inverse_square: FloatArray, variance: FloatArray) -> FloatArray:
-    """Fit variance = a + b / h² with a, b ≥ 0 from below, (2,).
+def _low_fit(inverse_square: FloatArray, variance: FloatArray) -> FloatArray:
+    """Fit variance = a + b / h² with a, b ≥ 0 at a low quantile, (2,).
 
-    Noise grows with the edges (a) or has one amplitude for the whole mesh (b); features only ever
-    make parts of a mesh look noisier than they are, so no part may have more than its share.
+    Noise grows with the edges (a) or has one amplitude for the whole mesh (b); features make parts
+    of a mesh look noisier than they are.
+
+    Source: R. Koenker and G. Bassett, Regression quantiles, 1978.
     """
-    terms = np.stack([np.ones_like(variance), inverse_square], axis=1)
-    both = np.asarray(linprog(-terms.sum(axis=0), terms, variance).x)
-    constant = np.array([variance.min(), 0.0])
-    is_needed = (terms @ both).sum() > WORTHWHILE * (terms @ constant).sum()
-    return both if is_needed else constant
+    both, distance = _quantile_fit(np.stack([np.ones_like(variance), inverse_square]), variance)
+    (constant,), constant_distance = _quantile_fit(np.ones((1, len(variance))), variance)
+    if constant_distance - distance > WORTHWHILE * len(variance):
+        return both
+    least = float(variance.min())
+    # Noise is everywhere: where a part is clean, the others have features.
+    return np.array([least if least <= CLEAN_ROUGHNESS**2 else constant, 0.0])
+
+
+def _quantile_fit(terms: FloatArray, variance: FloatArray) -> tuple[FloatArray, float]:
+    """Factors ≥ 0 of terms (k, n) for which `SHARE_BELOW` of the values lie below, and the loss."""
+    typical = float(np.median(variance))
+    scale = terms.max(axis=1) / typical
+    n_terms, n = terms.shape
+    above, below = np.full(n, SHARE_BELOW), np.full(n, 1 - SHARE_BELOW)
+    solution = linprog(
+        np.concatenate([np.zeros(n_terms), above, below]),
+        A_eq=np.hstack([(terms / terms.max(axis=1, keepdims=True)).T, np.eye(n), -np.eye(n)]),
+        b_eq=variance / typical,
+    )
+    factors: FloatArray = solution.x[:n_terms] / scale
+    return factors, float(solution.fun)
 
 
 def beyond_clean(level: FloatArray) -> FloatArray:
