@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .parallel import ordered_map
-from .patch_class import TETRAHEDRON, ControlPoints, Corner, PatchClass
+from .patch_class import TETRAHEDRON, Corner, PatchClass, count_control_points
 from .topology import TriangleTopology
 
 # Threads that change places at every small array wait for the interpreter more than they compute:
@@ -42,12 +42,6 @@ class Segment(NamedTuple):
     triangles: NDArray[np.intp]
     control_points: NDArray[np.int32]
 
-    def part(self, first: int, last: int) -> Segment:
-        """Return the triangles `first` to `last` - 1 of this segment."""
-        return Segment(
-            self.class_index, self.triangles[first:last], self.control_points[:, first:last]
-        )
-
 
 class PatchSet:
     """All patches of a triangulation, ready for chunk-wise integration.
@@ -73,7 +67,7 @@ class PatchSet:
             for a, b, c in class_codes.tolist()
         ]
         self.class_sizes = np.bincount(self.class_of, minlength=len(self.classes))
-        self.n_control_points = np.array([ControlPoints(c).count for c in self.classes], dtype=int)
+        self.n_control_points = np.array([count_control_points(c) for c in self.classes], dtype=int)
 
     @cached_property
     def chunks(self) -> list[list[Segment]]:
