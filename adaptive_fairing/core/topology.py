@@ -13,7 +13,7 @@ outgoing boundary edge.  Both run counter-clockwise as seen from outside.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 from scipy import sparse
 
 from .errors import InputError, TopologyError, listed
@@ -85,9 +85,9 @@ class TriangleTopology:
         """Indices of the vertices on a boundary, ascending."""
         return np.flatnonzero(self.on_boundary)
 
-    def adjacency(self) -> sparse.csr_array:
-        """Vertex adjacency, (n_vertices, n_vertices), pattern only (int8 ones, rows unsorted)."""
-        data = np.ones(len(self.ring), dtype=np.int8)
+    def adjacency(self, dtype: DTypeLike = np.int8) -> sparse.csr_array:
+        """Vertex adjacency, (n_vertices, n_vertices): ones, in rows that are not sorted."""
+        data = np.ones(len(self.ring), dtype=dtype)
         shape = (self.n_vertices, self.n_vertices)
         return sparse.csr_array((data, self.ring, self.ring_start), shape=shape)
 
