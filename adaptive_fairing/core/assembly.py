@@ -267,7 +267,7 @@ def _integrate(
 ) -> _Contribution:
     window = columns[:, chunk.low : chunk.high]
     local = _workspace.array("local", chunk.n_entries)
-    loads = _workspace.array("loads", 3, chunk.n_control if form.measured else 0)
+    loads = _workspace.array("loads", 3, len(chunk.control_points) if form.measured else 0)
     totals = np.zeros(3)
     n_done = n_loaded = 0
     for block in chunk.blocks:
@@ -290,8 +290,9 @@ def _integrate(
     local[entries.doubled] *= 2
     sums = np.zeros((3, 0))
     if form.measured:
-        control = np.concatenate([block.control_points for block in chunk.blocks])
-        sums = np.stack([scattered(control, load, chunk.high - chunk.low) for load in loads])
+        sums = np.stack(
+            [scattered(chunk.control_points, load, chunk.high - chunk.low) for load in loads]
+        )
     return _Contribution(
         scattered(entries.numbers, local, entries.high - entries.low), sums, totals
     )

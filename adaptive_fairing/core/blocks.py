@@ -77,10 +77,9 @@ class Block:
         Quadrature weights, and the first of the triangles that have them.
     """
 
-    def __init__(self, pieces: list[Piece], low: int) -> None:
+    def __init__(self, pieces: list[Piece], control_points: NDArray[np.int32]) -> None:
         self.n_points = pieces[0].tables.n_points
-        self.control_points = np.concatenate([p.control_points.reshape(-1) for p in pieces])
-        self.control_points -= np.int32(low)
+        self.control_points = control_points
         self.triangles = np.concatenate([p.triangles for p in pieces]).astype(np.int32)
         self.n_triangles = len(self.triangles)
         self.parts: list[Part] = []
@@ -108,18 +107,27 @@ class Chunk:
     blocks : list of Block
     low, high : int
         Range of the vertices of all control points.
+    control_points : (n_control,) int32
+        Of all triangles, block by block, relative to `low`.
     n_entries : int
         Number of local matrix entries.
-    n_control : int
-        Number of control points of all triangles, not distinct ones.
     """
 
     def __init__(self, segments: list[Segment], tables: SpaceTables) -> None:
         self.low = min(int(segment.control_points.min()) for segment in segments)
         self.high = max(int(segment.control_points.max()) for segment in segments) + 1
-        self.blocks = [Block(pieces, self.low) for pieces in _blocks(tables.pieces(segments))]
+        groups = list(_blocks(tables.pieces(segments)))
+        flat = [piece.control_points.reshape(-1) for pieces in groups for piece in pieces]
+        self.control_points = np.concatenate(flat)
+        self.control_points -= np.int32(self.low)
+        self.blocks = []
+        n_done = 0
+        for pieces in groups:
+            n_control = sum(piece.control_points.size for piece in pieces)
+            own = self.control_points[n_done : n_done + n_control]
+            self.blocks.append(Block(pieces, own))
+            n_done += n_control
         self.n_entries = sum(block.n_entries for block in self.blocks)
-        self.n_control = sum(len(block.control_points) for block in self.blocks)
 
 
 def _blocks(pieces: list[Piece]) -> Iterator[list[Piece]]:
