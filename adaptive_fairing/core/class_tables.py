@@ -144,20 +144,14 @@ def sum_products(
     pairs, out
         As there.
     """
-    n_stacked, _, n_points, n_control_points = first_order.shape
     for low in range(0, coefficients.shape[2], TRIANGLES_AT_ONCE):
         own = slice(low, low + TRIANGLES_AT_ONCE)
-        left = first_order if n_stacked == 1 else first_order[own]
-        phi, d1, d2 = left.swapaxes(0, 1)
+        phi, d1, d2 = (first_order if len(first_order) == 1 else first_order[own]).swapaxes(0, 1)
         mass, first, mixed, second = coefficients[..., own].swapaxes(1, 2)[..., None]
-        right = np.empty((mass.shape[0], 3, n_points, n_control_points))
-        np.multiply(mass, phi, out=right[:, 0])
-        np.multiply(first, d1, out=right[:, 1])
-        right[:, 1] += mixed * d2
-        np.multiply(mixed, d1, out=right[:, 2])
-        right[:, 2] += second * d2
-        rows = left.reshape(len(left), -1, n_control_points).swapaxes(1, 2)
-        local = rows @ right.reshape(len(right), -1, n_control_points)
+        # Not one product of all three: it might be so large that OpenBLAS starts threads.
+        local = phi.swapaxes(1, 2) @ (mass * phi)
+        local += d1.swapaxes(1, 2) @ (first * d1 + mixed * d2)
+        local += d2.swapaxes(1, 2) @ (mixed * d1 + second * d2)
         out[:, own] = local[:, pairs[0], pairs[1]].T
 
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .class_tables import ClassTables
+from .class_tables import LARGEST_PRODUCT, ClassTables
 from .loop_basis import basis_table
 from .patch_class import PatchClass
 from .patches import PatchSet, Segment
@@ -19,7 +19,7 @@ from .rare_tables import RareTables
 Tables = ClassTables | RareTables
 
 # Up to so many triangles of a class in a chunk are stacked with those of other classes, unless the
-# table of a triangle has more numbers than this (200 kB).
+# table of a triangle has more numbers than this (200 kB), or OpenBLAS might start threads.
 FEW_TRIANGLES = 3
 LARGEST_STACKED = 25_000
 
@@ -87,8 +87,12 @@ class SpaceTables:
         return n_points, n_control_points
 
     def _is_rare(self, segment: Segment) -> bool:
-        is_small = self._basis[segment.class_index].values.size <= LARGEST_STACKED
-        return is_small and len(segment.triangles) <= FEW_TRIANGLES
+        n_points, n_control_points = self._shape(segment)
+        return (
+            len(segment.triangles) <= FEW_TRIANGLES
+            and 6 * n_points * n_control_points <= LARGEST_STACKED
+            and n_points * n_control_points**2 <= LARGEST_PRODUCT
+        )
 
     def _of_class(self, index: int) -> ClassTables:
         if index not in self._made:
