@@ -22,7 +22,7 @@ from ..core import (
     fair_steps,
 )
 from ..core.atomic_files import writable_place
-from ..core.auto import AutoPlan
+from ..core.auto_estimate import AutoPlan
 from ..core.report import build_report, step_record, write_report
 from ..formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ..version import program_version

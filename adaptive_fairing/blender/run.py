@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core import FairingError, FairingSettings, FairingStep, PreparedMesh, fair_steps
-from ..core.auto import AutoPlan
+from ..core.auto_estimate import AutoPlan
 
 
 @dataclass

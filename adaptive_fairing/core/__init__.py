@@ -5,7 +5,7 @@ after C. Bajaj and G. Xu, *Adaptive Fairing of Surface Meshes by Geometric Diffu
 """
 
 from .assembly import LoopSpace
-from .auto import AutoEstimate, AutoPlan
+from .auto_estimate import AutoEstimate, AutoPlan
 from .density import mesh_density
 from .errors import FairingError, InputError, SettingsError, SolverError, TopologyError
 from .fairing import fair, fair_steps

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
 from .blocks import Chunk, evaluate, integrate_measures
+from .class_tables import MASS, STIFFNESS, SUM
 from .errors import InputError
 from .forms import Form, ScalarForm
 from .geometry import SurfaceMeasures
@@ -95,8 +96,8 @@ class LoopSpace:
 
         Source: M of (3.4) and (3.9).
         """
-        form = ScalarForm(with_mass=True, inverse_mass=timestep is not None)
-        return self._assemble(form, positions, timestep).matrix.full()
+        form = ScalarForm(inverse_mass=timestep is not None)
+        return self._assemble(form, positions, timestep, MASS).matrices[0].full()
 
     def stiffness_matrix(
         self, positions: ArrayLike, diffusivity: ArrayLike | None = None
@@ -117,8 +118,8 @@ class LoopSpace:
 
         Source: L of (3.4) and (3.9).
         """
-        form = ScalarForm(with_stiffness=True, scaled_stiffness=diffusivity is not None)
-        return self._assemble(form, positions, diffusivity).matrix.full()
+        form = ScalarForm(scaled_stiffness=diffusivity is not None)
+        return self._assemble(form, positions, diffusivity, STIFFNESS).matrices[0].full()
 
     def step_system(
         self,
@@ -136,19 +137,20 @@ class LoopSpace:
         if timestep is not None and diffusivity is not None:
             raise InputError("give either a timestep or a diffusivity, not both")
         form = ScalarForm(
-            with_mass=True,
-            with_stiffness=True,
             inverse_mass=timestep is not None,
             scaled_stiffness=diffusivity is not None,
             measured=True,
         )
-        return self._assemble(form, positions, timestep if diffusivity is None else diffusivity)
+        field = timestep if diffusivity is None else diffusivity
+        (matrix,), right_side, measures = self._assemble(form, positions, field, SUM)
+        return StepSystem(matrix, right_side, measures)
 
-    def form_matrix(
+    def mass_and_stiffness(
         self, form: Form, positions: ArrayLike, field: ArrayLike | None = None
-    ) -> SymmetricMatrix:
-        """Assemble any symmetric form, see `Form`, on the surface of `positions`."""
-        return self._assemble(form, positions, field).matrix
+    ) -> tuple[SymmetricMatrix, SymmetricMatrix]:
+        """Assemble the two parts of a form, see `Form`, on the surface of `positions`."""
+        mass, stiffness = self._assemble(form, positions, field, MASS, STIFFNESS).matrices
+        return mass, stiffness
 
     def measures(self, positions: ArrayLike) -> SurfaceMeasures:
         """Integrate curvature energy, area and volume of the limit surface of `positions`."""
@@ -163,23 +165,27 @@ class LoopSpace:
 
         return self._as_measures(sum(ordered_map(of_chunk, self._chunks), np.zeros(3)))
 
-    def _assemble(self, form: Form, positions: ArrayLike, field: ArrayLike | None) -> StepSystem:
+    def _assemble(
+        self, form: Form, positions: ArrayLike, field: ArrayLike | None, *terms: slice
+    ) -> _Assembled:
+        """Assemble a matrix for each of the `terms` of a form; MASS, STIFFNESS or SUM."""
         columns = self._columns(positions, field)
-        upper = np.zeros(self.pattern.n_upper)
+        uppers = [np.zeros(self.pattern.n_upper) for _ in terms]
         right_side = np.zeros((3, self.topology.n_vertices))
         totals = np.zeros(3)
 
         def contribution(index: int) -> _Contribution:
-            return _integrate(self._chunks[index], self._entries[index], columns, form)
+            return _integrate(self._chunks[index], self._entries[index], columns, form, terms)
 
         parts = ordered_map(contribution, range(len(self._chunks)))
         for chunk, entries, part in zip(self._chunks, self._entries, parts, strict=True):
-            upper[entries.low : entries.high] += part.entries
+            for upper, own in zip(uppers, part.entries, strict=True):
+                upper[entries.low : entries.high] += own
             if form.measured:
                 right_side[:, chunk.low : chunk.high] += part.loads
                 totals += part.totals
-        matrix = SymmetricMatrix.from_upper(self.pattern, upper)
-        return StepSystem(matrix, right_side.T, self._as_measures(totals))
+        matrices = [SymmetricMatrix.from_upper(self.pattern, upper) for upper in uppers]
+        return _Assembled(matrices, right_side.T, self._as_measures(totals))
 
     @cached_property
     def _entries(self) -> list[_ChunkEntries]:
@@ -204,6 +210,14 @@ class LoopSpace:
     def _as_measures(self, totals: FloatArray) -> SurfaceMeasures:
         energy, area, volume = totals.tolist()
         return SurfaceMeasures(energy, area, volume if self.topology.is_closed else np.nan)
+
+
+class _Assembled(NamedTuple):
+    """Matrices of several terms of a form, and what was integrated meanwhile."""
+
+    matrices: list[SymmetricMatrix]
+    right_side: FloatArray
+    measures: SurfaceMeasures
 
 
 class _ChunkEntries:
@@ -257,16 +271,20 @@ def _doubled(vertices: NDArray[np.int32], pairs: Pairs) -> NDArray[np.intp]:
 class _Contribution(NamedTuple):
     """What a chunk adds to its window of entries, to its window of loads, and to the measures."""
 
-    entries: FloatArray
+    entries: list[FloatArray]
     loads: FloatArray
     totals: FloatArray
 
 
 def _integrate(
-    chunk: Chunk, entries: _ChunkEntries, columns: FloatArray, form: Form
+    chunk: Chunk,
+    entries: _ChunkEntries,
+    columns: FloatArray,
+    form: Form,
+    terms: tuple[slice, ...],
 ) -> _Contribution:
     window = columns[:, chunk.low : chunk.high]
-    local = _workspace.array("local", chunk.n_entries)
+    local = _workspace.array("local", len(terms), chunk.n_entries)
     loads = _workspace.array("loads", 3, len(chunk.control_points) if form.measured else 0)
     totals = np.zeros(3)
     n_done = n_loaded = 0
@@ -274,25 +292,27 @@ def _integrate(
         surface = evaluate(block, window, form.curved)
         coefficients = form.coefficients(surface).reshape(4, block.n_points, -1)
         for part in block.parts:
-            part.tables.local_matrices(
-                coefficients[..., part.columns],
-                out=local[n_done : n_done + part.n_entries].reshape(-1, part.n_triangles),
-            )
+            own = local[:, n_done : n_done + part.n_entries]
+            for term, matrices in zip(terms, own, strict=True):
+                part.tables.local_matrices(
+                    coefficients[..., part.columns], term, matrices.reshape(-1, part.n_triangles)
+                )
             n_done += part.n_entries
         if form.measured:
             totals += integrate_measures(block, surface)
             moved = surface.values[:3].reshape(3, block.n_points, -1)
             moved *= coefficients[0]  # t⁻¹ √g x
-            own = loads[:, n_loaded : n_loaded + len(block.control_points)]
+            loaded = loads[:, n_loaded : n_loaded + len(block.control_points)]
             for part in block.parts:
-                part.tables.weighted_sums(moved[..., part.columns], out=part.of_control(own))
+                part.tables.weighted_sums(moved[..., part.columns], out=part.of_control(loaded))
             n_loaded += len(block.control_points)
-    local[entries.doubled] *= 2
+    local[:, entries.doubled] *= 2
     sums = np.zeros((3, 0))
     if form.measured:
         sums = np.stack(
             [scattered(chunk.control_points, load, chunk.high - chunk.low) for load in loads]
         )
+    size = entries.high - entries.low
     return _Contribution(
-        scattered(entries.numbers, local, entries.high - entries.low), sums, totals
+        [scattered(entries.numbers, values, size) for values in local], sums, totals
     )

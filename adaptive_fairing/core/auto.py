@@ -13,130 +13,44 @@ of our own added: the metrics follow the noise too, which no formula for a linea
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import LoopSpace
+from .auto_estimate import (
+    STRENGTHS,
+    AutoEstimate,
+    AutoPlan,
+    crease_share_of,
+    estimate_of,
+)
 from .errors import InputError
-from .filter_bank import FIRST, GENTLE, STEEP, FilterBank, FilterFamily
-from .lifted_metric import LiftedMetric
+from .filter_bank import FilterBank, FilterFamily
+from .filter_rounds import FAMILIES, USABLE, rounds_for
+from .folds import Unfolding
 from .linear_solver import SolveReport
+from .local_frame import LocalFrame
 from .mesh_parts import MeshParts
-from .noise_level import LocalFrame, beyond_clean
-from .topology import TriangleTopology
+from .noise_correlation import noise_correlation
+from .noise_level import beyond_clean
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
-# Filters of each round, in metrics of the mixture of the rounds before it.  The angles are for
-# noise of `COARSE_NOISE` or more; with less noise the normals are less disturbed, and smaller
-# angles tell creases from it.
-ROUNDS = (
-    (
-        FilterFamily(LiftedMetric(0), STEEP),
-        FilterFamily(LiftedMetric(1), STEEP),
-        FilterFamily(LiftedMetric(1, 0.3), GENTLE),
-    ),
-    (
-        FilterFamily(LiftedMetric(0, 0.07), GENTLE),
-        FilterFamily(LiftedMetric(0, 0.3), STEEP),
-        FilterFamily(LiftedMetric(1, 0.3), STEEP),
-    ),
-    (FilterFamily(LiftedMetric(0, 0.035), GENTLE),),
-)
-FAMILIES = tuple(family for families in ROUNDS for family in families)
-COARSE_NOISE = 0.2
-LEAST_ANGLE_FACTOR = 0.1
-
-# Angle of each filter.  With at most `SHARP_ANGLE` it keeps creases, without one (inf) it rounds
-# them; those between keep what stands out of the noise.
-ANGLES = np.repeat(
-    [np.inf if f.metric.angle is None else f.metric.angle for f in FAMILIES],
-    [len(f.diffusions) for f in FAMILIES],
-)
-SHARP_ANGLE = 0.1
-KEEPS_CREASES = ANGLES <= SHARP_ANGLE
-USABLE = {"auto": ANGLES > 0, "sharp": KEEPS_CREASES, "smooth": np.isinf(ANGLES)}
-# An edge is a crease if the normals beside it differ by this many radians; and a mesh with creases
-# has at least such a share of them.
-CREASE_ANGLE = 0.6
-CREASE_SHARE = 0.02
-
-# Strengths relative to the chosen one, as factors of the estimated noise.
-STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)
-CHOSEN = STRENGTHS.index(1.0)
-
 # Least risk at the estimated noise leaves a little more of it than looks and measures best, because
 # the estimate is a lower bound; found on meshes with known noise.
 NOISE_FACTOR = 1.1
+
+# Solves for the filters of one metric, as far as the progress goes; it differs a little.
+EXPECTED_SOLVES = 9
 
 PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large against rounding
 PROBE_SEED = 0
 # A probe that folds a triangle over changes the filtered surface by leaps; such outliers of its
 # response, which is about 1 at most, are cut off.
 LARGEST_RESPONSE = 3.0
-
-
-@dataclass(frozen=True)
-class AutoPlan:
-    """How the filters were mixed on one mesh, for other frames of the same surface.
-
-    Attributes
-    ----------
-    noise : (n,)
-        Level at the solver's vertices, in local edge lengths; 0 where it was not judged.
-    pilots : sequence of (k, n), mixtures : (s, k, n)
-        Shares of the filters so far at each vertex after each round but the last, and of all of
-        them for each strength.
-    kept : (s,)
-        Share of white noise that each mixture keeps.
-    """
-
-    noise: FloatArray
-    pilots: tuple[FloatArray, ...]
-    mixtures: FloatArray
-    kept: FloatArray
-
-
-@dataclass(frozen=True)
-class AutoEstimate:
-    """What `auto` found and chose.
-
-    Attributes
-    ----------
-    strength : float
-        Factor of the estimated noise that the positions are meant for.
-    noise : float
-        Median standard deviation of the noise along the normals, in local edge lengths.
-    noise_length : float
-        The same in object units.
-    radius : float
-        Smoothing radius: of the Gaussian filter that keeps the same share of white noise, in local
-        edge lengths.
-    sharp_share : float
-        Share of the filters that keep creases in what was removed, 0 to 1.
-    crease_share : float
-        Share of creases among the edges of the faired mesh, 0 to 1.
-    is_sharp : bool
-        Whether creases were asked for; or else whether the faired mesh has a share of them that
-        smooth meshes do not have.
-    is_chosen : bool
-        Whether this is the strength that was asked for.
-    plan : AutoPlan
-        For other frames of the same surface.
-    """
-
-    strength: float
-    noise: float
-    noise_length: float
-    radius: float
-    sharp_share: float
-    crease_share: float
-    is_sharp: bool
-    is_chosen: bool
-    plan: AutoPlan = field(repr=False, compare=False)
 
 
 @dataclass(frozen=True)
@@ -192,8 +106,8 @@ def auto_surfaces(
     InputError
         A plan of a mesh of another size.
     """
-    n_expected = FIRST.n_solves + sum(family.n_solves for family in FAMILIES)
-    solves = _Solves(n_expected * (2 if plan is None else 1), progress)
+    n_spaces = 1 + len(FAMILIES)
+    solves = _Solves(EXPECTED_SOLVES * n_spaces * (2 if plan is None else 1), progress)
     bank = FilterBank(space, positions, solves.count)
     track = _Track(bank, positions)
     frame = LocalFrame.of(space.topology, track.surface, track.surface)
@@ -210,14 +124,22 @@ def auto_surfaces(
             f"the plan is of a mesh of {plan.mixtures.shape[2]} vertices, not {len(positions)}"
         )
     elif plan.mixtures.any():
-        first, *others = _rounds(strength * plan.noise)
+        first, *others = rounds_for(strength * plan.noise)
         track.filter(first)
         for families, pilot in zip(others, plan.pilots, strict=True):
             track.surface = track.mixed(pilot)
             track.filter(families)
-    results = [track.mixed(shares) for shares in plan.mixtures]
+    unfolding = Unfolding(space.topology, positions, frame)
+    results = [unfolding.unfolded(track.mixed(shares)) for shares in plan.mixtures]
     estimates = [
-        _estimate(plan, frame, strength, features, index, _crease_share(space.topology, result))
+        estimate_of(
+            plan,
+            index,
+            frame,
+            crease_share_of(space.topology, result),
+            strength=strength,
+            features=features,
+        )
         for index, result in enumerate(results)
     ]
     if progress is not None:
@@ -235,18 +157,21 @@ def _planned(
     features: str,
 ) -> AutoPlan:
     """Filter in all rounds, and choose the shares in each."""
+    correlation = noise_correlation(track.positions, frame, parts.is_counted & (noise > 0))
+    seen, noise = noise, noise / correlation.seen * correlation.deviation
+    # The divergence weighted with the correlation of the noise comes from probes that have it too.
     sign = np.random.default_rng(PROBE_SEED).choice([-1.0, 1.0], len(noise))
-    probe = (PROBE_SIZE * sign * frame.spacing)[:, None] * frame.normals
-    shadow = _Track(bank, track.positions + probe)
+    probe = PROBE_SIZE * correlation.applied(sign, frame)
+    shadow = _Track(bank, track.positions + (probe * frame.spacing)[:, None] * frame.normals)
 
     def measured() -> tuple[FloatArray, FloatArray]:
         removed = track.removed(frame)
-        return removed, 1 - _response(removed, shadow.removed(frame), sign)
+        return removed, _divergence(removed, shadow.removed(frame), probe)
 
     def variance(factor: float) -> FloatArray:
-        return np.square(NOISE_FACTOR * beyond_clean(factor * strength * noise))
+        return np.square(NOISE_FACTOR * beyond_clean(factor * strength * seen) / correlation.seen)
 
-    first, *others = _rounds(strength * noise)
+    first, *others = rounds_for(strength * noise)
     pilots = []
     for one in (track, shadow):
         one.filter(first)
@@ -261,7 +186,8 @@ def _planned(
     for shares, factor in zip(mixtures, STRENGTHS, strict=True):
         shares[usable] = parts.best_shares(removed[usable], divergence[usable], variance(factor))
     removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
-    return AutoPlan(noise, tuple(pilots), mixtures, 1 - removed_noise.mean(axis=1))
+    kept = 1 - removed_noise.mean(axis=1) / correlation.deviation**2
+    return AutoPlan(noise, tuple(pilots), mixtures, kept)
 
 
 def _idle_plan(noise: FloatArray) -> AutoPlan:
@@ -270,74 +196,17 @@ def _idle_plan(noise: FloatArray) -> AutoPlan:
     return AutoPlan(noise, (), nothing, np.ones(len(STRENGTHS)))
 
 
-def _rounds(noise: FloatArray) -> list[list[FilterFamily]]:
-    """Scale the angles of all rounds' metrics to the noise, (n,), of the vertices judged."""
-    typical = float(np.median(noise[noise > 0])) if noise.any() else 0.0
-    factor = float(np.clip(typical / COARSE_NOISE, LEAST_ANGLE_FACTOR, 1))
+def _divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
+    """How much of its own noise each filter removes at each vertex, (k, n); for white noise 0 to 1.
 
-    def scaled(metric: LiftedMetric) -> LiftedMetric:
-        return metric if metric.angle is None else metric._replace(angle=factor * metric.angle)
-
-    return [
-        [family._replace(metric=scaled(family.metric)) for family in families]
-        for families in ROUNDS
-    ]
-
-
-def _response(removed: FloatArray, shadow: FloatArray, sign: FloatArray) -> FloatArray:
-    """Share of its own noise that each filter keeps at each vertex, (k, n).
-
-    From what the filters remove of the positions, and of them with the probes added.  The
+    From what the filters remove of the positions, and of them with the probes (n,) added.  The
     neighbours' probes mix in, but cancel in sums over many vertices.
 
     Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
     """
-    response = shadow - removed
-    response *= -sign / PROBE_SIZE
-    response += 1
-    return np.clip(response, -LARGEST_RESPONSE, LARGEST_RESPONSE, out=response)
-
-
-def _estimate(
-    plan: AutoPlan,
-    frame: LocalFrame,
-    strength: float,
-    features: str,
-    index: int,
-    crease_share: float,
-) -> AutoEstimate:
-    shares, kept = plan.mixtures[index], float(np.clip(plan.kept[index], 1e-6, 1))
-    judged = plan.noise > 0
-    level = plan.noise[judged] if judged.any() else np.zeros(1)
-    length = level * frame.spacing[judged] if judged.any() else np.zeros(1)
-    sharp = shares[KEEPS_CREASES] if len(shares) else shares
-    total = float(shares.sum())
-    sharp_share = float(sharp.sum()) / total if total > 0 else 0.0
-    has_creases = crease_share > CREASE_SHARE
-    # A Gaussian of standard deviation r keeps cell / (2 π r²) of white noise, with the area
-    # √3/2 of a vertex's cell; the 1 makes the radius of doing nothing 0.
-    radius = np.sqrt(np.sqrt(3) / (4 * np.pi) * (1 / kept - 1))
-    return AutoEstimate(
-        strength=STRENGTHS[index] * strength,
-        noise=float(np.median(level)),
-        noise_length=float(np.median(length)),
-        radius=float(radius),
-        sharp_share=sharp_share,
-        crease_share=crease_share,
-        is_sharp=has_creases if features == "auto" else features == "sharp",
-        is_chosen=index == CHOSEN,
-        plan=plan,
-    )
-
-
-def _crease_share(topology: TriangleTopology, positions: FloatArray) -> float:
-    """Share of the inner edges of a mesh that are creases."""
-    corner = positions[topology.triangles]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
-    side = np.flatnonzero(topology.twin >= 0)
-    cosine = np.einsum("ed,ed->e", normal[side // 3], normal[topology.twin[side] // 3])
-    return float(np.mean(cosine < np.cos(CREASE_ANGLE))) if len(side) else 0.0
+    divergence = shadow - removed
+    divergence *= probe / PROBE_SIZE**2
+    return np.clip(divergence, 1 - LARGEST_RESPONSE, 1 + LARGEST_RESPONSE, out=divergence)
 
 
 class _Track:
@@ -389,7 +258,7 @@ class _Solves:
         self._residual = max(self._residual, report.residual)
         self._converged &= report.converged
         if self._progress is not None:
-            self._progress(self._n_done / self._n_expected)
+            self._progress(min(self._n_done / self._n_expected, 1.0))
 
     def report(self) -> SolveReport:
         """All solves together."""

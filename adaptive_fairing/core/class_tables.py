@@ -33,6 +33,10 @@ def product_table_pays(n_products: int, n_triangles: int) -> bool:
     return n_products <= min(LARGEST_PRODUCT_TABLE, NUMBERS_PER_TRIANGLE * n_triangles)
 
 
+# Which factors of `ClassTables.local_matrices` count: of M alone, of L alone, of their sum.
+MASS, STIFFNESS, SUM = slice(0, 1), slice(1, 4), slice(0, 4)
+
+
 class ClassTables:
     """Tables of a patch class with K control points and q quadrature points.
 
@@ -88,21 +92,25 @@ class ClassTables:
         """
         _multiply(self.weighted_values, values, out)
 
-    def local_matrices(self, coefficients: FloatArray, out: FloatArray) -> None:
+    def local_matrices(self, coefficients: FloatArray, terms: slice, out: FloatArray) -> None:
         """Integrate products of basis functions over n triangles.
 
         Parameters
         ----------
         coefficients : (4, q, n)
             Factors of φa φb, ∂1φa ∂1φb, ∂1φa ∂2φb + ∂2φa ∂1φb and ∂2φa ∂2φb.
+        terms : MASS, STIFFNESS or SUM
+            Those of the products that are added up.
         out : (p, n)
             Entries (a, b) of the local matrices, see `pairs`.
         """
         if self._products is not None:
-            _multiply(self._products, coefficients.reshape(-1, coefficients.shape[2]), out)
+            own = slice(terms.start * self.n_points, terms.stop * self.n_points)
+            factors = coefficients[terms].reshape(-1, coefficients.shape[2])
+            _multiply(self._products[:, own], factors, out)
             return
         first_order = self.basis.reshape(1, 6, self.n_points, -1)[:, :3]
-        sum_products(first_order, coefficients * self.weights, self.pairs, out)
+        sum_products(first_order, coefficients * self.weights, terms, self.pairs, out)
 
     def _product_table(self) -> FloatArray:
         """Weighted products of all pairs of basis functions at all points, (p, 4 q)."""
@@ -130,6 +138,7 @@ def upper_pairs(n: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 def sum_products(
     first_order: FloatArray,
     coefficients: FloatArray,
+    terms: slice,
     pairs: tuple[NDArray[np.intp], NDArray[np.intp]],
     out: FloatArray,
 ) -> None:
@@ -141,7 +150,7 @@ def sum_products(
         Values, ∂1, ∂2 of the basis functions of each triangle, or of all of them.
     coefficients : (4, q, n)
         As for `ClassTables.local_matrices`, times the weights.
-    pairs, out
+    terms, pairs, out
         As there.
     """
     for low in range(0, coefficients.shape[2], TRIANGLES_AT_ONCE):
@@ -149,9 +158,12 @@ def sum_products(
         phi, d1, d2 = (first_order if len(first_order) == 1 else first_order[own]).swapaxes(0, 1)
         mass, first, mixed, second = coefficients[..., own].swapaxes(1, 2)[..., None]
         # Not one product of all three: it might be so large that OpenBLAS starts threads.
-        local = phi.swapaxes(1, 2) @ (mass * phi)
-        local += d1.swapaxes(1, 2) @ (first * d1 + mixed * d2)
-        local += d2.swapaxes(1, 2) @ (mixed * d1 + second * d2)
+        local = np.zeros((len(mass), phi.shape[2], phi.shape[2]))
+        if terms != STIFFNESS:
+            local += phi.swapaxes(1, 2) @ (mass * phi)
+        if terms != MASS:
+            local += d1.swapaxes(1, 2) @ (first * d1 + mixed * d2)
+            local += d2.swapaxes(1, 2) @ (mixed * d1 + second * d2)
         out[:, own] = local[:, pairs[0], pairs[1]].T
 
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .assembly import LoopSpace, StepSystem
-from .auto import AutoPlan, auto_surfaces
+from .auto import auto_surfaces
+from .auto_estimate import AutoPlan
 from .checks import checked_vertices, checked_weights, require_surface
 from .density import mesh_density
 from .diagnosis import surface_notes

@@ -18,36 +18,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import LoopSpace
+from .diffusion_space import Diffusion, removed_by
 from .lifted_metric import LiftedMetric
 from .limit_surface import limit_matrix, near_control_points
-from .linear_solver import SolveReport, conjugate_gradients
-from .noise_level import spacing_of
+from .linear_solver import SolveReport
+from .local_frame import spacing_of
 from .symmetric_matrix import SymmetricMatrix
 
 FloatArray = NDArray[np.float64]
-
-
-class Diffusion(NamedTuple):
-    """A filter (1 - (1 - S)ᵖ)ᵏ.
-
-    Attributes
-    ----------
-    time : float
-        t of S, in squared edge lengths.
-    order : int
-        p.
-    steps : int
-        k.
-    """
-
-    time: float
-    order: int
-    steps: int
-
-    @property
-    def n_solves(self) -> int:
-        """Number of times that S is applied."""
-        return self.order * self.steps
 
 
 class FilterFamily(NamedTuple):
@@ -55,11 +33,6 @@ class FilterFamily(NamedTuple):
 
     metric: LiftedMetric
     diffusions: tuple[Diffusion, ...]
-
-    @property
-    def n_solves(self) -> int:
-        """Number of linear solves for one set of positions."""
-        return sum(diffusion.n_solves for diffusion in self.diffusions)
 
 
 # Creases need the gentle ones; smooth shapes, whose waves end somewhere, the steep ones too.
@@ -74,11 +47,6 @@ LARGEST_WEIGHT = 8.0
 
 # Passes of (3.6) over the edge length that serves as the unit in a metric.
 SPACING_PASSES = 3
-
-# Relative to what is filtered: the positions, or the small part that is still missing.
-FILTER_TOLERANCE = 1e-4
-MISSING_TOLERANCE = 1e-2
-MAX_ITERATIONS = 5000
 
 
 class FilterBank:
@@ -113,7 +81,8 @@ class FilterBank:
     def first_surface(self, positions: FloatArray) -> FloatArray:
         """Smooth positions enough for a metric to be taken from them."""
         control = near_control_points(self._limit, positions)
-        smooth: FloatArray = self._limit @ self._diffused(self._mesh_matrices, control, FIRST)
+        (removed,) = self._removed(self._mesh_matrices, control, [FIRST])
+        smooth: FloatArray = self._limit @ (control - removed)
         return smooth
 
     def filtered(
@@ -141,8 +110,8 @@ class FilterBank:
                 matrices = self._mesh_matrices
             else:
                 matrices = self._matrices(metric, surface_control, spacing)
-            for diffusion in diffusions:
-                yield self._limit @ self._diffused(matrices, control, diffusion)
+            for removed in self._removed(matrices, control, diffusions):
+                yield self._limit @ (control - removed)
 
     def _matrices(
         self, metric: LiftedMetric, control: FloatArray, spacing: FloatArray
@@ -150,35 +119,10 @@ class FilterBank:
         mass, stiffness = metric.matrices(self._space, control, spacing)
         return mass.weighted(self._weights), stiffness
 
-    def _diffused(
+    def _removed(
         self,
         matrices: tuple[SymmetricMatrix, SymmetricMatrix],
         control: FloatArray,
-        diffusion: Diffusion,
-    ) -> FloatArray:
-        """Apply a diffusion to control points."""
-        mass, stiffness = matrices
-        system = mass.plus(diffusion.time, stiffness)
-        for _ in range(diffusion.steps):
-            whole, control = control, self._solve(system, mass, control, FILTER_TOLERANCE)
-            for _ in range(diffusion.order - 1):
-                control = control + self._solve(system, mass, whole - control, MISSING_TOLERANCE)
-        return control
-
-    def _solve(
-        self,
-        system: SymmetricMatrix,
-        mass: SymmetricMatrix,
-        control: FloatArray,
-        tolerance: float,
-    ) -> FloatArray:
-        smooth, report = conjugate_gradients(
-            system,
-            mass.product(control.T).T,
-            control,
-            is_held=self._is_loose,
-            tolerance=tolerance,
-            max_iterations=MAX_ITERATIONS,
-        )
-        self._on_solve(report)
-        return smooth
+        diffusions: Sequence[Diffusion],
+    ) -> list[FloatArray]:
+        return removed_by(diffusions, *matrices, control, self._is_loose, self._on_solve)

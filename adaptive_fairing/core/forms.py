@@ -28,10 +28,8 @@ class Form(Protocol):
 
 
 class ScalarForm(NamedTuple):
-    """M, L or M + L of the paper: what a scalar field means in them."""
+    """M and L of the paper: what a scalar field means in them."""
 
-    with_mass: bool = False
-    with_stiffness: bool = False
     inverse_mass: bool = False
     scaled_stiffness: bool = False
     measured: bool = False
@@ -44,13 +42,11 @@ class ScalarForm(NamedTuple):
     def coefficients(self, surface: SurfaceBlock) -> FloatArray:
         """Factors of the product table at each point, (4, n_points): t⁻¹ √g, then c √g g⁻¹."""
         metric, field = surface.metric, surface.values[3]
-        coefficients = np.zeros((4, len(field)))
-        if self.with_mass:
-            np.divide(metric.area_element, field if self.inverse_mass else 1, out=coefficients[0])
-        if self.with_stiffness:
-            factor = (field if self.scaled_stiffness else 1) / metric.area_element
-            np.multiply(metric.g22, factor, out=coefficients[1])
-            np.multiply(metric.g11, factor, out=coefficients[3])
-            np.multiply(metric.g12, factor, out=factor)
-            np.negative(factor, out=coefficients[2])
+        coefficients = np.empty((4, len(field)))
+        np.divide(metric.area_element, field if self.inverse_mass else 1, out=coefficients[0])
+        factor = (field if self.scaled_stiffness else 1) / metric.area_element
+        np.multiply(metric.g22, factor, out=coefficients[1])
+        np.multiply(metric.g11, factor, out=coefficients[3])
+        np.multiply(metric.g12, factor, out=factor)
+        np.negative(factor, out=coefficients[2])
         return coefficients

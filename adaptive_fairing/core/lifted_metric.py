@@ -68,16 +68,13 @@ class LiftedMetric(NamedTuple):
         M, L : SymmetricMatrix
             Time in (M + t L) is in squared edge lengths.
         """
-        mass = space.form_matrix(_LiftedForm(self, is_mass=True), positions, spacing)
-        stiffness = space.form_matrix(_LiftedForm(self, is_mass=False), positions, spacing)
-        return mass, stiffness
+        return space.mass_and_stiffness(_LiftedForm(self), positions, spacing)
 
 
 class _LiftedForm(NamedTuple):
-    """M or L in the metric ĝ, for the assembly."""
+    """M and L in the metric ĝ, for the assembly."""
 
     lifted: LiftedMetric
-    is_mass: bool
 
     @property
     def measured(self) -> bool:
@@ -88,19 +85,12 @@ class _LiftedForm(NamedTuple):
         return self.lifted.angle is not None
 
     def coefficients(self, surface: SurfaceBlock) -> FloatArray:
-        """√ĝ, or √ĝ ĝ⁻¹, at each point."""
+        """√ĝ, and √ĝ ĝ⁻¹, at each point."""
         g11, g12, g22 = _lifted(self.lifted, surface)
         determinant = g11 * g22 - g12 * g12
         np.maximum(determinant, LEAST_DETERMINANT * (g11 + g22) ** 2, out=determinant)
         element = np.sqrt(determinant)
-        coefficients = np.zeros((4, len(element)))
-        if self.is_mass:
-            coefficients[0] = element
-        else:
-            coefficients[1] = g22 / element
-            coefficients[2] = -g12 / element
-            coefficients[3] = g11 / element
-        return coefficients
+        return np.stack([element, g22 / element, -g12 / element, g11 / element])
 
 
 def _lifted(lifted: LiftedMetric, surface: SurfaceBlock) -> FloatArray:

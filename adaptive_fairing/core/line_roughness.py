@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .noise_level import LocalFrame
+from .local_frame import LocalFrame
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
@@ -57,12 +57,13 @@ class LineRoughness:
         self._least = least(positions)
         self._least_of_noise = least((noise * frame.spacing)[:, None] * frame.normals)
 
-    def level(self, is_counted: BoolArray) -> float:
+    def level(self, is_counted: BoolArray, quantile: float = 0.5) -> float:
         """Return the standard deviation of noise that is as rough, in local edge lengths.
 
         An upper bound of the noise, for at least one vertex of `is_counted`, (n,), inside the
-        surface.
+        surface.  A higher `quantile` tells how rough the roughest part of the vertices is.
         """
         return float(
-            np.median(self._least[is_counted]) / np.median(self._least_of_noise[is_counted])
+            np.quantile(self._least[is_counted], quantile)
+            / np.median(self._least_of_noise[is_counted])
         )

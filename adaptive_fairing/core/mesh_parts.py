@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csgraph
 
 from .line_roughness import LineRoughness
-from .noise_level import CLEAN_ROUGHNESS, LocalFrame, beyond_clean, noise_level
+from .local_frame import LocalFrame
+from .noise_level import CLEAN_ROUGHNESS, beyond_clean, noise_level
 from .topology import TriangleTopology
 from .unbiased_risk import density_classes, least_risk_shares
 
@@ -18,6 +19,10 @@ BoolArray = NDArray[np.bool_]
 FEWEST_VERTICES = 50
 # Connected parts with as many vertices are judged by themselves, smaller ones together.
 OWN_ESTIMATE = 400
+
+# A mesh with creases everywhere is clean if along them it is no rougher than clean meshes are, and
+# this share of its vertices no rougher than this, in local edge lengths of noise.
+SMOOTH_SHARE, CORNER_ROUGHNESS = 0.9, 0.3
 
 
 class MeshParts:
@@ -59,8 +64,10 @@ class MeshParts:
             level = noise_level(positions, self._frame, counted)
             if beyond_clean(level).any():
                 along_lines = lines.level(counted)
-                # Creases everywhere look like noise to the level; along them all may be smooth.
-                if along_lines <= CLEAN_ROUGHNESS:
+                # Creases everywhere look like noise to the level; along them all may be smooth, but
+                # for the few places where they meet.  Contoured voxels have more of these.
+                is_smooth = along_lines <= CLEAN_ROUGHNESS
+                if is_smooth and lines.level(counted, SMOOTH_SHARE) <= CORNER_ROUGHNESS:
                     level = np.minimum(level, along_lines)
             noise += level
         if beyond_clean(strength * noise).any():

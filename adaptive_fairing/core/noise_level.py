@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 from scipy.optimize import linprog
 
-from .density import mesh_density
-from .topology import TriangleTopology
+from .local_frame import LocalFrame
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -31,57 +28,6 @@ MEDIAN_ERROR = 1.167
 
 # What the second kind of noise must explain to be told from chance, as a factor of the variance.
 WORTHWHILE = 1.2
-
-
-@dataclass(frozen=True)
-class LocalFrame:
-    """Unit of length and direction of noise at each vertex.
-
-    Attributes
-    ----------
-    spacing : (n,)
-        Mean distance to the neighbours h, 1 at loose vertices.
-    normals : (n, 3)
-        Unit vectors, area-weighted.
-    mean : (n, n) csr_array
-        Averages over the neighbours.
-    """
-
-    spacing: FloatArray
-    normals: FloatArray
-    mean: sparse.csr_array
-
-    @classmethod
-    def of(
-        cls, topology: TriangleTopology, positions: FloatArray, smooth: FloatArray
-    ) -> LocalFrame:
-        """Measure the spacing of `positions` and the normals of `smooth`, (n, 3) both."""
-        adjacency = topology.adjacency().astype(np.float64)
-        scale = sparse.diags_array(1 / np.maximum(topology.ring_size, 1))
-        return cls(
-            spacing_of(topology, positions, 0),
-            _normals(topology, smooth),
-            sparse.csr_array(scale @ adjacency),
-        )
-
-    def along_normal(self, displacement: FloatArray) -> FloatArray:
-        """Take the normal component of vectors (n, 3), in local edge lengths, (n,)."""
-        component: FloatArray = np.einsum("nd,nd->n", displacement, self.normals) / self.spacing
-        return component
-
-    def spread(self, values: FloatArray, passes: int) -> FloatArray:
-        """Average values (n,) half with those of the neighbours, several times."""
-        for _ in range(passes):
-            values = (values + self.mean @ values) / 2
-        return values
-
-
-def spacing_of(topology: TriangleTopology, positions: FloatArray, passes: int) -> FloatArray:
-    """Local edge length, (n,), smoothed by (3.6); never 0."""
-    spacing = mesh_density(topology, positions, "edge_length", passes)
-    typical = float(np.median(spacing[~topology.is_loose]))
-    spacing[topology.is_loose] = 1.0
-    return np.maximum(spacing, 1e-9 * typical or 1.0)
 
 
 def noise_level(positions: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> FloatArray:
@@ -150,17 +96,3 @@ def _gain(operator: sparse.csr_array, frame: LocalFrame) -> FloatArray:
     factor = entries.data * cosine * frame.spacing[column] / frame.spacing[row]
     variance = np.bincount(row, factor**2, len(frame.spacing))
     return np.sqrt(np.maximum(variance, 1e-12))
-
-
-def _normals(topology: TriangleTopology, positions: FloatArray) -> FloatArray:
-    corners = positions[topology.triangles]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals = np.stack(
-        [
-            np.bincount(topology.triangles.T.reshape(-1), np.tile(c, 3), topology.n_vertices)
-            for c in across.T
-        ],
-        axis=1,
-    )
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    return normals / np.where(length > 0, length, 1)

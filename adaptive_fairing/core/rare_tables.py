@@ -56,6 +56,6 @@ class RareTables:
         weighted = np.ascontiguousarray((values * self.weights).T)
         out[:] = (self._basis[:, 0].swapaxes(1, 2) @ weighted).T
 
-    def local_matrices(self, coefficients: FloatArray, out: FloatArray) -> None:
-        """Integrate products; shapes as in `ClassTables.local_matrices`."""
-        sum_products(self._basis[:, :3], coefficients * self.weights, self.pairs, out)
+    def local_matrices(self, coefficients: FloatArray, terms: slice, out: FloatArray) -> None:
+        """Integrate products; as `ClassTables.local_matrices`."""
+        sum_products(self._basis[:, :3], coefficients * self.weights, terms, self.pairs, out)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from .atomic_files import replaced_file
-from .auto import AutoEstimate
+from .auto_estimate import AutoEstimate
 from .geometry import SurfaceMeasures
 from .results import FairingStep
 from .settings import FairingSettings

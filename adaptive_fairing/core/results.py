@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .auto import AutoEstimate
+from .auto_estimate import AutoEstimate
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport
 from .settings import FairingSettings

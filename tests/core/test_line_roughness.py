@@ -6,7 +6,8 @@ from support import meshes
 
 from adaptive_fairing.core import FairingSettings, TriangleTopology, fair
 from adaptive_fairing.core.line_roughness import LineRoughness
-from adaptive_fairing.core.noise_level import CLEAN_ROUGHNESS, LocalFrame, noise_level, spacing_of
+from adaptive_fairing.core.local_frame import LocalFrame, spacing_of
+from adaptive_fairing.core.noise_level import CLEAN_ROUGHNESS, noise_level
 
 
 def plane(n=48):
@@ -64,3 +65,16 @@ def test_auto_leaves_a_clean_grating_alone():
     result = fair(points, faces, FairingSettings(method="auto", boundary="free"))
     assert np.array_equal(result.positions, points)
     assert "no noise found" in result.notes[-1]
+
+
+def test_rough_corners_all_over_a_smooth_grating_are_no_clean_shape():
+    """The terraces of contoured voxels: smooth along some line, but for many corners."""
+    points, flat, faces = grating()
+    spacing = spacing_of(TriangleTopology(faces, len(points)), flat, 0)
+    is_corner = np.random.default_rng(5).random(len(points)) < 0.2
+    steps = np.where(is_corner, 0.5 * spacing, 0)
+    stepped = points + steps[:, None] * [0, 0, 1]
+    _, along_lines = levels(stepped, flat, faces)
+    assert along_lines < CLEAN_ROUGHNESS
+    result = fair(stepped, faces, FairingSettings(method="auto", boundary="free"))
+    assert not np.array_equal(result.positions, stepped)

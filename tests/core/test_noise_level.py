@@ -5,13 +5,8 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.noise_level import (
-    CLEAN_ROUGHNESS,
-    LocalFrame,
-    beyond_clean,
-    noise_level,
-    spacing_of,
-)
+from adaptive_fairing.core.local_frame import LocalFrame, spacing_of
+from adaptive_fairing.core.noise_level import CLEAN_ROUGHNESS, beyond_clean, noise_level
 
 SPHERE = meshes.graded_sphere(4)
 

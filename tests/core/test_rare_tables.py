@@ -5,7 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import LoopSpace, TriangleTopology, space_tables
-from adaptive_fairing.core.class_tables import ClassTables
+from adaptive_fairing.core.class_tables import SUM, ClassTables
 from adaptive_fairing.core.loop_basis import basis_table
 from adaptive_fairing.core.patch_class import Corner
 from adaptive_fairing.core.quadrature import quadrature_choice
@@ -31,7 +31,7 @@ def test_stack_integrates_as_the_tables_of_its_classes():
     local = np.empty((len(stack.pairs[0]), 3))
     stack.evaluate(control, 6, out=jets)
     stack.weighted_sums(values, out=sums)
-    stack.local_matrices(coefficients, out=local)
+    stack.local_matrices(coefficients, SUM, out=local)
 
     for k, table in enumerate(tables):
         alone = ClassTables(table, 1000)
@@ -42,7 +42,7 @@ def test_stack_integrates_as_the_tables_of_its_classes():
         expected_local = np.empty((len(alone.pairs[0]), 1))
         alone.evaluate(control[:, :used, own], 6, out=expected_jets)
         alone.weighted_sums(values[..., own], out=expected_sums)
-        alone.local_matrices(coefficients[..., own], out=expected_local)
+        alone.local_matrices(coefficients[..., own], SUM, out=expected_local)
 
         np.testing.assert_allclose(jets[..., own], expected_jets, atol=1e-12)
         np.testing.assert_allclose(sums[:, :used, own], expected_sums, atol=1e-13)
