@@ -15,15 +15,15 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
 from .blocks import Chunk, evaluate, integrate_measures
-from .class_tables import MASS, STIFFNESS, SUM, ClassTables
+from .class_tables import MASS, STIFFNESS, SUM
 from .errors import InputError
 from .forms import Form, ScalarForm
 from .geometry import SurfaceMeasures
-from .loop_basis import basis_table
 from .parallel import Workspace, ordered_map
 from .patches import PatchSet
 from .quadrature import quadrature_choice
-from .sparsity import SymmetricPattern, scattered
+from .space_tables import SpaceTables
+from .sparsity import Pairs, SymmetricPattern, scattered
 from .symmetric_matrix import SymmetricMatrix
 from .topology import TriangleTopology
 
@@ -67,14 +67,8 @@ class LoopSpace:
         patches: PatchSet | None = None,
     ) -> None:
         self.topology = topology
-        choice = quadrature_choice(quadrature_tolerance)
         patches = patches or PatchSet(topology)
-        tables = [
-            ClassTables(basis_table(patch_class, choice), n_triangles)
-            for patch_class, n_triangles in zip(
-                patches.classes, patches.class_sizes.tolist(), strict=True
-            )
-        ]
+        tables = SpaceTables(patches, quadrature_choice(quadrature_tolerance))
         self._chunks = [Chunk(segments, tables) for segments in patches.chunks]
 
     @cached_property
@@ -250,13 +244,28 @@ class _ChunkEntries:
                 vertices = part.of_control(block.control_points)
                 out = self.numbers[done : done + part.n_entries].reshape(-1, part.n_triangles)
                 places.numbers(vertices, part.tables.pairs, out)
-                ordered = np.sort(vertices, axis=0)
-                if (ordered[1:] == ordered[:-1]).any():
-                    a, b = part.tables.pairs
-                    merged = (vertices[a] == vertices[b]) & (a != b)[:, None]
-                    doubled.append(done + np.flatnonzero(merged))
+                doubled.append(done + _doubled(vertices, part.tables.pairs))
                 done += part.n_entries
         self.doubled = np.concatenate(doubled)
+
+
+def _doubled(vertices: NDArray[np.int32], pairs: Pairs) -> NDArray[np.intp]:
+    """Which entries (a, b), a ≠ b, of local matrices (p, n), in one row, have one vertex twice.
+
+    Parameters
+    ----------
+    vertices : (K, n)
+    pairs : two arrays (p,)
+    """
+    ordered = np.sort(vertices, axis=0)
+    triangles = np.flatnonzero((ordered[1:] == ordered[:-1]).any(axis=0))
+    if not len(triangles):
+        return triangles
+    own = vertices[:, triangles]
+    a, b = pairs
+    found = np.flatnonzero((own[a] == own[b]) & (a != b)[:, None])
+    pair, place = np.divmod(found, len(triangles))
+    return pair * vertices.shape[1] + triangles[place]
 
 
 class _Contribution(NamedTuple):
@@ -276,7 +285,7 @@ def _integrate(
 ) -> _Contribution:
     window = columns[:, chunk.low : chunk.high]
     local = _workspace.array("local", len(terms), chunk.n_entries)
-    loads = _workspace.array("loads", 3, chunk.n_control if form.measured else 0)
+    loads = _workspace.array("loads", 3, len(chunk.control_points) if form.measured else 0)
     totals = np.zeros(3)
     n_done = n_loaded = 0
     for block in chunk.blocks:
@@ -300,8 +309,9 @@ def _integrate(
     local[:, entries.doubled] *= 2
     sums = np.zeros((3, 0))
     if form.measured:
-        control = np.concatenate([block.control_points for block in chunk.blocks])
-        sums = np.stack([scattered(control, load, chunk.high - chunk.low) for load in loads])
+        sums = np.stack(
+            [scattered(chunk.control_points, load, chunk.high - chunk.low) for load in loads]
+        )
     size = entries.high - entries.low
     return _Contribution(
         [scattered(entries.numbers, values, size) for values in local], sums, totals

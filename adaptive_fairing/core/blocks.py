@@ -17,29 +17,31 @@ from .class_tables import ClassTables
 from .geometry import Metric, mean_curvature, metric_at
 from .parallel import Workspace
 from .patches import Segment
+from .space_tables import Piece, SpaceTables, Tables
 
 FloatArray = NDArray[np.float64]
 Value = TypeVar("Value", np.float64, np.int32)
 
 _workspace = Workspace()
 
-# Large enough to hide the cost of a numpy call, and of threads taking turns at the interpreter.
-POINTS_PER_BLOCK = 24576
+# Large enough to hide the cost of a numpy call, and of threads taking turns at the interpreter;
+# small enough for the cache: twice as many points take a tenth longer.
+POINTS_PER_BLOCK = 12288
 
 
 class Part(NamedTuple):
-    """Triangles of one class within a block.
+    """Triangles of one class within a block, or of several rare classes.
 
     Attributes
     ----------
-    tables : ClassTables
+    tables : Tables
     columns : slice
         The triangles' places among those of the block.
     control : slice
         Place of the (K, n) control points among those of the block.
     """
 
-    tables: ClassTables
+    tables: Tables
     columns: slice
     control: slice
 
@@ -72,20 +74,25 @@ class Block:
         Vertex numbers relative to the chunk's lowest one, part by part.
     triangles : (n_triangles,) int32
         Which triangles of the topology.
+    weights : (q, k), weight_starts : (k,) int
+        Quadrature weights, and the first of the triangles that have them.
     """
 
-    def __init__(self, pieces: list[tuple[ClassTables, Segment]], low: int) -> None:
-        self.n_points = pieces[0][0].n_points
-        self.control_points = np.concatenate([s.control_points.reshape(-1) for _, s in pieces])
-        self.control_points -= np.int32(low)
-        self.triangles = np.concatenate([s.triangles for _, s in pieces]).astype(np.int32)
+    def __init__(self, pieces: list[Piece], control_points: NDArray[np.int32]) -> None:
+        self.n_points = pieces[0].tables.n_points
+        self.control_points = control_points
+        self.triangles = np.concatenate([p.triangles for p in pieces]).astype(np.int32)
         self.n_triangles = len(self.triangles)
         self.parts: list[Part] = []
         column = control = 0
-        for tables, segment in pieces:
-            ends = column + len(segment.triangles), control + segment.control_points.size
-            self.parts.append(Part(tables, slice(column, ends[0]), slice(control, ends[1])))
+        for piece in pieces:
+            ends = column + len(piece.triangles), control + piece.control_points.size
+            self.parts.append(Part(piece.tables, slice(column, ends[0]), slice(control, ends[1])))
             column, control = ends
+        self.weights = np.concatenate([part.tables.weights for part in self.parts], axis=1)
+        self.weight_starts = np.concatenate(
+            [part.columns.start + np.arange(part.tables.weights.shape[1]) for part in self.parts]
+        )
 
     @property
     def n_entries(self) -> int:
@@ -101,44 +108,51 @@ class Chunk:
     blocks : list of Block
     low, high : int
         Range of the vertices of all control points.
+    control_points : (n_control,) int32
+        Of all triangles, block by block, relative to `low`.
     n_entries : int
         Number of local matrix entries.
-    n_control : int
-        Number of control points of all triangles, not distinct ones.
     """
 
-    def __init__(self, segments: list[Segment], tables: list[ClassTables]) -> None:
+    def __init__(self, segments: list[Segment], tables: SpaceTables) -> None:
         self.low = min(int(segment.control_points.min()) for segment in segments)
         self.high = max(int(segment.control_points.max()) for segment in segments) + 1
-        self.blocks = [Block(pieces, self.low) for pieces in _blocks(segments, tables)]
+        groups = list(_blocks(tables.pieces(segments)))
+        flat = [piece.control_points.reshape(-1) for pieces in groups for piece in pieces]
+        self.control_points = np.concatenate(flat)
+        self.control_points -= np.int32(self.low)
+        self.blocks = []
+        n_done = 0
+        for pieces in groups:
+            n_control = sum(piece.control_points.size for piece in pieces)
+            own = self.control_points[n_done : n_done + n_control]
+            self.blocks.append(Block(pieces, own))
+            n_done += n_control
         self.n_entries = sum(block.n_entries for block in self.blocks)
-        self.n_control = sum(len(block.control_points) for block in self.blocks)
 
 
-def _blocks(
-    segments: list[Segment], tables: list[ClassTables]
-) -> Iterator[list[tuple[ClassTables, Segment]]]:
-    """Cut segments into pieces, and gather pieces of equally many points to full blocks."""
-    pieces: list[tuple[ClassTables, Segment]] = []
+def _blocks(pieces: list[Piece]) -> Iterator[list[Piece]]:
+    """Cut pieces, and gather those of equally many points to full blocks."""
+    gathered: list[Piece] = []
     room = 0
-    for segment in sorted(segments, key=lambda s: tables[s.class_index].n_points):
-        own = tables[segment.class_index]
-        capacity = max(POINTS_PER_BLOCK // own.n_points, 1)
-        if pieces and pieces[0][0].n_points != own.n_points:
-            yield pieces
-            pieces = []
-        first, count = 0, len(segment.triangles)
+    for piece in sorted(pieces, key=lambda piece: piece.tables.n_points):
+        n_points = piece.tables.n_points
+        if gathered and gathered[0].tables.n_points != n_points:
+            yield gathered
+            gathered = []
+        first, count = 0, len(piece.triangles)
         while first < count:
-            room = room if pieces else capacity
-            last = min(first + room, count)
-            pieces.append((own, segment.part(first, last)))
+            room = room if gathered else max(POINTS_PER_BLOCK // n_points, 1)
+            # Tables of single triangles stay together, the block may become a little larger.
+            last = min(first + room, count) if isinstance(piece.tables, ClassTables) else count
+            gathered.append(piece.part(first, last))
             room -= last - first
             first = last
-            if not room:
-                yield pieces
-                pieces = []
-    if pieces:
-        yield pieces
+            if room <= 0:
+                yield gathered
+                gathered = []
+    if gathered:
+        yield gathered
 
 
 class SurfaceBlock(NamedTuple):
@@ -202,8 +216,7 @@ def integrate_measures(block: Block, surface: SurfaceBlock) -> FloatArray:
     integrands[1] = metric.area_element
     np.einsum("dp,dp->p", surface.values[:3], metric.normal, out=integrands[2])
     by_point = integrands.reshape(3, block.n_points, block.n_triangles)
-    sums = np.add.reduceat(by_point, [part.columns.start for part in block.parts], axis=2)
-    weights = np.stack([part.tables.weights for part in block.parts], axis=1)
-    totals: FloatArray = np.einsum("iqp,qp->i", sums, weights)
+    sums = np.add.reduceat(by_point, block.weight_starts, axis=2)
+    totals: FloatArray = np.einsum("iqk,qk->i", sums, block.weights)
     totals[2] /= 3
     return totals

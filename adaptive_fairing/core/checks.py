@@ -20,19 +20,19 @@ def checked_vertices(vertices: ArrayLike) -> FloatArray:
     points = np.array(vertices, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
         raise InputError(f"vertices must have shape (n, 3), not {points.shape}")
+    if (np.abs(points) <= LARGEST_COORDINATE).all():
+        return points
     bad = np.flatnonzero(~np.isfinite(points).all(axis=1))
     if len(bad):
         raise InputError(
             f"{len(bad)} vertices have coordinates that are not finite numbers: {listed(bad)}; "
             "delete or repair them"
         )
-    far = np.flatnonzero(np.abs(points).max(axis=1, initial=0) > LARGEST_COORDINATE)
-    if len(far):
-        raise InputError(
-            f"{len(far)} vertices have coordinates beyond {LARGEST_COORDINATE:g}: {listed(far)}; "
-            "scale the mesh down or delete them"
-        )
-    return points
+    far = np.flatnonzero(np.abs(points).max(axis=1) > LARGEST_COORDINATE)
+    raise InputError(
+        f"{len(far)} vertices have coordinates beyond {LARGEST_COORDINATE:g}: {listed(far)}; "
+        "scale the mesh down or delete them"
+    )
 
 
 def require_surface(points: FloatArray, triangles: NDArray[np.int32]) -> None:
@@ -44,16 +44,20 @@ def require_surface(points: FloatArray, triangles: NDArray[np.int32]) -> None:
             if len(triangles)
             else "the mesh has no triangles: there is no surface to fair"
         )
-    is_used = np.zeros(len(points), dtype=bool)
-    is_used[triangles.reshape(-1)] = True
-    low, high = bounding_box(points[is_used])
+    low, high = bounding_box(points, triangles.reshape(-1))
     size = float((high - low).max())
     if 0 < size < SMALLEST_SIZE:
         raise InputError(f"the mesh is only {size:g} across: scale it up")
 
 
-def bounding_box(points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Lowest and highest coordinates of points (n, 3), n > 0."""
+def bounding_box(
+    points: FloatArray, chosen: NDArray[np.int32] | NDArray[np.intp] | None = None
+) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest coordinates of points (n, 3), or of some of them; at least one."""
+    if chosen is not None:
+        is_chosen = np.zeros(len(points), dtype=bool)
+        is_chosen[chosen] = True
+        points = points if is_chosen.all() else points[is_chosen]
     # Column by column: numpy is ten times slower at reducing along the first axis.
     columns = points.T
     return np.array([x.min() for x in columns]), np.array([x.max() for x in columns])

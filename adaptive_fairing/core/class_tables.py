@@ -5,6 +5,8 @@ Source: the integrands of M and L in (3.4) and (3.9), written in parametric coor
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -48,7 +50,7 @@ class ClassTables:
     ----------
     basis : (6 q, K)
         Values, ∂1, ∂2, ∂11, ∂12, ∂22 of all basis functions at all points.
-    weights : (q,)
+    weights : (q, 1)
     weighted_values : (K, q)
         Transposed values times the weights.
     pairs : two arrays (p,)
@@ -56,11 +58,12 @@ class ClassTables:
     """
 
     def __init__(self, table: BasisTable, n_triangles: int) -> None:
-        basis, self.weights = table
+        basis = table.values
         self.n_points, self.n_control_points = basis.shape[1:]
         self.basis = np.ascontiguousarray(basis).reshape(-1, self.n_control_points)
-        self.weighted_values = np.ascontiguousarray(basis[0].T * self.weights)
-        self.pairs = np.triu_indices(self.n_control_points)
+        self.weights = table.weights[:, None]
+        self.weighted_values = np.ascontiguousarray((basis[0] * self.weights).T)
+        self.pairs = upper_pairs(self.n_control_points)
         self._products: FloatArray | None = None
         n_products = 4 * self.n_points * len(self.pairs[0])
         if product_table_pays(n_products, n_triangles):
@@ -101,36 +104,67 @@ class ClassTables:
         out : (p, n)
             Entries (a, b) of the local matrices, see `pairs`.
         """
-        n_triangles = coefficients.shape[2]
         if self._products is not None:
             own = slice(terms.start * self.n_points, terms.stop * self.n_points)
-            factors = coefficients[terms].reshape(-1, n_triangles)
+            factors = coefficients[terms].reshape(-1, coefficients.shape[2])
             _multiply(self._products[:, own], factors, out)
             return
-        phi, d1, d2 = self.basis.reshape(6, self.n_points, -1)[:3]
-        for low in range(0, n_triangles, TRIANGLES_AT_ONCE):
-            columns = coefficients[..., low : low + TRIANGLES_AT_ONCE] * self.weights[:, None]
-            mass, first, mixed, second = columns.swapaxes(1, 2)[..., None]
-            local = np.zeros((len(mass), self.n_control_points, self.n_control_points))
-            if terms != STIFFNESS:
-                local += phi.T @ (mass * phi)
-            if terms != MASS:
-                local += d1.T @ (first * d1 + mixed * d2)
-                local += d2.T @ (mixed * d1 + second * d2)
-            out[:, low : low + TRIANGLES_AT_ONCE] = local[:, *self.pairs].T
+        first_order = self.basis.reshape(1, 6, self.n_points, -1)[:, :3]
+        sum_products(first_order, coefficients * self.weights, terms, self.pairs, out)
 
     def _product_table(self) -> FloatArray:
         """Weighted products of all pairs of basis functions at all points, (p, 4 q)."""
         a, b = self.pairs
-        phi, d1, d2 = self.basis.reshape(6, self.n_points, -1)[:3].transpose(0, 2, 1)
+        first_order = self.basis.reshape(6, self.n_points, -1)[:3].transpose(2, 0, 1)
+        left = np.take(first_order * self.weights[:, 0], a, axis=0)
+        right = np.take(first_order, b, axis=0)
         products = np.empty((len(a), 4, self.n_points))
-        weighted = phi * self.weights, d1 * self.weights, d2 * self.weights
-        np.multiply(weighted[0][a], phi[b], out=products[:, 0])
-        np.multiply(weighted[1][a], d1[b], out=products[:, 1])
-        np.multiply(weighted[1][a], d2[b], out=products[:, 2])
-        products[:, 2] += weighted[2][a] * d1[b]
-        np.multiply(weighted[2][a], d2[b], out=products[:, 3])
+        np.multiply(left[:, :2], right[:, :2], out=products[:, :2])
+        np.multiply(left[:, 1], right[:, 2], out=products[:, 2])
+        np.multiply(left[:, 2], right[:, 2], out=products[:, 3])
+        products[:, 2] += left[:, 2] * right[:, 1]
         return products.reshape(len(a), -1)
+
+
+@lru_cache(maxsize=256)
+def upper_pairs(n: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Pairs (a, b), a ≤ b < n, row by row."""
+    pairs = np.triu_indices(n)
+    for numbers in pairs:
+        numbers.setflags(write=False)
+    return pairs[0], pairs[1]
+
+
+def sum_products(
+    first_order: FloatArray,
+    coefficients: FloatArray,
+    terms: slice,
+    pairs: tuple[NDArray[np.intp], NDArray[np.intp]],
+    out: FloatArray,
+) -> None:
+    """Integrate products of basis functions over n triangles without a table of products.
+
+    Parameters
+    ----------
+    first_order : (n or 1, 3, q, K)
+        Values, ∂1, ∂2 of the basis functions of each triangle, or of all of them.
+    coefficients : (4, q, n)
+        As for `ClassTables.local_matrices`, times the weights.
+    terms, pairs, out
+        As there.
+    """
+    for low in range(0, coefficients.shape[2], TRIANGLES_AT_ONCE):
+        own = slice(low, low + TRIANGLES_AT_ONCE)
+        phi, d1, d2 = (first_order if len(first_order) == 1 else first_order[own]).swapaxes(0, 1)
+        mass, first, mixed, second = coefficients[..., own].swapaxes(1, 2)[..., None]
+        # Not one product of all three: it might be so large that OpenBLAS starts threads.
+        local = np.zeros((len(mass), phi.shape[2], phi.shape[2]))
+        if terms != STIFFNESS:
+            local += phi.swapaxes(1, 2) @ (mass * phi)
+        if terms != MASS:
+            local += d1.swapaxes(1, 2) @ (first * d1 + mixed * d2)
+            local += d2.swapaxes(1, 2) @ (mixed * d1 + second * d2)
+        out[:, own] = local[:, pairs[0], pairs[1]].T
 
 
 def _multiply(table: FloatArray, columns: FloatArray, out: FloatArray) -> None:

@@ -71,7 +71,7 @@ def smoothed(topology: TriangleTopology, values: FloatArray, passes: int) -> Flo
     inner = ~topology.on_boundary & ~topology.is_loose
     weight[inner] = limit_weight(topology.ring_size[inner])
     keep = 1 - topology.ring_size * weight
-    adjacency = topology.adjacency().astype(np.float64)
+    adjacency = topology.adjacency(np.float64)
     border = topology.boundary_vertices
     before = topology.ring[topology.ring_start[border]]
     after = topology.ring[topology.ring_start[border + 1] - 1]

@@ -12,11 +12,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from .errors import InputError
 from .geometry import THINNEST_ASPECT
+from .parallel import ordered_map
 from .solver_frame import SolverSurface, solvable_surface
 from .topology import checked_triangles
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.intp]
+
+# Triangles that one thread looks at in one go.
+TRIANGLES_PER_PIECE = 32768
 
 
 @dataclass(frozen=True)
@@ -102,7 +106,13 @@ def surface_notes(points: FloatArray, surface: SolverSurface) -> tuple[str, ...]
 
 def _is_thin(points: FloatArray, triangles: NDArray[np.int32]) -> NDArray[np.bool_]:
     """Tell which triangles the metric of `geometry.metric_at` would bound, were they flat."""
-    suspects = _may_be_thin(np.ascontiguousarray(points.T), triangles)
+    columns = np.ascontiguousarray(points.T)
+    firsts = range(0, len(triangles), TRIANGLES_PER_PIECE)
+
+    def of_piece(first: int) -> IntArray:
+        return first + _may_be_thin(columns, triangles[first : first + TRIANGLES_PER_PIECE])
+
+    suspects = np.concatenate([np.empty(0, dtype=np.intp), *ordered_map(of_piece, firsts)])
     is_thin = np.zeros(len(triangles), dtype=bool)
     is_thin[suspects] = _is_thin_at_any_size(points, triangles[suspects])
     return is_thin

@@ -51,6 +51,7 @@ POINTS = BARYCENTRIC[:, 1:]
 _KIND = np.unique(BARYCENTRIC.T.round(6), return_inverse=True)[1].reshape(3, -1)
 
 
+@lru_cache(maxsize=4096)
 def is_fitted(patch_class: PatchClass) -> bool:
     """Whether there is a fitted rule for a patch: inside the surface, of moderate valences."""
     valences = sorted(corner.ring_size for corner in patch_class)

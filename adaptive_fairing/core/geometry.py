@@ -120,9 +120,5 @@ def mean_curvature(metric: Metric, second_derivatives: FloatArray) -> FloatArray
 
 def _product(a: FloatArray, b: FloatArray) -> FloatArray:
     """Scalar products of vectors at points, (3, n_points) each."""
-    total: FloatArray = a[0] * b[0]
-    term = a[1] * b[1]
-    total += term
-    np.multiply(a[2], b[2], out=term)
-    total += term
-    return total
+    products: FloatArray = np.einsum("dp,dp->p", a, b)
+    return products

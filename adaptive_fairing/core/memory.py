@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from .class_tables import product_table_pays
 from .errors import FairingError
@@ -16,6 +17,7 @@ from .parallel import n_threads
 from .patch_class import PatchClass, is_regular_patch
 from .patches import PatchSet, chunk_size
 from .quadrature import QuadratureChoice
+from .space_tables import FEW_TRIANGLES, LARGEST_STACKED
 
 # Bytes, fitted to the measured peak of runs on regular, irregular, cut and pole meshes of 200 to
 # 1,000,000 triangles (benchmarks/memory.py prints estimate and measurement side by side).
@@ -100,6 +102,7 @@ def estimated_bytes(
     of_class = zip(n_products, patches.class_sizes, strict=True)
     products = 8 * n_products[[product_table_pays(*each) for each in of_class]]
     tables = 8 * BYTES_PER_TABLE_NUMBER * n_points * n_control
+    stacked = _stacked_bytes(n_points * n_control, patches)
     auto_bytes = AUTO_BYTES_PER_TRIANGLE if method == "auto" else 0
     return int(
         FIXED_BYTES
@@ -108,7 +111,19 @@ def estimated_bytes(
         + BYTES_PER_ENTRY_IN_WORK * in_work
         + products.sum()
         + tables.sum()
+        + stacked.sum()
     )
+
+
+def _stacked_bytes(n_numbers: NDArray[np.int64], patches: PatchSet) -> NDArray[np.int64]:
+    """Bound the tables of single triangles, by class: `n_numbers` at points for each function."""
+    n_triangles = patches.topology.n_triangles
+    n_chunks = -(-n_triangles // max(chunk_size(n_triangles), 1))
+    n_stacked = np.minimum(patches.class_sizes, FEW_TRIANGLES * n_chunks)
+    bound: NDArray[np.int64] = np.where(
+        6 * n_numbers <= LARGEST_STACKED, 8 * 6 * n_numbers * n_stacked, 0
+    )
+    return bound
 
 
 def _n_points(patch_class: PatchClass, choice: QuadratureChoice) -> int:

@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
+from .checks import bounding_box
+
 
 class LocalOrder(NamedTuple):
     """A renumbered mesh.
@@ -33,7 +35,8 @@ def sweep_order(
     plane sections), at the cost of a sort.
     """
     n_vertices = len(positions)
-    axis = int(np.ptp(positions, axis=0).argmax())
+    low, high = bounding_box(positions)
+    axis = int((high - low).argmax())
     vertices = np.argsort(positions[:, axis], kind="stable")
     new_number = np.empty(n_vertices, dtype=np.int32)
     new_number[vertices] = np.arange(n_vertices, dtype=np.int32)

@@ -17,6 +17,7 @@ corner owns.  A regular patch:
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 
@@ -96,6 +97,12 @@ class ControlPoints:
         ring_size, fan_position = self.patch_class[corner]
         first = 0 if fan_position < 0 else -fan_position
         return [self.slot(corner, first + k) for k in range(ring_size)]
+
+
+@lru_cache(maxsize=4096)
+def count_control_points(patch_class: PatchClass) -> int:
+    """Count the control points of a patch."""
+    return ControlPoints(patch_class).count
 
 
 def is_boundary_edge(patch_class: PatchClass, corner: int) -> bool:

@@ -76,7 +76,7 @@ class SolverFrame:
     @classmethod
     def of(cls, points: FloatArray, surface: SolverSurface, normalize: bool) -> SolverFrame:
         """Fit the frame to the box of all vertices that have a triangle."""
-        low, high = bounding_box(points[surface.vertex_of[~surface.topology.is_loose]])
+        low, high = bounding_box(points, surface.vertex_of[~surface.topology.is_loose])
         size = float((high - low).max())
         scale = FRAME_SIZE / size if normalize and size > 0 else 1.0
         # Centred in any case: far from the origin the coordinates would lose digits.

@@ -69,8 +69,7 @@ class SymmetricPattern:
 
     def __init__(self, adjacency: sparse.csr_array) -> None:
         self.n = adjacency.shape[0]
-        self._near = adjacency.astype(np.int16)
-        self._near += sparse.eye_array(self.n, dtype=np.int16, format="csr")
+        self._near = _with_diagonal(adjacency)
         firsts = range(0, self.n, ROWS_PER_STRIP)
         self.strips = list(ordered_map(lambda first: _strip(self._near, first), firsts))
         self.row_starts = np.zeros(self.n + 1, dtype=np.int32)
@@ -94,30 +93,45 @@ class SymmetricPattern:
 
         Numbers are counted from the first entry of row `low`.
         """
-        sizes = np.diff(self.row_starts[low : high + 1])
-        rows = np.repeat(np.arange(high - low, dtype=np.int32), sizes)
-        columns = self.columns(low, high) - np.int32(low)
-        numbers = np.arange(len(rows), dtype=np.int32)
-        if columns.max() >= high - low:
-            within = columns < high - low
-            rows, columns, numbers = rows[within], columns[within], numbers[within]
         # In an order of small bandwidth a table with a place for every pair of near vertices is
         # not much larger than the entries.
         window = self._near[low:high, low:high]
         order = _narrow_order(window)
-        row, column = _ascending(order[rows], order[columns])
         last = _last_within_three(window, order)
         # Row r of the table has columns r to last[r], the first of them at base[r] + r.
         ends = np.cumsum(last - np.arange(-1, high - low - 1))
+        sizes = np.diff(self.row_starts[low : high + 1])
+        columns = self.columns(low, high) - np.int32(low)
+        numbers = np.arange(len(columns), dtype=np.int32)
         if ends[-1] > LARGEST_TABLE:
+            rows = np.repeat(np.arange(high - low, dtype=np.int32), sizes)
+            rows, columns, numbers = _chosen(columns < high - low, rows, columns, numbers)
             return _SearchedPlaces(rows, columns, numbers, high - low)
-        base = ends - last - 1
-        if (column > last[row]).any():
-            within = column <= last[row]
-            row, column, numbers = row[within], column[within], numbers[within]
+        base = (ends - last - 1).astype(np.int32)
+        first = np.repeat(order, sizes)
+        first, columns, numbers = _chosen(columns < high - low, first, columns, numbers)
+        # Out of range there is nothing: "clip" only spares the test.
+        row, column = _ascending(first, np.take(order, columns, mode="clip"))
+        # Other entries are of vertices whose path leaves the window: no triangle of it has both.
+        is_within = column <= np.take(last, row, mode="clip")
+        row, column, numbers = _chosen(is_within, row, column, numbers)
         table = np.empty(ends[-1], dtype=np.int32)
-        table[base[row] + column] = numbers
+        table[np.take(base, row, mode="clip") + column] = numbers
         return _TabledPlaces(table, base, order)
+
+
+def _with_diagonal(adjacency: sparse.csr_array) -> sparse.csr_array:
+    """Put the diagonal first in every row; int16 ones, the other columns in the order they had."""
+    n = adjacency.shape[0]
+    diagonal = np.arange(n, dtype=np.int32)
+    starts = adjacency.indptr + np.arange(n + 1, dtype=np.int32)
+    columns = np.empty(starts[-1], dtype=np.int32)
+    is_neighbour = np.ones(len(columns), dtype=bool)
+    is_neighbour[starts[:-1]] = False
+    columns[starts[:-1]] = diagonal
+    columns[is_neighbour] = adjacency.indices
+    ones = np.ones(len(columns), dtype=np.int16)
+    return sparse.csr_array((ones, columns, starts), shape=adjacency.shape)
 
 
 def _strip(near: sparse.csr_array, first: int) -> Strip:
@@ -160,16 +174,16 @@ class Places(Protocol):
 class _TabledPlaces:
     """The number of each upper entry, at base[row] + column of a table; base never decreases."""
 
-    def __init__(self, table: IntArray, base: NDArray[np.intp], order: IntArray) -> None:
-        self._table, self._base, self._order = table, base, order.astype(np.intp)
+    def __init__(self, table: IntArray, base: IntArray, order: IntArray) -> None:
+        self._table, self._base, self._order = table, base, order
 
     def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:
-        order = self._order[vertices]
-        base = self._base[order]
+        order = np.take(self._order, vertices, mode="clip")
+        base = np.take(self._base, order, mode="clip")
         a, b = pairs
         if vertices.shape[1] < FEW_TRIANGLES:
-            place = np.maximum(order[a], order[b])
-            place += np.minimum(base[a], base[b])
+            place = np.maximum(np.take(order, a, axis=0), np.take(order, b, axis=0))
+            place += np.minimum(np.take(base, a, axis=0), np.take(base, b, axis=0))
             np.take(self._table, place, out=out, mode="clip")
             return
         # The same row by row, without copies.
@@ -201,17 +215,21 @@ def _narrow_order(near: sparse.csr_array) -> IntArray:
     return order
 
 
-def _last_within_three(near: sparse.csr_array, order: IntArray) -> NDArray[np.intp]:
+def _last_within_three(near: sparse.csr_array, order: IntArray) -> IntArray:
     """Largest number of a vertex at most three edges away, for each vertex in the new order.
 
     Two control points of a triangle have a path of three edges among its other control points.
     """
-    last = order.astype(np.intp)
+    last = order
     for _ in range(3):
         last = np.maximum.reduceat(last[near.indices], near.indptr[:-1])
     result = np.empty_like(last)
     result[order] = last
     return result
+
+
+def _chosen(which: NDArray[np.bool_], *arrays: IntArray) -> tuple[IntArray, ...]:
+    return arrays if which.all() else tuple(array[which] for array in arrays)
 
 
 def _ascending(first: IntArray, second: IntArray) -> tuple[IntArray, IntArray]:
@@ -220,8 +238,9 @@ def _ascending(first: IntArray, second: IntArray) -> tuple[IntArray, IntArray]:
 
 def scattered(places: IntArray, values: NDArray[np.float64], size: int) -> NDArray[np.float64]:
     """Add up values by their places, (size,): half the time of ``numpy.bincount``."""
-    column = sparse.csc_array(
-        (values, places, np.array([0, len(values)], dtype=np.int32)), shape=(size, 1)
-    )
+    column = sparse.csc_array((size, 1))
+    # Set, not handed to the constructor: that would copy parts of a larger array.
+    column.data, column.indices = values, places
+    column.indptr = np.array([0, len(values)], dtype=np.int32)
     total: NDArray[np.float64] = column @ np.ones(1)
     return total

@@ -81,9 +81,11 @@ class _StripProduct:
     def __init__(self, strip: Strip, halves: FloatArray) -> None:
         self._rows, self.window = strip.rows, strip.window
         shape = strip.rows.stop - strip.rows.start, strip.window.stop - strip.window.start
-        entries = (halves[: len(strip.columns)], strip.columns, strip.starts)
-        self._upper = sparse.csr_array(entries, shape=shape)
-        self._lower = sparse.csc_array(entries, shape=shape[::-1])
+        self._upper, self._lower = sparse.csr_array(shape), sparse.csc_array(shape[::-1])
+        for matrix in (self._upper, self._lower):
+            # Set, not handed to the constructor: that would copy parts of a larger array.
+            matrix.data = halves[: len(strip.columns)]
+            matrix.indices, matrix.indptr = strip.columns, strip.starts
 
     def product(self, columns: FloatArray) -> FloatArray:
         """Return what this strip contributes to a product, in its window."""

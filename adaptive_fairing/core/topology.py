@@ -13,7 +13,7 @@ outgoing boundary edge.  Both run counter-clockwise as seen from outside.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 from scipy import sparse
 
 from .errors import InputError, TopologyError, listed
@@ -85,9 +85,9 @@ class TriangleTopology:
         """Indices of the vertices on a boundary, ascending."""
         return np.flatnonzero(self.on_boundary)
 
-    def adjacency(self) -> sparse.csr_array:
-        """Vertex adjacency, (n_vertices, n_vertices), pattern only (int8 ones, rows unsorted)."""
-        data = np.ones(len(self.ring), dtype=np.int8)
+    def adjacency(self, dtype: DTypeLike = np.int8) -> sparse.csr_array:
+        """Vertex adjacency, (n_vertices, n_vertices): ones, in rows that are not sorted."""
+        data = np.ones(len(self.ring), dtype=dtype)
         shape = (self.n_vertices, self.n_vertices)
         return sparse.csr_array((data, self.ring, self.ring_start), shape=shape)
 
@@ -95,7 +95,8 @@ class TriangleTopology:
         origins, targets = self.origins, self.triangles[:, [1, 2, 0]].reshape(-1)
         n_half_edges = len(origins)
         half_edges = np.arange(n_half_edges, dtype=np.int32)
-        previous = half_edges + np.where(half_edges % 3 == 0, 2, -1).astype(np.int32)
+        # The next half-edge around a vertex is the twin of the one that ends there.
+        following = self.twin.reshape(-1, 3)[:, [2, 0, 1]].reshape(-1)
         fan_size = np.bincount(origins, minlength=self.n_vertices).astype(np.int32)
         # One start per vertex: any half-edge, but on the boundary the one without a twin.
         start = np.full(self.n_vertices, -1, dtype=np.int32)
@@ -103,28 +104,16 @@ class TriangleTopology:
         border = np.flatnonzero(self.twin < 0).astype(np.int32)
         start[origins[border]] = border
 
-        self.ring_size = fan_size + self.on_boundary
-        self.ring_start = np.zeros(self.n_vertices + 1, dtype=np.int32)
-        np.cumsum(self.ring_size, out=self.ring_start[1:])
-        self.ring = np.empty(self.ring_start[-1], dtype=np.int32)
         self.ring_position = np.full(n_half_edges, -1, dtype=np.int32)
-
-        vertices = np.flatnonzero(fan_size)
-        current = start[vertices]
+        begin = current = start[fan_size > 0]
         position = 0
-        while len(vertices):
-            self.ring[self.ring_start[vertices] + position] = targets[current]
+        while len(current):
             self.ring_position[current] = position
             position += 1
-            ends = previous[current]
-            last = fan_size[vertices] == position
-            closing = vertices[last & self.on_boundary[vertices]]
-            self.ring[self.ring_start[closing] + position] = origins[
-                ends[last & self.on_boundary[vertices]]
-            ]
-            following = self.twin[ends]
-            goes_on = ~last & (following >= 0)
-            vertices, current = vertices[goes_on], following[goes_on]
+            current = following[current]
+            goes_on = (current != begin) & (current >= 0)
+            if not goes_on.all():
+                begin, current = begin[goes_on], current[goes_on]
 
         # A second fan at a vertex, or a cycle that closes early, leaves half-edges unvisited.
         split = np.unique(origins[self.ring_position < 0])
@@ -134,6 +123,14 @@ class TriangleTopology:
                 f"{listed(split)}; separate them there",
                 vertices=split,
             )
+
+        self.ring_size = fan_size + self.on_boundary
+        self.ring_start = np.zeros(self.n_vertices + 1, dtype=np.int32)
+        np.cumsum(self.ring_size, out=self.ring_start[1:])
+        self.ring = np.empty(self.ring_start[-1], dtype=np.int32)
+        self.ring[self.ring_start[origins] + self.ring_position] = targets
+        # The last neighbour of a boundary vertex is where the boundary comes from.
+        self.ring[self.ring_start[targets[border] + 1] - 1] = origins[border]
         pillow = np.flatnonzero((self.ring_size == 2) & ~self.on_boundary)
         if len(pillow):
             raise TopologyError(
@@ -152,8 +149,8 @@ def checked_triangles(faces: ArrayLike, n_vertices: int) -> IntArray:
         raise InputError(f"faces must have shape (m, 3), not {array.shape}; triangulate first")
     if array.dtype.kind not in "iu":
         raise InputError(f"faces must be integers, not {array.dtype}")
-    outside = np.flatnonzero(((array < 0) | (array >= n_vertices)).any(axis=1))
-    if len(outside):
+    if array.min() < 0 or array.max() >= n_vertices:
+        outside = np.flatnonzero(((array < 0) | (array >= n_vertices)).any(axis=1))
         raise InputError(
             f"{len(outside)} triangles use vertices outside 0 … {n_vertices - 1}: "
             f"triangles {listed(outside)}"

@@ -53,7 +53,9 @@ def test_another_frame_is_what_it_is_alone_up_to_the_solvers_tolerance(name):
     tight = replace(SETTINGS, cg_tolerance=1e-13)
     alone = fair(bent(vertices), faces, tight)
     with_help = fair(bent(vertices), faces, tight, prepared=mesh)
-    bound = 1e-7 if name == "everything wrong" else 1e-11
+    # Coordinates of that mesh reach 1e6, and its slivers enlarge the rounding: 1e-8 to 2e-7 was
+    # seen for bends of 0.05 to 0.055, whatever the order of the sums.
+    bound = 1e-6 if name == "everything wrong" else 1e-11
     np.testing.assert_allclose(with_help.positions, alone.positions, rtol=0, atol=bound)
 
 

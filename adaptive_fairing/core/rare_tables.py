@@ -1,0 +1,61 @@
+"""Dense tables of triangles whose classes are too rare for matrix products of their own.
+
+A product for each of hundreds of classes with one or two triangles takes longer to call than to
+compute.  Such triangles are stacked, each with a table of its own, and numpy loops over the stack.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .class_tables import sum_products, upper_pairs
+from .loop_basis import BasisTable
+
+FloatArray = NDArray[np.float64]
+
+
+class RareTables:
+    """Tables of n triangles with q quadrature points each, filled up with zeros to K columns.
+
+    The same methods as `ClassTables`.
+
+    Parameters
+    ----------
+    tables : sequence of BasisTable
+        Of each triangle, all with equally many points.
+    n_control_points : int
+        K; surplus control points of a triangle have the basis function 0.
+
+    Attributes
+    ----------
+    weights : (q, n)
+    pairs : two arrays (p,)
+        Pairs of control points a ≤ b, p = K (K + 1) / 2: the entries of a local matrix.
+    """
+
+    def __init__(self, tables: Sequence[BasisTable], n_control_points: int) -> None:
+        self.n_points, self.n_control_points = len(tables[0].weights), n_control_points
+        self.pairs = upper_pairs(n_control_points)
+        self.weights = np.stack([table.weights for table in tables], axis=1)
+        self._basis = np.zeros((len(tables), 6, self.n_points, n_control_points))
+        for own, table in zip(self._basis, tables, strict=True):
+            own[..., : table.values.shape[2]] = table.values
+
+    def evaluate(self, control: FloatArray, n_derivatives: int, out: FloatArray) -> None:
+        """Evaluate functions; shapes as in `ClassTables.evaluate`."""
+        basis = self._basis[:, :n_derivatives].reshape(
+            len(self._basis), n_derivatives * self.n_points, -1
+        )
+        out[:] = (basis @ np.ascontiguousarray(control.T)).T
+
+    def weighted_sums(self, values: FloatArray, out: FloatArray) -> None:
+        """Integrate functions; shapes as in `ClassTables.weighted_sums`."""
+        weighted = np.ascontiguousarray((values * self.weights).T)
+        out[:] = (self._basis[:, 0].swapaxes(1, 2) @ weighted).T
+
+    def local_matrices(self, coefficients: FloatArray, terms: slice, out: FloatArray) -> None:
+        """Integrate products; as `ClassTables.local_matrices`."""
+        sum_products(self._basis[:, :3], coefficients * self.weights, terms, self.pairs, out)
