@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .filter_rounds import KEEPS_CREASES
-from .local_frame import LocalFrame
+from .local_frame import LocalFrame, triangle_normals
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
@@ -119,8 +119,7 @@ def estimate_of(
 
 def crease_share_of(topology: TriangleTopology, positions: FloatArray) -> float:
     """Share of the inner edges of a mesh that are creases."""
-    corner = positions[topology.triangles]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    normal = triangle_normals(positions, topology.triangles)
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
     side = np.flatnonzero(topology.twin >= 0)
     cosine = np.einsum("ed,ed->e", normal[side // 3], normal[topology.twin[side] // 3])

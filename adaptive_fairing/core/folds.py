@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .local_frame import LocalFrame, vertex_normals
+from .local_frame import LocalFrame, triangle_normals, vertex_normals
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
@@ -73,8 +73,7 @@ class Unfolding:
 
     def _cosines(self, positions: FloatArray, faces: NDArray[np.intp] | slice) -> FloatArray:
         """Cosines of the angles of triangles to the surface around them."""
-        corner = positions[self._triangles[faces]]
-        normal = _unit(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]))
+        normal = _unit(triangle_normals(positions, self._triangles[faces]))
         cosines: FloatArray = np.einsum("fd,fd->f", normal, self._upwards[faces])
         return cosines
 

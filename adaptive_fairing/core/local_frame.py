@@ -65,10 +65,16 @@ def spacing_of(topology: TriangleTopology, positions: FloatArray, passes: int) -
     return np.maximum(spacing, 1e-9 * typical or 1.0)
 
 
+def triangle_normals(positions: FloatArray, triangles: NDArray[np.int32]) -> FloatArray:
+    """Normals of triangles (m, 3), with twice their area as length, (m, 3)."""
+    corners = positions[triangles]
+    normals: FloatArray = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return normals
+
+
 def vertex_normals(topology: TriangleTopology, positions: FloatArray) -> FloatArray:
     """Area-weighted unit normals, (n, 3); 0 at loose vertices."""
-    corners = positions[topology.triangles]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    across = triangle_normals(positions, topology.triangles)
     normals = np.stack(
         [
             np.bincount(topology.triangles.T.reshape(-1), np.tile(c, 3), topology.n_vertices)
