@@ -66,7 +66,7 @@ def spacing_of(topology: TriangleTopology, positions: FloatArray, passes: int) -
 
 
 def triangle_normals(positions: FloatArray, triangles: NDArray[np.int32]) -> FloatArray:
-    """Normals of triangles (m, 3), with twice their area as length, (m, 3)."""
+    """Compute the normals of triangles (m, 3), as long as twice their area, (m, 3)."""
     corners = positions[triangles]
     normals: FloatArray = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return normals
