@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import ArrayLike, NDArray
 
 from ..core import FairingSettings, InputError, LoopSpace, TriangleTopology, mesh_density
+from ..core.normals import vertex_normals
 from ..core.solver_frame import SolverFrame, solvable_surface
 from .mesh_data import read_mesh
 
@@ -74,7 +75,7 @@ def field_values(
     if field == "REMOVED":
         moved = original[surface.vertex_of] - positions
         # Of the shown surface: the normals of the one before are as noisy as what was removed.
-        removed = np.einsum("id,id->i", moved, _vertex_normals(topology, positions))
+        removed = np.einsum("id,id->i", moved, vertex_normals(topology, positions))
         return frame.to_caller(np.where(topology.is_loose, np.nan, removed))
     if field == "CURVATURE":
         return frame.to_caller(mean_curvature(topology, positions, settings.quadrature_tolerance))
@@ -140,21 +141,10 @@ def mean_curvature(
     flow = space.stiffness_matrix(positions) @ positions
     has_value = ~topology.on_boundary & ~topology.is_loose & (lumped > 0)
     curvature = np.full(len(positions), np.nan)
-    normals = _vertex_normals(topology, positions)
+    normals = vertex_normals(topology, positions)
     along = np.einsum("id,id->i", flow[has_value], normals[has_value])
     curvature[has_value] = along / (2.0 * lumped[has_value])
     return curvature
-
-
-def _vertex_normals(topology: TriangleTopology, positions: FloatArray) -> FloatArray:
-    """Average the normals of the triangles around by area; unit vectors, (n, 3)."""
-    corners = positions[topology.triangles]
-    by_area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals = np.zeros_like(positions)
-    for corner in range(3):
-        np.add.at(normals, topology.triangles[:, corner], by_area)
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
 
 
 def _key_positions(block: bpy.types.ShapeKey) -> FloatArray:

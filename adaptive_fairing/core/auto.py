@@ -19,13 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import LoopSpace
-from .auto_estimate import (
-    STRENGTHS,
-    AutoEstimate,
-    AutoPlan,
-    crease_share_of,
-    estimate_of,
-)
+from .auto_estimate import STRENGTHS, AutoEstimate, AutoPlan, crease_share_of, estimate_of
 from .errors import InputError
 from .filter_bank import FilterBank, FilterFamily
 from .filter_rounds import FAMILIES, USABLE, rounds_for
@@ -129,8 +123,10 @@ def auto_surfaces(
         for families, pilot in zip(others, plan.pilots, strict=True):
             track.surface = track.mixed(pilot)
             track.filter(families)
-    unfolding = Unfolding(space.topology, positions, frame)
-    results = [unfolding.unfolded(track.mixed(shares)) for shares in plan.mixtures]
+    results = [track.mixed(shares) for shares in plan.mixtures]
+    if plan.mixtures.any():
+        unfolding = Unfolding(space.topology, positions, frame)
+        results = [unfolding.unfolded(result) for result in results]
     estimates = [
         estimate_of(
             plan,
@@ -162,7 +158,7 @@ def _planned(
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
     sign = np.random.default_rng(PROBE_SEED).choice([-1.0, 1.0], len(noise))
     probe = PROBE_SIZE * correlation.applied(sign, frame)
-    shadow = _Track(bank, track.positions + (probe * frame.spacing)[:, None] * frame.normals)
+    shadow = _Track(bank, track.positions + frame.raised(probe))
 
     def measured() -> tuple[FloatArray, FloatArray]:
         removed = track.removed(frame)

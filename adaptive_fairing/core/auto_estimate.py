@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .filter_rounds import KEEPS_CREASES
-from .local_frame import LocalFrame, triangle_normals
+from .local_frame import LocalFrame
+from .normals import triangle_normals, unit_vectors
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
@@ -35,7 +36,7 @@ class AutoPlan:
         Shares of the filters so far at each vertex after each round but the last, and of all of
         them for each strength.
     kept : (s,)
-        Share of white noise that each mixture keeps.
+        Share of the noise that each mixture keeps.
     """
 
     noise: FloatArray
@@ -119,8 +120,7 @@ def estimate_of(
 
 def crease_share_of(topology: TriangleTopology, positions: FloatArray) -> float:
     """Share of the inner edges of a mesh that are creases."""
-    normal = triangle_normals(positions, topology.triangles)
-    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
+    normal = unit_vectors(triangle_normals(positions, topology.triangles))
     side = np.flatnonzero(topology.twin >= 0)
     cosine = np.einsum("ed,ed->e", normal[side // 3], normal[topology.twin[side] // 3])
     return float(np.mean(cosine < np.cos(CREASE_ANGLE))) if len(side) else 0.0

@@ -8,6 +8,7 @@ from scipy import sparse
 
 from .errors import SettingsError
 from .masks import limit_weight
+from .normals import triangle_normals
 from .parallel import ordered_map
 from .topology import TriangleTopology
 
@@ -108,8 +109,6 @@ def _mean_edge_length(topology: TriangleTopology, points: FloatArray) -> FloatAr
 
 
 def _ring_area(topology: TriangleTopology, points: FloatArray) -> FloatArray:
-    corner = points[topology.triangles]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    area = np.linalg.norm(normal, axis=1) / 2
+    area = np.linalg.norm(triangle_normals(points, topology.triangles), axis=1) / 2
     around = np.bincount(topology.origins, np.repeat(area, 3), minlength=topology.n_vertices)
     return around.astype(np.float64)  # integer zeros if there is no triangle at all

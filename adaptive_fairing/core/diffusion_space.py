@@ -1,7 +1,7 @@
 """All diffusions in one metric from one small space.
 
-A diffusion that removes r(λ) of each eigenvector of M⁻¹L, with its eigenvalue λ, is what the
-others in this metric are as well: a function of M and L.  The solves (M + t L)⁻¹ M for one time t,
+Every diffusion in a metric is a function of the same M and L: it removes a share r(λ) of each
+eigenvector of M⁻¹L, with its eigenvalue λ.  The solves (M + t L)⁻¹ M for one time t,
 applied again and again to what they removed at first, span a space in which all those functions are
 found by Rayleigh and Ritz, accurate to a hundredth after eight or so; to carry out the steps of six
 diffusions one by one takes seventy-two.
@@ -31,6 +31,9 @@ SHARED_TIME = 1.0
 FIRST_FACTOR = 0.5
 MAX_ITERATIONS = 5000
 MOST_DIRECTIONS = 24
+
+# Of smaller eigenvalues nothing is removed; their ratio to what is removed already would be 0 / 0.
+LEAST_EIGENVALUE = 1e-9
 
 # Of a vector of which no larger part lies outside the space, rounding is all that is left.
 LEAST_SHARE = 1e-9
@@ -178,7 +181,7 @@ class _Space:
         """Shares of the directions in what each diffusion removes, (n_directions, k)."""
         n = self.n_directions
         eigenvalues, vectors = np.linalg.eigh(self._bending[:n, :n])
-        eigenvalues = np.maximum(eigenvalues, 1e-9)
+        eigenvalues = np.maximum(eigenvalues, LEAST_EIGENVALUE)
         # The first direction is what one solve for the shared time removed.
         already = Diffusion(SHARED_TIME, 1, 1).removed(eigenvalues)
         ratios = np.stack([d.removed(eigenvalues) / already for d in diffusions], axis=1)

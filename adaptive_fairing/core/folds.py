@@ -10,7 +10,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from .local_frame import LocalFrame, triangle_normals, vertex_normals
+from .local_frame import LocalFrame
+from .normals import triangle_normals, unit_vectors, vertex_normals
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
@@ -44,9 +45,9 @@ class Unfolding:
         self._positions, self._triangles = positions, topology.triangles
         normals = vertex_normals(topology, positions)
         for _ in range(NORMAL_PASSES):
-            normals = _unit(frame.spread(normals, 1))
+            normals = unit_vectors(frame.spread(normals, 1))
         self._normals = normals
-        self._upwards = _unit(normals[topology.triangles].sum(axis=1))
+        self._upwards = unit_vectors(normals[topology.triangles].sum(axis=1))
         self._was_upright = self._cosines(positions, slice(None)) > UPRIGHT
 
     def unfolded(self, faired: FloatArray) -> FloatArray:
@@ -73,11 +74,6 @@ class Unfolding:
 
     def _cosines(self, positions: FloatArray, faces: NDArray[np.intp] | slice) -> FloatArray:
         """Cosines of the angles of triangles to the surface around them."""
-        normal = _unit(triangle_normals(positions, self._triangles[faces]))
+        normal = unit_vectors(triangle_normals(positions, self._triangles[faces]))
         cosines: FloatArray = np.einsum("fd,fd->f", normal, self._upwards[faces])
         return cosines
-
-
-def _unit(vectors: FloatArray) -> FloatArray:
-    result: FloatArray = vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1e-300)[:, None]
-    return result

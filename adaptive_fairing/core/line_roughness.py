@@ -55,7 +55,7 @@ class LineRoughness:
 
         noise = np.random.default_rng(NOISE_SEED).normal(size=topology.n_vertices)
         self._least = least(positions)
-        self._least_of_noise = least((noise * frame.spacing)[:, None] * frame.normals)
+        self._least_of_noise = least(frame.raised(noise))
 
     def level(self, is_counted: BoolArray, quantile: float = 0.5) -> float:
         """Return the standard deviation of noise that is as rough, in local edge lengths.

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from .density import mesh_density
+from .normals import vertex_normals
 from .topology import TriangleTopology
 
 FloatArray = NDArray[np.float64]
@@ -37,7 +38,7 @@ class LocalFrame:
         cls, topology: TriangleTopology, positions: FloatArray, smooth: FloatArray
     ) -> LocalFrame:
         """Measure the spacing of `positions` and the normals of `smooth`, (n, 3) both."""
-        adjacency = topology.adjacency().astype(np.float64)
+        adjacency = topology.adjacency(np.float64)
         scale = sparse.diags_array(1 / np.maximum(topology.ring_size, 1))
         return cls(
             spacing_of(topology, positions, 0),
@@ -49,6 +50,10 @@ class LocalFrame:
         """Take the normal component of vectors (n, 3), in local edge lengths, (n,)."""
         component: FloatArray = np.einsum("nd,nd->n", displacement, self.normals) / self.spacing
         return component
+
+    def raised(self, heights: FloatArray) -> FloatArray:
+        """Turn heights (n,) along the normals, in local edge lengths, into vectors (n, 3)."""
+        return (heights * self.spacing)[:, None] * self.normals
 
     def spread(self, values: FloatArray, passes: int) -> FloatArray:
         """Average values (n, …) half with those of the neighbours, several times."""
@@ -63,24 +68,3 @@ def spacing_of(topology: TriangleTopology, positions: FloatArray, passes: int) -
     typical = float(np.median(spacing[~topology.is_loose]))
     spacing[topology.is_loose] = 1.0
     return np.maximum(spacing, 1e-9 * typical or 1.0)
-
-
-def triangle_normals(positions: FloatArray, triangles: NDArray[np.int32]) -> FloatArray:
-    """Compute the normals of triangles (m, 3), as long as twice their area, (m, 3)."""
-    corners = positions[triangles]
-    normals: FloatArray = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    return normals
-
-
-def vertex_normals(topology: TriangleTopology, positions: FloatArray) -> FloatArray:
-    """Area-weighted unit normals, (n, 3); 0 at loose vertices."""
-    across = triangle_normals(positions, topology.triangles)
-    normals = np.stack(
-        [
-            np.bincount(topology.triangles.T.reshape(-1), np.tile(c, 3), topology.n_vertices)
-            for c in across.T
-        ],
-        axis=1,
-    )
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    return normals / np.where(length > 0, length, 1)

@@ -29,7 +29,7 @@ WHITE_FADING = 0.88
 # Contoured voxels measure 0.13 to 0.18.
 LEAST_ROUGHNESS = 0.11
 
-# Shares of the neighbours' mean that are tried.
+# Shares of the neighbours' mean that are tried; the first is white noise.
 SHARES = np.linspace(0, 0.9, 10)
 NOISE_SEED = 1
 
@@ -83,20 +83,17 @@ def noise_correlation(
                 found.append(np.median(np.abs(normal_part[is_counted])))
         return np.array(found)
 
-    def of_noise(noise: FloatArray) -> FloatArray:
-        return strengths((noise * frame.spacing)[:, None] * frame.normals)
-
     low, high = strengths(positions)
-    white_low, white_high = of_noise(white)
+    white_low, white_high = strengths(frame.raised(white))
     if low < LEAST_ROUGHNESS * white_low:
         return NoiseCorrelation()
     fading = (high / low) / (white_high / white_low)
     if fading > WHITE_FADING:
         return NoiseCorrelation()
-    rows = []
-    for share in SHARES:
+    rows = [(1.0, 1.0, np.std(white[is_counted]))]
+    for share in SHARES[1:]:
         noise = NoiseCorrelation(share).applied(white, frame)
-        noise_low, noise_high = of_noise(noise)
+        noise_low, noise_high = strengths(frame.raised(noise))
         own_fading = (noise_high / noise_low) / (white_high / white_low)
         rows.append((own_fading, noise_low / white_low, np.std(noise[is_counted])))
     fadings, seen, deviation = np.array(rows).T

@@ -96,15 +96,15 @@ def _low_fit(inverse_square: FloatArray, variance: FloatArray) -> FloatArray:
 def _quantile_fit(terms: FloatArray, variance: FloatArray) -> tuple[FloatArray, float]:
     """Factors ≥ 0 of terms (k, n) for which `SHARE_BELOW` of the values lie below, and the loss."""
     typical = float(np.median(variance))
-    scale = terms.max(axis=1) / typical
+    largest = terms.max(axis=1)
     n_terms, n = terms.shape
     above, below = np.full(n, SHARE_BELOW), np.full(n, 1 - SHARE_BELOW)
     solution = linprog(
         np.concatenate([np.zeros(n_terms), above, below]),
-        A_eq=np.hstack([(terms / terms.max(axis=1, keepdims=True)).T, np.eye(n), -np.eye(n)]),
+        A_eq=np.hstack([(terms / largest[:, None]).T, np.eye(n), -np.eye(n)]),
         b_eq=variance / typical,
     )
-    factors: FloatArray = solution.x[:n_terms] / scale
+    factors: FloatArray = solution.x[:n_terms] / (largest / typical)
     return factors, float(solution.fun)
 
 

@@ -236,11 +236,19 @@ def _ascending(first: IntArray, second: IntArray) -> tuple[IntArray, IntArray]:
     return np.minimum(first, second), np.maximum(first, second)
 
 
+def adopt_entries(
+    matrix: sparse.csr_array | sparse.csc_array,
+    values: NDArray[np.float64],
+    indices: IntArray,
+    starts: IntArray,
+) -> None:
+    """Give an empty matrix its entries without a copy: the constructor copies parts of arrays."""
+    matrix.data, matrix.indices, matrix.indptr = values, indices, starts
+
+
 def scattered(places: IntArray, values: NDArray[np.float64], size: int) -> NDArray[np.float64]:
     """Add up values by their places, (size,): half the time of ``numpy.bincount``."""
     column = sparse.csc_array((size, 1))
-    # Set, not handed to the constructor: that would copy parts of a larger array.
-    column.data, column.indices = values, places
-    column.indptr = np.array([0, len(values)], dtype=np.int32)
+    adopt_entries(column, values, places, np.array([0, len(values)], dtype=np.int32))
     total: NDArray[np.float64] = column @ np.ones(1)
     return total

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from .parallel import ordered_map
-from .sparsity import Strip, SymmetricPattern
+from .sparsity import Strip, SymmetricPattern, adopt_entries
 
 FloatArray = NDArray[np.float64]
 
@@ -83,9 +83,7 @@ class _StripProduct:
         shape = strip.rows.stop - strip.rows.start, strip.window.stop - strip.window.start
         self._upper, self._lower = sparse.csr_array(shape), sparse.csc_array(shape[::-1])
         for matrix in (self._upper, self._lower):
-            # Set, not handed to the constructor: that would copy parts of a larger array.
-            matrix.data = halves[: len(strip.columns)]
-            matrix.indices, matrix.indptr = strip.columns, strip.starts
+            adopt_entries(matrix, halves[: len(strip.columns)], strip.columns, strip.starts)
 
     def product(self, columns: FloatArray) -> FloatArray:
         """Return what this strip contributes to a product, in its window."""
