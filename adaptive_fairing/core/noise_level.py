@@ -95,7 +95,8 @@ def _low_fit(inverse_square: FloatArray, variance: FloatArray) -> FloatArray:
 
 def _quantile_fit(terms: FloatArray, variance: FloatArray) -> tuple[FloatArray, float]:
     """Factors ≥ 0 of terms (k, n) for which `SHARE_BELOW` of the values lie below, and the loss."""
-    typical = float(np.median(variance))
+    # Flat meshes have no variance at all, or that of rounding: no scale for a linear program.
+    typical = max(float(np.median(variance)), CLEAN_ROUGHNESS**2)
     largest = terms.max(axis=1)
     n_terms, n = terms.shape
     above, below = np.full(n, SHARE_BELOW), np.full(n, 1 - SHARE_BELOW)

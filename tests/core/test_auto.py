@@ -112,6 +112,18 @@ def test_a_clean_mesh_comes_back_bit_by_bit(name):
     assert "no noise found" in result.notes[-1]
 
 
+@pytest.mark.parametrize("place", [0.0, 0.1, 1e5])
+def test_an_exactly_flat_mesh_comes_back_bit_by_bit(place):
+    """Its roughness is 0, or what rounding leaves: no scale for the estimate to hold on to."""
+    vertices, faces = meshes.flat_grid(20, 20)
+    turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0] if place else np.eye(3)
+    flat = vertices @ turn + place
+    for settings in (AUTO, FREE):
+        result = fair(flat, faces, settings)
+        assert np.array_equal(result.positions, flat)
+        assert "no noise found" in result.notes[-1]
+
+
 def test_edges_of_a_block_stay_sharp():
     vertices, faces = block()
     rng = np.random.default_rng(0)
