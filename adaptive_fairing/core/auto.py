@@ -21,14 +21,15 @@ from numpy.typing import NDArray
 from .assembly import LoopSpace
 from .auto_estimate import STRENGTHS, AutoEstimate, AutoPlan, crease_share_of, estimate_of
 from .errors import InputError
+from .fading import Fading
 from .filter_bank import FilterBank, FilterFamily
 from .filter_rounds import FAMILIES, USABLE, rounds_for
-from .folds import Unfolding
 from .linear_solver import SolveReport
 from .local_frame import LocalFrame
 from .mesh_parts import MeshParts
-from .noise_correlation import noise_correlation
+from .noise_correlation import NoiseCorrelation, noise_correlation
 from .noise_level import beyond_clean
+from .sliding import Sliding
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -108,9 +109,11 @@ def auto_surfaces(
     notes: tuple[str, ...] = ()
     if plan is None:
         parts = MeshParts(space.topology, frame, is_still)
-        noise, notes = parts.noise(positions, strength)
+        fading = Fading(positions, frame)
+        noise, notes = parts.noise(positions, fading, strength)
         if beyond_clean(max(STRENGTHS) * strength * noise).any():
-            plan = _planned(bank, track, frame, parts, noise, strength, features)
+            correlation = noise_correlation(fading, frame, parts.is_counted & (noise > 0))
+            plan = _planned(bank, track, frame, parts, noise, correlation, strength, features)
         else:
             plan = _idle_plan(noise)
     elif plan.mixtures.shape[2] != len(positions):
@@ -125,8 +128,8 @@ def auto_surfaces(
             track.filter(families)
     results = [track.mixed(shares) for shares in plan.mixtures]
     if plan.mixtures.any():
-        unfolding = Unfolding(space.topology, positions, frame)
-        results = [unfolding.unfolded(result) for result in results]
+        sliding = Sliding(space.topology, positions, frame)
+        results = [sliding.limited(result) for result in results]
     estimates = [
         estimate_of(
             plan,
@@ -149,11 +152,11 @@ def _planned(
     frame: LocalFrame,
     parts: MeshParts,
     noise: FloatArray,
+    correlation: NoiseCorrelation,
     strength: float,
     features: str,
 ) -> AutoPlan:
     """Filter in all rounds, and choose the shares in each."""
-    correlation = noise_correlation(track.positions, frame, parts.is_counted & (noise > 0))
     seen, noise = noise, noise / correlation.seen * correlation.deviation
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
     sign = np.random.default_rng(PROBE_SEED).choice([-1.0, 1.0], len(noise))

@@ -6,9 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csgraph
 
-from .line_roughness import LineRoughness
+from .clean_detail import CleanDetail
+from .fading import Fading
 from .local_frame import LocalFrame
 from .noise_level import CLEAN_ROUGHNESS, beyond_clean, noise_level
+from .roughness import roughness
 from .topology import TriangleTopology
 from .unbiased_risk import density_classes, least_risk_shares
 
@@ -19,10 +21,6 @@ BoolArray = NDArray[np.bool_]
 FEWEST_VERTICES = 50
 # Connected parts with as many vertices are judged by themselves, smaller ones together.
 OWN_ESTIMATE = 400
-
-# A mesh with creases everywhere is clean if along them it is no rougher than clean meshes are, and
-# this share of its vertices no rougher than this, in local edge lengths of noise.
-SMOOTH_SHARE, CORNER_ROUGHNESS = 0.9, 0.3
 
 
 class MeshParts:
@@ -48,7 +46,9 @@ class MeshParts:
         if rest:
             self._members.append(np.concatenate(rest))
 
-    def noise(self, positions: FloatArray, strength: float) -> tuple[FloatArray, tuple[str, ...]]:
+    def noise(
+        self, positions: FloatArray, fading: Fading, strength: float
+    ) -> tuple[FloatArray, tuple[str, ...]]:
         """Estimate the noise, (n,), and say if there is nothing to do."""
         n_counted = int(np.count_nonzero(self.is_counted))
         noise = np.zeros(len(positions))
@@ -57,24 +57,22 @@ class MeshParts:
                 f"only {n_counted} vertices inside the surface: too few to tell noise from shape, "
                 "nothing was changed; choose one of the other methods",
             )
-        lines = LineRoughness(self._topology, positions, self._frame)
+        rough = roughness(positions, self._frame)
+        detail = CleanDetail(self._topology, positions, self._frame, fading)
+        level = np.zeros(len(positions))
         for members in self._members:
             counted = np.zeros(len(positions), dtype=bool)
             counted[members] = self.is_counted[members]
-            level = noise_level(positions, self._frame, counted)
-            if beyond_clean(level).any():
-                along_lines = lines.level(counted)
-                # Creases everywhere look like noise to the level; along them all may be smooth, but
-                # for the few places where they meet.  Contoured voxels have more of these.
-                is_smooth = along_lines <= CLEAN_ROUGHNESS
-                if is_smooth and lines.level(counted, SMOOTH_SHARE) <= CORNER_ROUGHNESS:
-                    level = np.minimum(level, along_lines)
-            noise += level
+            of_part = noise_level(rough, self._size, counted)
+            level += of_part
+            noise += detail.without(of_part, counted)
         if beyond_clean(strength * noise).any():
             return noise, ()
+        typical = float(np.median(level[self.is_counted]))
+        what = "clean meshes are" if typical <= CLEAN_ROUGHNESS else "the detail of clean meshes is"
         return noise, (
-            f"no noise found: the surface is rough by {np.median(noise[self.is_counted]):.2g} of "
-            "the local edge length, as clean meshes are; nothing was changed",
+            f"no noise found: the surface is rough by {typical:.2g} of the local edge length, as "
+            f"{what}; nothing was changed",
         )
 
     def best_shares(

@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 from scipy.optimize import linprog
-
-from .local_frame import LocalFrame
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -36,17 +33,18 @@ MEDIAN_ERROR = 1.167
 WORTHWHILE = 0.06
 
 
-def noise_level(positions: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> FloatArray:
+def noise_level(rough: FloatArray, size: FloatArray, is_counted: BoolArray) -> FloatArray:
     """Estimate the standard deviation of the noise along the normals, in local edge lengths.
 
-    The part of the surface that two differences with the mean of the neighbours leave is noise for
-    the most part; medians do not see the features in it.  Noise of neighbours that is alike
-    (scanners, contoured volumes) is smooth in part and is under-estimated.
+    Medians do not see the features in the roughness.  Noise of neighbours that is alike (scanners,
+    contoured volumes) is smooth in part and is under-estimated.
 
     Parameters
     ----------
-    positions : (n, 3)
-    frame : LocalFrame
+    rough : (n,)
+        See `roughness`.
+    size : (n,)
+        Logarithm of the local edge length, smooth.
     is_counted : (n,) bool
         Vertices to judge from; the level is given for them, as a function of the spacing.
 
@@ -58,18 +56,15 @@ def noise_level(positions: FloatArray, frame: LocalFrame, is_counted: BoolArray)
     Source: median absolute deviation, after D. Donoho and I. Johnstone, Ideal spatial adaptation
     by wavelet shrinkage, 1994.
     """
-    level = np.zeros(len(positions))
+    level = np.zeros(len(rough))
     chosen = np.flatnonzero(is_counted)
     if len(chosen) == 0:
         return level
-    difference = sparse.identity(len(positions), format="csr") - frame.mean
-    rough = np.abs(frame.along_normal(difference @ (difference @ positions)))
-    ratio = (rough / _gain(sparse.csr_array(difference @ difference), frame))[chosen]
-    size = frame.spread(np.log(frame.spacing), 3)[chosen]
+    size = size[chosen]
     n_bins = int(np.clip(len(chosen) // VERTICES_PER_BIN, 1, MOST_BINS))
     order = np.array_split(np.argsort(size, kind="stable"), n_bins)
     centres = np.array([np.median(size[members]) for members in order])
-    levels = np.array([np.median(ratio[members]) for members in order]) / NORMAL_MEDIAN
+    levels = np.array([np.median(rough[chosen[members]]) for members in order]) / NORMAL_MEDIAN
     levels *= 1 + LEAST_OF[n_bins] * MEDIAN_ERROR / np.sqrt([len(members) for members in order])
     constant, uniform = _low_fit(np.exp(-2 * centres), np.square(levels))
     level[chosen] = np.sqrt(constant + uniform * np.exp(-2 * size))
@@ -112,13 +107,3 @@ def _quantile_fit(terms: FloatArray, variance: FloatArray) -> tuple[FloatArray, 
 def beyond_clean(level: FloatArray) -> FloatArray:
     """Take off what clean meshes have: what remains is to be removed."""
     return np.maximum(level**4 - CLEAN_ROUGHNESS**4, 0) ** 0.25
-
-
-def _gain(operator: sparse.csr_array, frame: LocalFrame) -> FloatArray:
-    """Compute the deviation of the normal part for unit noise along the normals, (n,)."""
-    entries = sparse.coo_array(operator)
-    row, column = entries.coords
-    cosine = np.einsum("ed,ed->e", frame.normals[row], frame.normals[column])
-    factor = entries.data * cosine * frame.spacing[column] / frame.spacing[row]
-    variance = np.bincount(row, factor**2, len(frame.spacing))
-    return np.sqrt(np.maximum(variance, 1e-12))

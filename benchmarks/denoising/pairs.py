@@ -90,7 +90,10 @@ def made(names: list[str], noises: list[str]) -> Iterator[Pair]:
 
 
 def in_folder(folder: Path) -> Iterator[Pair]:
-    """Read every NAME.clean.EXT and NAME.noisy.EXT of a folder, in alphabetical order."""
+    """Read every NAME.clean.EXT and NAME.noisy.EXT of a folder, in alphabetical order.
+
+    The clean mesh is a pair without noise as well.
+    """
     for clean_path in sorted(folder.iterdir()):
         match = PAIR_NAME.match(clean_path.stem)
         if not match or not clean_path.stem.endswith(".clean"):
@@ -101,6 +104,7 @@ def in_folder(folder: Path) -> Iterator[Pair]:
         if not np.array_equal(faces, other_faces):
             raise ValueError(f"{noisy_path} has other faces than {clean_path}")
         yield Pair(match["name"], "given", folder.name, "file", clean, noisy, faces)
+        yield Pair(match["name"], "given", folder.name, CLEAN, clean, clean, faces)
 
 
 def _made(name: str, noise: str) -> Pair | None:

@@ -8,6 +8,7 @@ from adaptive_fairing.core import FairingSettings, TriangleTopology, fair
 from adaptive_fairing.core.line_roughness import LineRoughness
 from adaptive_fairing.core.local_frame import LocalFrame, spacing_of
 from adaptive_fairing.core.noise_level import CLEAN_ROUGHNESS, noise_level
+from adaptive_fairing.core.roughness import roughness
 
 
 def plane(n=48):
@@ -29,8 +30,9 @@ def levels(points, smooth, faces):
     topology = TriangleTopology(faces, len(points))
     frame = LocalFrame.of(topology, smooth, smooth)
     inside = ~topology.on_boundary
+    size = frame.spread(np.log(frame.spacing), 3)
     return (
-        np.median(noise_level(points, frame, inside)[inside]),
+        np.median(noise_level(roughness(points, frame), size, inside)[inside]),
         LineRoughness(topology, points, frame).level(inside),
     )
 

@@ -5,6 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import FairingSettings, TriangleTopology, fair
+from adaptive_fairing.core.fading import Fading
 from adaptive_fairing.core.local_frame import LocalFrame
 from adaptive_fairing.core.noise_correlation import NoiseCorrelation, noise_correlation
 
@@ -30,7 +31,8 @@ def noisy(vertices, faces, share, amplitude):
 
 def found(points, smooth, faces):
     everywhere = np.ones(len(points), dtype=bool)
-    return noise_correlation(points, frame_of(smooth, faces), everywhere)
+    frame = frame_of(smooth, faces)
+    return noise_correlation(Fading(points, frame), frame, everywhere)
 
 
 @pytest.mark.parametrize("amplitude", [0.05, 0.1, 0.4])

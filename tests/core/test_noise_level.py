@@ -7,6 +7,7 @@ from support import meshes
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.local_frame import LocalFrame, spacing_of
 from adaptive_fairing.core.noise_level import CLEAN_ROUGHNESS, beyond_clean, noise_level
+from adaptive_fairing.core.roughness import roughness
 
 SPHERE = meshes.graded_sphere(4)
 
@@ -14,7 +15,12 @@ SPHERE = meshes.graded_sphere(4)
 def estimated(vertices, faces, smooth):
     topology = TriangleTopology(faces, len(vertices))
     frame = LocalFrame.of(topology, smooth, smooth)
-    return noise_level(vertices, frame, ~topology.on_boundary)
+    return level_of(vertices, frame, ~topology.on_boundary)
+
+
+def level_of(vertices, frame, is_counted):
+    size = frame.spread(np.log(frame.spacing), 3)
+    return noise_level(roughness(vertices, frame), size, is_counted)
 
 
 def noisy(amplitude, per_edge=True, seed=0):
@@ -78,5 +84,5 @@ def test_only_what_is_counted_is_judged():
     points, _ = noisy(0.2)
     topology = TriangleTopology(SPHERE[1], len(points))
     frame = LocalFrame.of(topology, SPHERE[0], SPHERE[0])
-    nothing = noise_level(points, frame, np.zeros(len(points), dtype=bool))
+    nothing = level_of(points, frame, np.zeros(len(points), dtype=bool))
     assert not nothing.any()
