@@ -17,7 +17,7 @@ from scipy import sparse
 from .blocks import Chunk, evaluate, integrate_measures
 from .class_tables import MASS, STIFFNESS, SUM
 from .errors import InputError
-from .forms import Form, ScalarForm
+from .forms import Form, ScalarForm, gradient_fluxes
 from .geometry import SurfaceMeasures
 from .parallel import Workspace, ordered_map
 from .patches import PatchSet
@@ -151,6 +151,52 @@ class LoopSpace:
         """Assemble the two parts of a form, see `Form`, on the surface of `positions`."""
         mass, stiffness = self._assemble(form, positions, field, MASS, STIFFNESS).matrices
         return mass, stiffness
+
+    def turning_load(self, positions: ArrayLike, turns: FloatArray) -> FloatArray:
+        """Integrate (∇x - R ∇x) · ∇φ_a over the limit surface x: how far turns R would bend it.
+
+        Parameters
+        ----------
+        positions : (n_vertices, 3)
+            Control points of the surface.
+        turns : (n_triangles, 3, 3)
+            A linear map R for the tangents of each triangle.
+
+        Returns
+        -------
+        (n_vertices, 3)
+            0 if every R is the identity; L X if every R is 0.
+
+        Source: the right side of Y. Yu et al., Mesh editing with Poisson-based gradient field
+        manipulation, 2004, in this basis.
+        """
+        columns = self._columns(positions, None)
+        left = np.eye(3) - turns
+
+        def of_chunk(chunk: Chunk) -> FloatArray:
+            window = columns[:, chunk.low : chunk.high]
+            loads = np.empty((3, len(chunk.control_points)))
+            n_loaded = 0
+            for block in chunk.blocks:
+                fluxes = gradient_fluxes(evaluate(block, window, curved=False))
+                by_point = fluxes.reshape(3, 2, block.n_points, -1)
+                loaded = loads[:, n_loaded : n_loaded + len(block.control_points)]
+                for part in block.parts:
+                    own = part.of_control(loaded)
+                    sums = np.empty(own.shape)
+                    part.tables.flux_sums(by_point[..., part.columns], out=sums)
+                    part_left = left[block.triangles[part.columns]]
+                    np.einsum("nde,ekn->dkn", part_left, sums, out=own)
+                n_loaded += len(block.control_points)
+            return np.stack(
+                [scattered(chunk.control_points, load, chunk.high - chunk.low) for load in loads]
+            )
+
+        total = np.zeros((3, self.topology.n_vertices))
+        parts = ordered_map(of_chunk, self._chunks)
+        for chunk, part in zip(self._chunks, parts, strict=True):
+            total[:, chunk.low : chunk.high] += part
+        return total.T
 
     def measures(self, positions: ArrayLike) -> SurfaceMeasures:
         """Integrate curvature energy, area and volume of the limit surface of `positions`."""

@@ -3,8 +3,9 @@
 1.  Noise level of each connected part, by density (`noise_level`).
 2.  Filters in metrics of the slightly smoothed surface (`filter_bank`), and the mixture of them
     with the least estimated distance to the surface without noise (`unbiased_risk`).
-3.  The same again with metrics of that mixture, which knows the creases, and once more with a
-    smaller angle; the last mixture is of all filters of all rounds.
+3.  The same again with metrics of that mixture, which knows the creases, once more with a
+    smaller angle, and fits of the mixture of all that to its smoothed normals; the last mixture is
+    of all filters of all rounds.
 
 How much of the noise a filter removes is measured by filtering a second time with a little noise
 of our own added: the metrics follow the noise too, which no formula for a linear filter sees.
@@ -22,7 +23,7 @@ from .assembly import LoopSpace
 from .auto_estimate import STRENGTHS, AutoEstimate, AutoPlan, crease_share_of, estimate_of
 from .errors import InputError
 from .fading import Fading
-from .filter_bank import FilterBank, FilterFamily
+from .filter_bank import FilterBank, FilterFamily, NormalFamily
 from .filter_rounds import FAMILIES, USABLE, rounds_for
 from .linear_solver import SolveReport
 from .local_frame import LocalFrame
@@ -38,8 +39,10 @@ BoolArray = NDArray[np.bool_]
 # the estimate is a lower bound; found on meshes with known noise.
 NOISE_FACTOR = 1.1
 
-# Solves for the filters of one metric, as far as the progress goes; it differs a little.
-EXPECTED_SOLVES = 9
+# Solves for all filters, as far as the progress goes: for those of one metric it differs a little.
+EXPECTED_SOLVES = 9 + sum(
+    family.n_filters if isinstance(family, NormalFamily) else 9 for family in FAMILIES
+)
 
 PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large against rounding
 PROBE_SEED = 0
@@ -101,8 +104,7 @@ def auto_surfaces(
     InputError
         A plan of a mesh of another size.
     """
-    n_spaces = 1 + len(FAMILIES)
-    solves = _Solves(EXPECTED_SOLVES * n_spaces * (2 if plan is None else 1), progress)
+    solves = _Solves(EXPECTED_SOLVES * (2 if plan is None else 1), progress)
     bank = FilterBank(space, positions, solves.count)
     track = _Track(bank, positions)
     frame = LocalFrame.of(space.topology, track.surface, track.surface)
@@ -220,8 +222,8 @@ class _Track:
         self.taken: list[NDArray[np.float32]] = []
         self._bank = bank
 
-    def filter(self, families: list[FilterFamily]) -> None:
-        """Add filters in metrics of the present surface."""
+    def filter(self, families: list[FilterFamily | NormalFamily]) -> None:
+        """Add filters in metrics of the present surface, or fits to its normals."""
         for filtered in self._bank.filtered(self.positions, self.surface, families):
             self.taken.append((self.positions - filtered).astype(np.float32))
 

@@ -165,12 +165,15 @@ class SurfaceBlock(NamedTuple):
     ----------
     values : (4, n_points)
         Coordinates and a scalar field.
+    tangents : (2, 3, n_points)
+        ∂1 x, ∂2 x.
     metric : Metric
     second_derivatives : (3, 3, n_points) or None
         ∂11 x, ∂12 x, ∂22 x, if they were asked for.
     """
 
     values: FloatArray
+    tangents: FloatArray
     metric: Metric
     second_derivatives: FloatArray | None
 
@@ -200,8 +203,8 @@ def evaluate(block: Block, columns: FloatArray, curved: bool) -> SurfaceBlock:
         part.tables.evaluate(own[3:], 1, out=values[3:, :, part.columns])
     values[:3] = jets[:, 0]
     by_derivative = jets.reshape(3, n_derivatives, -1).swapaxes(0, 1)
-    metric = metric_at(by_derivative[1:3])
-    return SurfaceBlock(values.reshape(4, -1), metric, by_derivative[3:] if curved else None)
+    tangents, second_derivatives = by_derivative[1:3], by_derivative[3:] if curved else None
+    return SurfaceBlock(values.reshape(4, -1), tangents, metric_at(tangents), second_derivatives)
 
 
 def integrate_measures(block: Block, surface: SurfaceBlock) -> FloatArray:

@@ -5,7 +5,7 @@ Source: the integrands of M and L in (3.4) and (3.9), written in parametric coor
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -91,6 +91,24 @@ class ClassTables:
         out : (k, K, n)
         """
         _multiply(self.weighted_values, values, out)
+
+    def flux_sums(self, fluxes: FloatArray, out: FloatArray) -> None:
+        """Integrate scalar products of fluxes with each basis function's gradient.
+
+        Parameters
+        ----------
+        fluxes : (k, 2, q, n)
+            Factors of ∂1 φ and of ∂2 φ.
+        out : (k, K, n)
+        """
+        n_triangles = fluxes.shape[-1]
+        _multiply(self._weighted_gradients, fluxes.reshape(len(fluxes), -1, n_triangles), out)
+
+    @cached_property
+    def _weighted_gradients(self) -> FloatArray:
+        """Transposed ∂1 and ∂2 of all basis functions times the weights, (K, 2 q)."""
+        gradients = self.basis.reshape(6, self.n_points, -1)[1:3] * self.weights
+        return np.ascontiguousarray(gradients.reshape(2 * self.n_points, -1).T)
 
     def local_matrices(self, coefficients: FloatArray, terms: slice, out: FloatArray) -> None:
         """Integrate products of basis functions over n triangles.

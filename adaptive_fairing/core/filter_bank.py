@@ -5,6 +5,9 @@ add what S makes of the part that it removed, and of what is still missing then,
 1 - (1 - S)ᵖ: p times the order of accuracy at long waves, and still damps the short ones.  Several
 such steps make one filter, the steeper the larger p.
 
+Where creases stand close together, no diffusion has room between them.  There another filter fits
+the surface to smoothed normals of its triangles, again by a semi-implicit step.
+
 A vertex whose edges are shorter than those around it has less noise than its neighbours, as far as
 noise grows with the edges: M counts it for more.
 """
@@ -12,17 +15,21 @@ noise grows with the edges: M counts it for more.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import cached_property
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import LoopSpace
-from .diffusion_space import Diffusion, removed_by
+from .diffusion_space import MAX_ITERATIONS, Diffusion, removed_by
 from .lifted_metric import LiftedMetric
 from .limit_surface import limit_matrix, near_control_points
-from .linear_solver import SolveReport
+from .linear_solver import SolveReport, conjugate_gradients
 from .local_frame import spacing_of
+from .normals import triangle_normals, unit_vectors
+from .smooth_normals import Smoothing, smoothed_normals, triangles_around, turns_between
 from .symmetric_matrix import SymmetricMatrix
 
 FloatArray = NDArray[np.float64]
@@ -34,6 +41,22 @@ class FilterFamily(NamedTuple):
     metric: LiftedMetric
     diffusions: tuple[Diffusion, ...]
 
+    @property
+    def n_filters(self) -> int:
+        """Number of surfaces that come out."""
+        return len(self.diffusions)
+
+
+class NormalFamily(NamedTuple):
+    """Fits to the normals of triangles, smoothed in several ways."""
+
+    smoothings: tuple[Smoothing, ...]
+
+    @property
+    def n_filters(self) -> int:
+        """Number of surfaces that come out."""
+        return sum(len(smoothing.passes) for smoothing in self.smoothings)
+
 
 # Creases need the gentle ones; smooth shapes, whose waves end somewhere, the steep ones too.
 GENTLE = (Diffusion(0.25, 2, 4), Diffusion(1.0, 2, 4), Diffusion(4.0, 2, 4))
@@ -41,6 +64,11 @@ STEEP = (*GENTLE, Diffusion(0.5, 4, 4), Diffusion(1.2, 4, 4), Diffusion(3.0, 4, 
 
 # Smoothing before the first metric of a surface can be taken.
 FIRST = Diffusion(0.5, 2, 2)
+
+# Time of the step that fits a surface to normals, in squared edge lengths, and the tolerance of its
+# solve; the metric is that of the surface.
+FIT_TIME, FIT_TOLERANCE = 4.0, 1e-3
+FIT_METRIC = LiftedMetric(1)
 
 # A vertex counts for at most so many times, or parts, of the others around it.
 LARGEST_WEIGHT = 8.0
@@ -86,32 +114,70 @@ class FilterBank:
         return smooth
 
     def filtered(
-        self, positions: FloatArray, surface: FloatArray, families: Sequence[FilterFamily]
+        self,
+        positions: FloatArray,
+        surface: FloatArray,
+        families: Sequence[FilterFamily | NormalFamily],
     ) -> Iterator[FloatArray]:
-        """Filter positions in the metrics of a surface.
+        """Filter positions in the metrics of a surface, or that surface by its normals.
 
         Parameters
         ----------
         positions : (n, 3)
         surface : (n, 3)
             Positions of the surface that the metrics are taken from.
-        families : sequence of FilterFamily
+        families : sequence of FilterFamily and NormalFamily
 
         Yields
         ------
         (n, 3)
-            What the next filter makes of the positions, family by family.
+            What the next filter makes of them, family by family.
         """
         control = near_control_points(self._limit, positions)
         spacing = spacing_of(self._space.topology, surface, SPACING_PASSES)
         surface_control = near_control_points(self._limit, surface)
-        for metric, diffusions in families:
+        for family in families:
+            if isinstance(family, NormalFamily):
+                yield from self._fitted(surface, surface_control, spacing, family)
+                continue
+            metric, diffusions = family
             if metric == LiftedMetric():
                 matrices = self._mesh_matrices
             else:
                 matrices = self._matrices(metric, surface_control, spacing)
             for removed in self._removed(matrices, control, diffusions):
                 yield self._limit @ (control - removed)
+
+    def _fitted(
+        self, surface: FloatArray, control: FloatArray, spacing: FloatArray, family: NormalFamily
+    ) -> Iterator[FloatArray]:
+        """Fit a surface (n, 3) to its normals, smoothed.
+
+        The step X - (M + t L)⁻¹ t b turns the tangents of every triangle as far as its normal was
+        turned, with b = ∫ (∇x - R ∇x) · ∇φ.
+        """
+        topology = self._space.topology
+        mass, stiffness = self._matrices(FIT_METRIC, control, spacing)
+        system = mass.plus(FIT_TIME, stiffness)
+        normals = unit_vectors(triangle_normals(surface, topology.triangles))
+        for smooth in chain.from_iterable(
+            smoothed_normals(normals, self._around, smoothing) for smoothing in family.smoothings
+        ):
+            load = self._space.turning_load(control, turns_between(normals, smooth))
+            removed, report = conjugate_gradients(
+                system,
+                FIT_TIME * load,
+                np.zeros_like(load),
+                is_held=self._is_loose,
+                tolerance=FIT_TOLERANCE,
+                max_iterations=MAX_ITERATIONS,
+            )
+            self._on_solve(report)
+            yield surface - self._limit @ removed
+
+    @cached_property
+    def _around(self) -> NDArray[np.int32]:
+        return triangles_around(self._space.topology)
 
     def _matrices(
         self, metric: LiftedMetric, control: FloatArray, spacing: FloatArray

@@ -2,54 +2,73 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
-from .filter_bank import GENTLE, STEEP, FilterFamily
+from .filter_bank import GENTLE, STEEP, FilterFamily, NormalFamily
 from .lifted_metric import LiftedMetric
+from .smooth_normals import Smoothing
 
 FloatArray = NDArray[np.float64]
 
-# Filters of each round, in metrics of the mixture of the rounds before it.  The angles are for
-# noise of `COARSE_NOISE` or more; with less noise the normals are less disturbed, and smaller
-# angles tell creases from it.
-ROUNDS = (
+# Filters of each round, in metrics of the mixture of the rounds before it.  The angles of the
+# metrics are for noise of `COARSE_NOISE` or more; with less noise the normals are less disturbed,
+# and smaller angles tell creases from it.
+ROUNDS: tuple[tuple[FilterFamily | NormalFamily, ...], ...] = (
     (
         FilterFamily(LiftedMetric(0), STEEP),
         FilterFamily(LiftedMetric(1), STEEP),
-        FilterFamily(LiftedMetric(1, 0.3), GENTLE),
     ),
     (
-        FilterFamily(LiftedMetric(0, 0.07), GENTLE),
         FilterFamily(LiftedMetric(0, 0.3), STEEP),
         FilterFamily(LiftedMetric(1, 0.3), STEEP),
     ),
     (FilterFamily(LiftedMetric(0, 0.035), GENTLE),),
+    (
+        NormalFamily(
+            (Smoothing(math.radians(30), (2, 8)), Smoothing(math.radians(60), (1, 3, 8, 20)))
+        ),
+    ),
 )
 FAMILIES = tuple(family for families in ROUNDS for family in families)
 COARSE_NOISE = 0.2
 LEAST_ANGLE_FACTOR = 0.1
 
-# Angle of each filter.  With at most `SHARP_ANGLE` it keeps creases, without one (inf) it rounds
-# them; those between keep what stands out of the noise.
-ANGLES = np.repeat(
-    [np.inf if f.metric.angle is None else f.metric.angle for f in FAMILIES],
-    [len(f.diffusions) for f in FAMILIES],
-)
+# With at most `SHARP_ANGLE` a filter keeps creases, without an angle it rounds them; those between
+# keep what stands out of the noise.  Fits to normals keep creases.
 SHARP_ANGLE = 0.1
-KEEPS_CREASES = ANGLES <= SHARP_ANGLE
-USABLE = {"auto": ANGLES > 0, "sharp": KEEPS_CREASES, "smooth": np.isinf(ANGLES)}
 
 
-def rounds_for(noise: FloatArray) -> list[list[FilterFamily]]:
+def _keeps_creases(family: FilterFamily | NormalFamily) -> bool:
+    if isinstance(family, NormalFamily):
+        return True
+    return family.metric.angle is not None and family.metric.angle <= SHARP_ANGLE
+
+
+def _rounds_creases(family: FilterFamily | NormalFamily) -> bool:
+    return isinstance(family, FilterFamily) and family.metric.angle is None
+
+
+N_FILTERS = [family.n_filters for family in FAMILIES]
+KEEPS_CREASES = np.repeat([_keeps_creases(family) for family in FAMILIES], N_FILTERS)
+USABLE = {
+    "auto": np.ones(sum(N_FILTERS), dtype=bool),
+    "sharp": KEEPS_CREASES,
+    "smooth": np.repeat([_rounds_creases(family) for family in FAMILIES], N_FILTERS),
+}
+
+
+def rounds_for(noise: FloatArray) -> list[list[FilterFamily | NormalFamily]]:
     """Scale the angles of all rounds' metrics to the noise, (n,), of the vertices judged."""
     typical = float(np.median(noise[noise > 0])) if noise.any() else 0.0
     factor = float(np.clip(typical / COARSE_NOISE, LEAST_ANGLE_FACTOR, 1))
 
-    def scaled(metric: LiftedMetric) -> LiftedMetric:
-        return metric if metric.angle is None else metric._replace(angle=factor * metric.angle)
+    def scaled(family: FilterFamily | NormalFamily) -> FilterFamily | NormalFamily:
+        if isinstance(family, NormalFamily) or family.metric.angle is None:
+            return family
+        metric = family.metric._replace(angle=factor * family.metric.angle)
+        return family._replace(metric=metric)
 
-    return [
-        [family._replace(metric=scaled(family.metric)) for family in families]
-        for families in ROUNDS
-    ]
+    return [[scaled(family) for family in families] for families in ROUNDS]

@@ -50,3 +50,14 @@ class ScalarForm(NamedTuple):
         np.multiply(metric.g12, factor, out=factor)
         np.negative(factor, out=coefficients[2])
         return coefficients
+
+
+def gradient_fluxes(surface: SurfaceBlock) -> FloatArray:
+    """Compute √g g⁻¹ ∂x at each point, (3, 2, n_points): with ∂φ, the integrand of L x."""
+    metric = surface.metric
+    first, second = surface.tangents
+    fluxes = np.empty((3, 2, len(metric.area_element)))
+    np.subtract(metric.g22 * first, metric.g12 * second, out=fluxes[:, 0])
+    np.subtract(metric.g11 * second, metric.g12 * first, out=fluxes[:, 1])
+    fluxes /= metric.area_element
+    return fluxes

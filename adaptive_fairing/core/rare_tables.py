@@ -56,6 +56,13 @@ class RareTables:
         weighted = np.ascontiguousarray((values * self.weights).T)
         out[:] = (self._basis[:, 0].swapaxes(1, 2) @ weighted).T
 
+    def flux_sums(self, fluxes: FloatArray, out: FloatArray) -> None:
+        """Integrate fluxes along gradients; shapes as in `ClassTables.flux_sums`."""
+        n_triangles = len(self._basis)
+        weighted = (fluxes * self.weights).reshape(len(fluxes), -1, n_triangles)
+        gradients = self._basis[:, 1:3].reshape(n_triangles, 2 * self.n_points, -1)
+        out[:] = (gradients.swapaxes(1, 2) @ np.ascontiguousarray(weighted.T)).T
+
     def local_matrices(self, coefficients: FloatArray, terms: slice, out: FloatArray) -> None:
         """Integrate products; as `ClassTables.local_matrices`."""
         sum_products(self._basis[:, :3], coefficients * self.weights, terms, self.pairs, out)
