@@ -22,8 +22,9 @@ BoolArray = NDArray[np.bool_]
 # voxels measure 0.13 to 0.18.
 LEAST_ROUGHNESS = 0.11
 
-# Shares of the neighbours' mean that are tried; the first is white noise.
-SHARES = np.linspace(0, 0.9, 10)
+# Shares of the neighbours' mean that are tried; the first is white noise.  Contoured voxels fade as
+# with 0.55 to 0.63, but the shape's own fading is in it: more than the last share is not believed.
+SHARES = np.linspace(0, 0.56, 8)
 
 
 class NoiseCorrelation(NamedTuple):
@@ -70,9 +71,7 @@ def noise_correlation(fading: Fading, frame: LocalFrame, is_counted: BoolArray) 
         noise = NoiseCorrelation(share).applied(fading.white, frame)
         rows.append((*fading.of_noise(noise, is_counted), np.std(noise[is_counted])))
     seen, kept_by_share, deviation = np.array(rows).T
-    # Fading deepens with the share, until most of the noise is mean; no share beyond is sought.
-    deepest = int(np.argmin(kept_by_share)) + 1
-    share = float(np.interp(-kept, -kept_by_share[:deepest], SHARES[:deepest]))
+    share = float(np.interp(-kept, -np.minimum.accumulate(kept_by_share), SHARES))
     return NoiseCorrelation(
         share, float(np.interp(share, SHARES, seen)), float(np.interp(share, SHARES, deviation))
     )
