@@ -91,7 +91,10 @@ def triangles_around(topology: TriangleTopology) -> IntArray:
 
 
 def turns_between(before: FloatArray, after: FloatArray) -> FloatArray:
-    """Rotations that take unit normals (m, 3) to others by the shortest way, (m, 3, 3)."""
+    """Rotations that take unit normals (m, 3) to others by the shortest way, (m, 3, 3).
+
+    The identity for triangles without area, whose normals are 0.
+    """
     axis = np.cross(before, after)
     cosine = np.einsum("fd,fd->f", before, after)
     # R = c I + [a]ₓ + a aᵀ / (1 + c).
@@ -99,4 +102,5 @@ def turns_between(before: FloatArray, after: FloatArray) -> FloatArray:
     turns: FloatArray = np.einsum("f,fd,fe->fde", share, axis, axis)
     x, y, z = axis.T
     turns += np.stack([cosine, -z, y, z, cosine, -x, -y, x, cosine], axis=1).reshape(-1, 3, 3)
+    turns[~before.any(axis=1)] = np.eye(3)
     return turns

@@ -59,6 +59,14 @@ def test_turns_take_one_normal_to_the_other_by_the_shortest_way():
     np.testing.assert_allclose(np.einsum("fde,fe->fd", turns, axis), axis, atol=1e-12)
 
 
+def test_a_triangle_without_area_is_not_turned():
+    nothing = np.zeros((1, 3))
+    (smooth,) = smoothed_normals(nothing, np.array([[-1]], dtype=np.int32), Smoothing(ANGLE, (1,)))
+    assert not smooth.any()
+    for after in (smooth, np.array([[0.0, 0.0, 1.0]])):
+        assert np.array_equal(turns_between(nothing, after), [np.eye(3)])
+
+
 def test_normals_that_are_alike_stay():
     vertices, faces = meshes.flat_grid(6, 6)
     normals = normals_of(vertices, faces)
