@@ -23,7 +23,7 @@ from .assembly import LoopSpace
 from .auto_estimate import STRENGTHS, AutoEstimate, AutoPlan, crease_share_of, estimate_of
 from .errors import InputError
 from .fading import Fading
-from .filter_bank import FilterBank, FilterFamily, NormalFamily
+from .filter_bank import SOLVES_PER_METRIC, FilterBank, FilterFamily, NormalFamily
 from .filter_rounds import FAMILIES, USABLE, rounds_for
 from .linear_solver import SolveReport
 from .local_frame import LocalFrame
@@ -39,10 +39,8 @@ BoolArray = NDArray[np.bool_]
 # the estimate is a lower bound; found on meshes with known noise.
 NOISE_FACTOR = 1.1
 
-# Solves for all filters, as far as the progress goes: for those of one metric it differs a little.
-EXPECTED_SOLVES = 9 + sum(
-    family.n_filters if isinstance(family, NormalFamily) else 9 for family in FAMILIES
-)
+# Solves for the first surface and all filters, as far as the progress goes.
+EXPECTED_SOLVES = SOLVES_PER_METRIC + sum(family.n_solves for family in FAMILIES)
 
 PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large against rounding
 PROBE_SEED = 0

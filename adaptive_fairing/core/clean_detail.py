@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,7 +40,7 @@ class CleanDetail:
         frame: LocalFrame,
         fading: Fading,
     ) -> None:
-        self._lines = LineRoughness(topology, positions, frame)
+        self._topology, self._positions, self._frame = topology, positions, frame
         self._fading = fading
 
     def without(self, level: FloatArray, is_counted: BoolArray) -> FloatArray:
@@ -56,3 +58,7 @@ class CleanDetail:
         if rough < LEAST_ROUGHNESS and self._fading.fades(is_counted):
             return np.minimum(level, CLEAN_ROUGHNESS)
         return level
+
+    @cached_property
+    def _lines(self) -> LineRoughness:
+        return LineRoughness(self._topology, self._positions, self._frame)

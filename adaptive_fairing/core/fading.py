@@ -7,6 +7,8 @@ contoured volumes, which are like white noise that was averaged with the neighbo
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -42,9 +44,7 @@ class Fading:
 
     def __init__(self, positions: FloatArray, frame: LocalFrame) -> None:
         self.white: FloatArray = np.random.default_rng(NOISE_SEED).normal(size=len(positions))
-        self._of_mesh = _differences(positions, frame)
-        self._of_white = _differences(frame.raised(self.white), frame)
-        self._frame = frame
+        self._positions, self._frame = positions, frame
 
     def fades(self, is_counted: BoolArray) -> bool:
         """Tell if the roughness of vertices, (n,) bool, fades more than white noise may."""
@@ -59,6 +59,15 @@ class Fading:
     def of_noise(self, noise: FloatArray, is_counted: BoolArray) -> tuple[float, float]:
         """Return the same two numbers for noise (n,) along the normals, in local edge lengths."""
         return self._compared(_differences(self._frame.raised(noise), self._frame), is_counted)
+
+    # Not needed for a mesh that is clean at first sight.
+    @cached_property
+    def _of_mesh(self) -> FloatArray:
+        return _differences(self._positions, self._frame)
+
+    @cached_property
+    def _of_white(self) -> FloatArray:
+        return _differences(self._frame.raised(self.white), self._frame)
 
     def _compared(self, differences: FloatArray, is_counted: BoolArray) -> tuple[float, float]:
         low, high = np.median(differences[:, is_counted], axis=1)

@@ -35,6 +35,14 @@ from .symmetric_matrix import SymmetricMatrix
 FloatArray = NDArray[np.float64]
 
 
+# With at most this angle a metric keeps creases, without one it rounds them; those between keep
+# what stands out of the noise.
+SHARP_ANGLE = 0.1
+
+# Solves for the filters of one metric, as far as a progress goes; it differs a little.
+SOLVES_PER_METRIC = 9
+
+
 class FilterFamily(NamedTuple):
     """Several diffusions in one metric."""
 
@@ -46,6 +54,27 @@ class FilterFamily(NamedTuple):
         """Number of surfaces that come out."""
         return len(self.diffusions)
 
+    @property
+    def n_solves(self) -> int:
+        """Number of linear solves, about."""
+        return SOLVES_PER_METRIC
+
+    @property
+    def keeps_creases(self) -> bool:
+        """Whether diffusion stops at every crease."""
+        return self.metric.angle is not None and self.metric.angle <= SHARP_ANGLE
+
+    @property
+    def rounds_creases(self) -> bool:
+        """Whether diffusion does not see creases."""
+        return self.metric.angle is None
+
+    def scaled(self, factor: float) -> FilterFamily:
+        """Return the same diffusions with the metric's angle times a factor."""
+        if self.metric.angle is None:
+            return self
+        return self._replace(metric=self.metric._replace(angle=factor * self.metric.angle))
+
 
 class NormalFamily(NamedTuple):
     """Fits to the normals of triangles, smoothed in several ways."""
@@ -56,6 +85,25 @@ class NormalFamily(NamedTuple):
     def n_filters(self) -> int:
         """Number of surfaces that come out."""
         return sum(len(smoothing.passes) for smoothing in self.smoothings)
+
+    @property
+    def n_solves(self) -> int:
+        """Number of linear solves."""
+        return self.n_filters
+
+    @property
+    def keeps_creases(self) -> bool:
+        """Normals are not smoothed across creases."""
+        return True
+
+    @property
+    def rounds_creases(self) -> bool:
+        """See `keeps_creases`."""
+        return False
+
+    def scaled(self, factor: float) -> NormalFamily:
+        """Return itself: the angles of normals do not follow the noise."""
+        return self
 
 
 # Creases need the gentle ones; smooth shapes, whose waves end somewhere, the steep ones too.

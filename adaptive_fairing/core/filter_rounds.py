@@ -36,27 +36,12 @@ FAMILIES = tuple(family for families in ROUNDS for family in families)
 COARSE_NOISE = 0.2
 LEAST_ANGLE_FACTOR = 0.1
 
-# With at most `SHARP_ANGLE` a filter keeps creases, without an angle it rounds them; those between
-# keep what stands out of the noise.  Fits to normals keep creases.
-SHARP_ANGLE = 0.1
-
-
-def _keeps_creases(family: FilterFamily | NormalFamily) -> bool:
-    if isinstance(family, NormalFamily):
-        return True
-    return family.metric.angle is not None and family.metric.angle <= SHARP_ANGLE
-
-
-def _rounds_creases(family: FilterFamily | NormalFamily) -> bool:
-    return isinstance(family, FilterFamily) and family.metric.angle is None
-
-
 N_FILTERS = [family.n_filters for family in FAMILIES]
-KEEPS_CREASES = np.repeat([_keeps_creases(family) for family in FAMILIES], N_FILTERS)
+KEEPS_CREASES = np.repeat([family.keeps_creases for family in FAMILIES], N_FILTERS)
 USABLE = {
     "auto": np.ones(sum(N_FILTERS), dtype=bool),
     "sharp": KEEPS_CREASES,
-    "smooth": np.repeat([_rounds_creases(family) for family in FAMILIES], N_FILTERS),
+    "smooth": np.repeat([family.rounds_creases for family in FAMILIES], N_FILTERS),
 }
 
 
@@ -64,11 +49,4 @@ def rounds_for(noise: FloatArray) -> list[list[FilterFamily | NormalFamily]]:
     """Scale the angles of all rounds' metrics to the noise, (n,), of the vertices judged."""
     typical = float(np.median(noise[noise > 0])) if noise.any() else 0.0
     factor = float(np.clip(typical / COARSE_NOISE, LEAST_ANGLE_FACTOR, 1))
-
-    def scaled(family: FilterFamily | NormalFamily) -> FilterFamily | NormalFamily:
-        if isinstance(family, NormalFamily) or family.metric.angle is None:
-            return family
-        metric = family.metric._replace(angle=factor * family.metric.angle)
-        return family._replace(metric=metric)
-
-    return [[scaled(family) for family in families] for families in ROUNDS]
+    return [[family.scaled(factor) for family in families] for families in ROUNDS]
