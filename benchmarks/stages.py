@@ -46,7 +46,7 @@ SETUP = (
     Stage("tables", "space_tables:RareTables"),
     Stage("chunks", "assembly:Chunk"),
     Stage("pattern", "assembly:SymmetricPattern"),
-    Stage("entries of chunks", "assembly:_ChunkEntries"),
+    Stage("entries of chunks", "assembly:ChunkEntries"),
 )
 
 STEP = (

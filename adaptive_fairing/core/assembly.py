@@ -7,6 +7,7 @@ basis functions times the (4 q, n) coefficients.  Local matrices are scattered c
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import cached_property
 from typing import NamedTuple
 
@@ -14,16 +15,19 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
-from .blocks import Chunk, evaluate, integrate_measures
+from .blocks import Chunk
+from .chunk_entries import ChunkEntries
 from .class_tables import MASS, STIFFNESS, SUM
 from .errors import InputError
+from .evaluation import Window, evaluate, integrate_measures
 from .forms import Form, ScalarForm, gradient_fluxes
 from .geometry import SurfaceMeasures
 from .parallel import Workspace, ordered_map
 from .patches import PatchSet
+from .precision import LEAST_MASS_IN_SINGLE, Precision, RealArray, SinglePrecisionError
 from .quadrature import quadrature_choice
 from .space_tables import SpaceTables
-from .sparsity import Pairs, SymmetricPattern, scattered
+from .sparsity import SymmetricPattern, scattered
 from .symmetric_matrix import SymmetricMatrix
 from .topology import TriangleTopology
 
@@ -33,10 +37,22 @@ _workspace = Workspace()
 
 
 class StepSystem(NamedTuple):
-    """The linear system (3.3) of one step, and the measures of the surface it starts from."""
+    """The linear system (3.3) of one step, and the measures of the surface it starts from.
+
+    Attributes
+    ----------
+    matrix : SymmetricMatrix
+        M + L.
+    load : (n_vertices, 3)
+        -L X, the right side for what a step adds to X.
+    lumped_mass : (n_vertices,)
+        Row sums of M.
+    measures : SurfaceMeasures
+    """
 
     matrix: SymmetricMatrix
-    right_side: FloatArray
+    load: FloatArray
+    lumped_mass: RealArray
     measures: SurfaceMeasures
 
 
@@ -127,12 +143,20 @@ class LoopSpace:
         *,
         timestep: ArrayLike | None = None,
         diffusivity: ArrayLike | None = None,
+        in_single: bool = False,
     ) -> StepSystem:
-        """Assemble M + L and M X for one semi-implicit step, and measure the surface meanwhile.
+        """Assemble M + L and -L X for one semi-implicit step, and measure the surface meanwhile.
 
-        Either the timestep or the diffusivity may vary over the surface, not both.
+        Parameters
+        ----------
+        positions : (n_vertices, 3)
+            Control points X of the surface.
+        timestep, diffusivity : (n_vertices,), optional
+            Either may vary over the surface, not both.
+        in_single : bool
+            Compute in single precision where the surface allows it; for positions in [-3, 3]^3.
 
-        Source: (3.3) with (3.4) (`timestep`) or (3.9) (`diffusivity`).
+        Source: (3.3) with (3.4) (`timestep`) or (3.9) (`diffusivity`), less M X(0) on both sides.
         """
         if timestep is not None and diffusivity is not None:
             raise InputError("give either a timestep or a diffusivity, not both")
@@ -142,8 +166,12 @@ class LoopSpace:
             measured=True,
         )
         field = timestep if diffusivity is None else diffusivity
-        (matrix,), right_side, measures = self._assemble(form, positions, field, SUM)
-        return StepSystem(matrix, right_side, measures)
+        if in_single:
+            with suppress(SinglePrecisionError):
+                system = self._step_system(form, positions, field, np.float32)
+                if (system.lumped_mass >= LEAST_MASS_IN_SINGLE * system.matrix.diagonal()).all():
+                    return system
+        return self._step_system(form, positions, field, np.float64)
 
     def mass_and_stiffness(
         self, form: Form, positions: ArrayLike, field: ArrayLike | None = None
@@ -172,13 +200,15 @@ class LoopSpace:
         """
         columns = self._columns(positions, None)
         left = np.eye(3) - turns
+        form = ScalarForm()
 
         def of_chunk(chunk: Chunk) -> FloatArray:
-            window = columns[:, chunk.low : chunk.high]
+            window = Window.of_chunk(chunk, columns, np.float64)
             loads = np.empty((3, len(chunk.control_points)))
             n_loaded = 0
             for block in chunk.blocks:
-                fluxes = gradient_fluxes(evaluate(block, window, curved=False))
+                surface = evaluate(block, window, curved=False)
+                fluxes = gradient_fluxes(surface, form.coefficients(surface))
                 by_point = fluxes.reshape(3, 2, block.n_points, -1)
                 loaded = loads[:, n_loaded : n_loaded + len(block.control_points)]
                 for part in block.parts:
@@ -188,9 +218,7 @@ class LoopSpace:
                     part_left = left[block.triangles[part.columns]]
                     np.einsum("nde,ekn->dkn", part_left, sums, out=own)
                 n_loaded += len(block.control_points)
-            return np.stack(
-                [scattered(chunk.control_points, load, chunk.high - chunk.low) for load in loads]
-            )
+            return _summed(chunk, loads)
 
         total = np.zeros((3, self.topology.n_vertices))
         parts = ordered_map(of_chunk, self._chunks)
@@ -198,12 +226,20 @@ class LoopSpace:
             total[:, chunk.low : chunk.high] += part
         return total.T
 
-    def measures(self, positions: ArrayLike) -> SurfaceMeasures:
-        """Integrate curvature energy, area and volume of the limit surface of `positions`."""
-        columns = self._columns(positions, None)
+    def measures(self, positions: ArrayLike, in_single: bool = False) -> SurfaceMeasures:
+        """Integrate curvature energy, area and volume of the limit surface of `positions`.
 
+        `in_single` as for `step_system`.
+        """
+        columns = self._columns(positions, None)
+        if in_single:
+            with suppress(SinglePrecisionError):
+                return self._measures(columns, np.float32)
+        return self._measures(columns, np.float64)
+
+    def _measures(self, columns: FloatArray, precision: Precision) -> SurfaceMeasures:
         def of_chunk(chunk: Chunk) -> FloatArray:
-            window = columns[:, chunk.low : chunk.high]
+            window = Window.of_chunk(chunk, columns, precision)
             totals = np.zeros(3)
             for block in chunk.blocks:
                 totals += integrate_measures(block, evaluate(block, window, curved=True))
@@ -211,32 +247,46 @@ class LoopSpace:
 
         return self._as_measures(sum(ordered_map(of_chunk, self._chunks), np.zeros(3)))
 
+    def _step_system(
+        self, form: Form, positions: ArrayLike, field: ArrayLike | None, precision: Precision
+    ) -> StepSystem:
+        (matrix,), load, measures = self._assemble(form, positions, field, SUM, precision=precision)
+        # Those of M + L: L has none.
+        lumped_mass = matrix.product(np.ones((1, len(load))))[0]
+        return StepSystem(matrix, load, lumped_mass, measures)
+
     def _assemble(
-        self, form: Form, positions: ArrayLike, field: ArrayLike | None, *terms: slice
+        self,
+        form: Form,
+        positions: ArrayLike,
+        field: ArrayLike | None,
+        *terms: slice,
+        precision: Precision = np.float64,
     ) -> _Assembled:
         """Assemble a matrix for each of the `terms` of a form; MASS, STIFFNESS or SUM."""
         columns = self._columns(positions, field)
-        uppers = [np.zeros(self.pattern.n_upper) for _ in terms]
-        right_side = np.zeros((3, self.topology.n_vertices))
+        uppers = [np.zeros(self.pattern.n_upper, precision) for _ in terms]
+        load = np.zeros((3, self.topology.n_vertices))
         totals = np.zeros(3)
 
         def contribution(index: int) -> _Contribution:
-            return _integrate(self._chunks[index], self._entries[index], columns, form, terms)
+            chunk, entries = self._chunks[index], self._entries[index]
+            return _integrate(chunk, entries, columns, form, terms, precision)
 
         parts = ordered_map(contribution, range(len(self._chunks)))
         for chunk, entries, part in zip(self._chunks, self._entries, parts, strict=True):
             for upper, own in zip(uppers, part.entries, strict=True):
                 upper[entries.low : entries.high] += own
             if form.measured:
-                right_side[:, chunk.low : chunk.high] += part.loads
+                load[:, chunk.low : chunk.high] -= part.bending
                 totals += part.totals
         matrices = [SymmetricMatrix.from_upper(self.pattern, upper) for upper in uppers]
-        return _Assembled(matrices, right_side.T, self._as_measures(totals))
+        return _Assembled(matrices, load.T, self._as_measures(totals))
 
     @cached_property
-    def _entries(self) -> list[_ChunkEntries]:
+    def _entries(self) -> list[ChunkEntries]:
         pattern = self.pattern
-        return list(ordered_map(lambda chunk: _ChunkEntries(chunk, pattern), self._chunks))
+        return list(ordered_map(lambda chunk: ChunkEntries(chunk, pattern), self._chunks))
 
     def _columns(self, positions: ArrayLike, field: ArrayLike | None) -> FloatArray:
         """Stack the coordinates and a scalar field as rows, (4, n_vertices)."""
@@ -262,103 +312,62 @@ class _Assembled(NamedTuple):
     """Matrices of several terms of a form, and what was integrated meanwhile."""
 
     matrices: list[SymmetricMatrix]
-    right_side: FloatArray
+    load: FloatArray
     measures: SurfaceMeasures
 
 
-class _ChunkEntries:
-    """Where the local matrices of a chunk go.
-
-    Attributes
-    ----------
-    low, high : int
-        Range of the upper-triangle entries of the chunk's vertices.
-    numbers : (n_entries,) int32
-        Upper-triangle entry of every local matrix entry, minus `low`.
-    doubled : (k,) int
-        Local off-diagonal entries whose two control points are one vertex: they count twice.
-    """
-
-    def __init__(self, chunk: Chunk, pattern: SymmetricPattern) -> None:
-        self.low, self.high = pattern.row_starts[[chunk.low, chunk.high]].tolist()
-        self.numbers = np.empty(chunk.n_entries, dtype=np.int32)
-        places = pattern.places(chunk.low, chunk.high)
-        doubled = [np.empty(0, dtype=np.intp)]
-        done = 0
-        for block in chunk.blocks:
-            for part in block.parts:
-                vertices = part.of_control(block.control_points)
-                out = self.numbers[done : done + part.n_entries].reshape(-1, part.n_triangles)
-                places.numbers(vertices, part.tables.pairs, out)
-                doubled.append(done + _doubled(vertices, part.tables.pairs))
-                done += part.n_entries
-        self.doubled = np.concatenate(doubled)
-
-
-def _doubled(vertices: NDArray[np.int32], pairs: Pairs) -> NDArray[np.intp]:
-    """Which entries (a, b), a ≠ b, of local matrices (p, n), in one row, have one vertex twice.
-
-    Parameters
-    ----------
-    vertices : (K, n)
-    pairs : two arrays (p,)
-    """
-    ordered = np.sort(vertices, axis=0)
-    triangles = np.flatnonzero((ordered[1:] == ordered[:-1]).any(axis=0))
-    if not len(triangles):
-        return triangles
-    own = vertices[:, triangles]
-    a, b = pairs
-    found = np.flatnonzero((own[a] == own[b]) & (a != b)[:, None])
-    pair, place = np.divmod(found, len(triangles))
-    return pair * vertices.shape[1] + triangles[place]
-
-
 class _Contribution(NamedTuple):
-    """What a chunk adds to its window of entries, to its window of loads, and to the measures."""
+    """What a chunk adds to its window of entries, to its window of L X, and to the measures."""
 
-    entries: list[FloatArray]
-    loads: FloatArray
+    entries: list[RealArray]
+    bending: RealArray
     totals: FloatArray
 
 
 def _integrate(
     chunk: Chunk,
-    entries: _ChunkEntries,
+    entries: ChunkEntries,
     columns: FloatArray,
     form: Form,
     terms: tuple[slice, ...],
+    precision: Precision,
 ) -> _Contribution:
-    window = columns[:, chunk.low : chunk.high]
-    local = _workspace.array("local", len(terms), chunk.n_entries)
-    loads = _workspace.array("loads", 3, len(chunk.control_points) if form.measured else 0)
+    window = Window.of_chunk(chunk, columns, precision)
+    local = _workspace.array("local", len(terms), chunk.n_entries, precision=precision)
+    n_loads = len(chunk.control_points) if form.measured else 0
+    loads = _workspace.array("loads", 3, n_loads, precision=precision)
     totals = np.zeros(3)
     n_done = n_loaded = 0
     for block in chunk.blocks:
         surface = evaluate(block, window, form.curved)
-        coefficients = form.coefficients(surface).reshape(4, block.n_points, -1)
+        flat_coefficients = form.coefficients(surface)
+        coefficients = flat_coefficients.reshape(4, block.n_points, -1)
         for part in block.parts:
             own = local[:, n_done : n_done + part.n_entries]
             for term, matrices in zip(terms, own, strict=True):
-                part.tables.local_matrices(
+                part.tables_in(precision).local_matrices(
                     coefficients[..., part.columns], term, matrices.reshape(-1, part.n_triangles)
                 )
             n_done += part.n_entries
         if form.measured:
             totals += integrate_measures(block, surface)
-            moved = surface.values[:3].reshape(3, block.n_points, -1)
-            moved *= coefficients[0]  # t⁻¹ √g x
+            fluxes = gradient_fluxes(surface, flat_coefficients)
+            by_point = fluxes.reshape(3, 2, block.n_points, -1)
             loaded = loads[:, n_loaded : n_loaded + len(block.control_points)]
             for part in block.parts:
-                part.tables.weighted_sums(moved[..., part.columns], out=part.of_control(loaded))
+                part.tables_in(precision).flux_sums(
+                    by_point[..., part.columns], out=part.of_control(loaded)
+                )
             n_loaded += len(block.control_points)
     local[:, entries.doubled] *= 2
-    sums = np.zeros((3, 0))
-    if form.measured:
-        sums = np.stack(
-            [scattered(chunk.control_points, load, chunk.high - chunk.low) for load in loads]
-        )
+    bending = _summed(chunk, loads) if form.measured else np.zeros((3, 0))
     size = entries.high - entries.low
     return _Contribution(
-        [scattered(entries.numbers, values, size) for values in local], sums, totals
+        [scattered(entries.numbers, values, size) for values in local], bending, totals
     )
+
+
+def _summed(chunk: Chunk, loads: RealArray) -> RealArray:
+    """Add up loads of control points (3, n_control) by vertex, in the chunk's window."""
+    size = chunk.high - chunk.low
+    return np.stack([scattered(chunk.control_points, load, size) for load in loads])

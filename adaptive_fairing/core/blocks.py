@@ -1,4 +1,4 @@
-"""Blocks: the triangles that are integrated in one go, with the surface at their points.
+"""Blocks: the triangles that are integrated in one go.
 
 A block is as many triangles as one numpy call should work on.  It may hold parts of
 several patch classes that have equally many points: what differs by class is a matrix product per
@@ -14,19 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .class_tables import ClassTables
-from .geometry import Metric, mean_curvature, metric_at
-from .parallel import Workspace
 from .patches import Segment
+from .precision import Precision
 from .space_tables import Piece, SpaceTables, Tables
 
-FloatArray = NDArray[np.float64]
-Value = TypeVar("Value", np.float64, np.int32)
-
-_workspace = Workspace()
+Value = TypeVar("Value", np.float32, np.float64, np.int32)
 
 # Large enough to hide the cost of a numpy call, and of threads taking turns at the interpreter;
-# small enough for the cache: twice as many points take a tenth longer.
-POINTS_PER_BLOCK = 12288
+# small enough for the cache: in single precision, half or twice as many points take longer.
+POINTS_PER_BLOCK = 24576
 
 
 class Part(NamedTuple):
@@ -54,6 +50,10 @@ class Part(NamedTuple):
     def n_entries(self) -> int:
         """Number of local matrix entries."""
         return len(self.tables.pairs[0]) * self.n_triangles
+
+    def tables_in(self, precision: Precision) -> Tables:
+        """Return the tables in single or double precision."""
+        return self.tables if precision is np.float64 else self.tables.single
 
     def of_control(self, values: NDArray[Value]) -> NDArray[Value]:
         """View values (…, n_control) at a block's control points as those of this part's."""
@@ -153,73 +153,3 @@ def _blocks(pieces: list[Piece]) -> Iterator[list[Piece]]:
                 gathered = []
     if gathered:
         yield gathered
-
-
-class SurfaceBlock(NamedTuple):
-    """Surface and field at the quadrature points of a block, until the thread's next block.
-
-    Points run over the quadrature points first, then over the triangles: arrays (…, n_points) can
-    be seen as (…, q, n_triangles).
-
-    Attributes
-    ----------
-    values : (4, n_points)
-        Coordinates and a scalar field.
-    tangents : (2, 3, n_points)
-        ∂1 x, ∂2 x.
-    metric : Metric
-    second_derivatives : (3, 3, n_points) or None
-        ∂11 x, ∂12 x, ∂22 x, if they were asked for.
-    """
-
-    values: FloatArray
-    tangents: FloatArray
-    metric: Metric
-    second_derivatives: FloatArray | None
-
-
-def evaluate(block: Block, columns: FloatArray, curved: bool) -> SurfaceBlock:
-    """Evaluate the surface at the quadrature points of a block.
-
-    Parameters
-    ----------
-    block : Block
-    columns : (4, n)
-        Coordinates and field of the chunk's vertices, from its lowest one on.
-    curved : bool
-        Whether second derivatives are wanted.
-    """
-    control = _workspace.array("control", 4, len(block.control_points))
-    for column, row in zip(columns, control, strict=True):
-        np.take(column, block.control_points, out=row, mode="clip")
-    n_derivatives = 6 if curved else 3
-    shape = block.n_points, block.n_triangles
-    values = _workspace.array("values", 4, *shape)
-    jets = _workspace.array("jets", 3, n_derivatives, *shape)
-    rows = jets.reshape(3, -1, block.n_triangles)
-    for part in block.parts:
-        own = part.of_control(control)
-        part.tables.evaluate(own[:3], n_derivatives, out=rows[..., part.columns])
-        part.tables.evaluate(own[3:], 1, out=values[3:, :, part.columns])
-    values[:3] = jets[:, 0]
-    by_derivative = jets.reshape(3, n_derivatives, -1).swapaxes(0, 1)
-    tangents, second_derivatives = by_derivative[1:3], by_derivative[3:] if curved else None
-    return SurfaceBlock(values.reshape(4, -1), tangents, metric_at(tangents), second_derivatives)
-
-
-def integrate_measures(block: Block, surface: SurfaceBlock) -> FloatArray:
-    """Curvature energy, area and volume of a block, (3,)."""
-    metric = surface.metric
-    integrands = _workspace.array("integrands", 3, len(metric.area_element))
-    if surface.second_derivatives is not None:
-        np.square(mean_curvature(metric, surface.second_derivatives), out=integrands[0])
-        integrands[0] *= metric.area_element
-    else:
-        integrands[0] = 0
-    integrands[1] = metric.area_element
-    np.einsum("dp,dp->p", surface.values[:3], metric.normal, out=integrands[2])
-    by_point = integrands.reshape(3, block.n_points, block.n_triangles)
-    sums = np.add.reduceat(by_point, block.weight_starts, axis=2)
-    totals: FloatArray = np.einsum("iqk,qk->i", sums, block.weights)
-    totals[2] /= 3
-    return totals

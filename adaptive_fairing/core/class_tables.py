@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .loop_basis import BasisTable
-
-FloatArray = NDArray[np.float64]
+from .precision import Precision, RealArray
 
 # A table of products is made up to this many numbers (32 MB) and this many for each triangle that
 # uses it: poles of high valence have tens of thousands of pairs of control points, many points,
@@ -45,31 +44,34 @@ class ClassTables:
     table : BasisTable
     n_triangles : int
         How many triangles of the mesh are of this class.
+    precision : float32 or float64
+        Of all numbers.
 
     Attributes
     ----------
     basis : (6 q, K)
         Values, ∂1, ∂2, ∂11, ∂12, ∂22 of all basis functions at all points.
     weights : (q, 1)
-    weighted_values : (K, q)
-        Transposed values times the weights.
     pairs : two arrays (p,)
         Pairs of control points a ≤ b, p = K (K + 1) / 2: the entries of a local matrix.
     """
 
-    def __init__(self, table: BasisTable, n_triangles: int) -> None:
-        basis = table.values
-        self.n_points, self.n_control_points = basis.shape[1:]
-        self.basis = np.ascontiguousarray(basis).reshape(-1, self.n_control_points)
-        self.weights = table.weights[:, None]
-        self.weighted_values = np.ascontiguousarray((basis[0] * self.weights).T)
+    def __init__(
+        self, table: BasisTable, n_triangles: int, precision: Precision = np.float64
+    ) -> None:
+        self._table, self._n_triangles = table, n_triangles
+        self.n_points, self.n_control_points = table.values.shape[1:]
+        basis = np.ascontiguousarray(table.values, dtype=precision)
+        self.basis = basis.reshape(-1, self.n_control_points)
+        self.weights = table.weights[:, None].astype(precision)
         self.pairs = upper_pairs(self.n_control_points)
-        self._products: FloatArray | None = None
-        n_products = 4 * self.n_points * len(self.pairs[0])
-        if product_table_pays(n_products, n_triangles):
-            self._products = self._product_table()
 
-    def evaluate(self, control: FloatArray, n_derivatives: int, out: FloatArray) -> None:
+    @cached_property
+    def single(self) -> ClassTables:
+        """The same in single precision."""
+        return ClassTables(self._table, self._n_triangles, np.float32)
+
+    def evaluate(self, control: RealArray, n_derivatives: int, out: RealArray) -> None:
         """Evaluate functions over n triangles, given by their control values.
 
         Parameters
@@ -82,17 +84,7 @@ class ClassTables:
         """
         _multiply(self.basis[: n_derivatives * self.n_points], control, out)
 
-    def weighted_sums(self, values: FloatArray, out: FloatArray) -> None:
-        """Integrate functions times each basis function over n triangles.
-
-        Parameters
-        ----------
-        values : (k, q, n)
-        out : (k, K, n)
-        """
-        _multiply(self.weighted_values, values, out)
-
-    def flux_sums(self, fluxes: FloatArray, out: FloatArray) -> None:
+    def flux_sums(self, fluxes: RealArray, out: RealArray) -> None:
         """Integrate scalar products of fluxes with each basis function's gradient.
 
         Parameters
@@ -105,12 +97,12 @@ class ClassTables:
         _multiply(self._weighted_gradients, fluxes.reshape(len(fluxes), -1, n_triangles), out)
 
     @cached_property
-    def _weighted_gradients(self) -> FloatArray:
+    def _weighted_gradients(self) -> RealArray:
         """Transposed ∂1 and ∂2 of all basis functions times the weights, (K, 2 q)."""
         gradients = self.basis.reshape(6, self.n_points, -1)[1:3] * self.weights
         return np.ascontiguousarray(gradients.reshape(2 * self.n_points, -1).T)
 
-    def local_matrices(self, coefficients: FloatArray, terms: slice, out: FloatArray) -> None:
+    def local_matrices(self, coefficients: RealArray, terms: slice, out: RealArray) -> None:
         """Integrate products of basis functions over n triangles.
 
         Parameters
@@ -130,13 +122,16 @@ class ClassTables:
         first_order = self.basis.reshape(1, 6, self.n_points, -1)[:, :3]
         sum_products(first_order, coefficients * self.weights, terms, self.pairs, out)
 
-    def _product_table(self) -> FloatArray:
+    @cached_property
+    def _products(self) -> RealArray | None:
         """Weighted products of all pairs of basis functions at all points, (p, 4 q)."""
         a, b = self.pairs
+        if not product_table_pays(4 * self.n_points * len(a), self._n_triangles):
+            return None
         first_order = self.basis.reshape(6, self.n_points, -1)[:3].transpose(2, 0, 1)
         left = np.take(first_order * self.weights[:, 0], a, axis=0)
         right = np.take(first_order, b, axis=0)
-        products = np.empty((len(a), 4, self.n_points))
+        products = np.empty((len(a), 4, self.n_points), self.basis.dtype)
         np.multiply(left[:, :2], right[:, :2], out=products[:, :2])
         np.multiply(left[:, 1], right[:, 2], out=products[:, 2])
         np.multiply(left[:, 2], right[:, 2], out=products[:, 3])
@@ -154,11 +149,11 @@ def upper_pairs(n: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 
 
 def sum_products(
-    first_order: FloatArray,
-    coefficients: FloatArray,
+    first_order: RealArray,
+    coefficients: RealArray,
     terms: slice,
     pairs: tuple[NDArray[np.intp], NDArray[np.intp]],
-    out: FloatArray,
+    out: RealArray,
 ) -> None:
     """Integrate products of basis functions over n triangles without a table of products.
 
@@ -176,7 +171,7 @@ def sum_products(
         phi, d1, d2 = (first_order if len(first_order) == 1 else first_order[own]).swapaxes(0, 1)
         mass, first, mixed, second = coefficients[..., own].swapaxes(1, 2)[..., None]
         # Not one product of all three: it might be so large that OpenBLAS starts threads.
-        local = np.zeros((len(mass), phi.shape[2], phi.shape[2]))
+        local = np.zeros((len(mass), phi.shape[2], phi.shape[2]), out.dtype)
         if terms != STIFFNESS:
             local += phi.swapaxes(1, 2) @ (mass * phi)
         if terms != MASS:
@@ -185,7 +180,7 @@ def sum_products(
         out[:, own] = local[:, pairs[0], pairs[1]].T
 
 
-def _multiply(table: FloatArray, columns: FloatArray, out: FloatArray) -> None:
+def _multiply(table: RealArray, columns: RealArray, out: RealArray) -> None:
     """Matrix product in slabs of columns, each below the size at which OpenBLAS starts threads."""
     n_columns = columns.shape[-1]
     width = max(LARGEST_PRODUCT // table.size, 2)
@@ -202,6 +197,6 @@ def _multiply(table: FloatArray, columns: FloatArray, out: FloatArray) -> None:
             np.matmul(table, columns[..., rest:], out=out[..., rest:])
 
 
-def _slabs(matrices: FloatArray, width: int) -> FloatArray:
+def _slabs(matrices: RealArray, width: int) -> RealArray:
     """View matrices (…, rows, columns) as stacks of slabs of `width` columns each."""
     return matrices.reshape(*matrices.shape[:-1], -1, width).swapaxes(-3, -2)

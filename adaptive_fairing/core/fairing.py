@@ -18,6 +18,7 @@ from .diagnosis import surface_notes
 from .errors import SolverError
 from .geometry import SurfaceMeasures
 from .linear_solver import SolveReport, conjugate_gradients
+from .precision import SINGLE_TIMES, SINGLE_TOLERANCE, SINGLE_TRIANGLES
 from .prepared import PreparedMesh
 from .results import FairingResult, FairingStep, energy_ratio
 from .settings import FairingSettings
@@ -164,32 +165,33 @@ def _diffusion_steps(
 ) -> Iterator[FairingStep]:
     settings = problem.settings
     space, _, frame, current, weights, is_held, notes = problem.posed()
-    before = current
+    increment = np.zeros_like(current)
     density, system = _system(space, current, settings, weights)
     initial = previous = system.measures
     least_energy = initial.curvature_energy
     for index in range(1, settings.steps + 1):
         # The surface goes on as it went: this much of the last step spares an iteration or two.
-        start = current + EXTRAPOLATED_SHARE * (current - before)
-        before = current
         try:
-            current, solve = conjugate_gradients(
+            increment, solve = conjugate_gradients(
                 system.matrix,
-                system.right_side,
-                start,
+                system.load,
+                EXTRAPOLATED_SHARE * increment,
                 is_held=is_held,
                 tolerance=settings.cg_tolerance,
                 max_iterations=settings.cg_max_iterations,
+                # M X(0), the right side of (3.3); its masses lumped are enough for a norm.
+                relative_to=system.lumped_mass[:, None] * current,
             )
         except SolverError as error:
             raise SolverError(f"step {index}: {error}") from error
+        current = current + increment
         used_density = density
         # The system of the next step measures this step's surface on the way.
         if index < settings.steps and solve.converged:
             density, system = _system(space, current, settings, weights)
             measures = system.measures
         else:
-            measures = space.measures(current)
+            measures = space.measures(current, _serves_single(space, settings))
         reason = _stop_reason(index, settings, solve, initial, previous, measures)
         least_energy = min(least_energy, measures.curvature_energy)
         outer = measures.scaled(1 / frame.scale)
@@ -228,14 +230,15 @@ def _auto_steps(
         progress=progress,
     )
     density = mesh_density(space.topology, start, settings.density, settings.density_passes)
-    initial = space.measures(start).scaled(1 / frame.scale)
+    in_single = _serves_single(space, settings)
+    initial = space.measures(start, in_single).scaled(1 / frame.scale)
     n_strengths = len(outcome.positions)
     for index, (faired, estimate) in enumerate(
         zip(outcome.positions, outcome.estimates, strict=True), start=1
     ):
         displacement = weights[:, None] * (faired - start)
         displacement[is_held] = 0
-        measures = space.measures(start + displacement).scaled(1 / frame.scale)
+        measures = space.measures(start + displacement, in_single).scaled(1 / frame.scale)
         reason = None if outcome.solve.converged else "not_converged"
         yield FairingStep(
             index=index,
@@ -258,12 +261,22 @@ def _system(
 ) -> tuple[FloatArray, StepSystem]:
     """Density of the current surface, and the linear system (3.3) of the chosen scheme."""
     density = mesh_density(space.topology, current, settings.density, settings.density_passes)
-    if settings.method == "uniform":
-        return density, space.step_system(current, timestep=_positive(settings.tau * weights))
-    field = settings.tau * density * weights
+    field = settings.tau * weights
+    if settings.method != "uniform":
+        field *= density
+    in_single = _serves_single(space, settings) and SINGLE_TIMES[0] < field.max() < SINGLE_TIMES[1]
     if settings.method == "adaptive_tensor":
-        return density, space.step_system(current, diffusivity=field)
-    return density, space.step_system(current, timestep=_positive(field))
+        return density, space.step_system(current, diffusivity=field, in_single=in_single)
+    return density, space.step_system(current, timestep=_positive(field), in_single=in_single)
+
+
+def _serves_single(space: LoopSpace, settings: FairingSettings) -> bool:
+    """Whether single precision is enough for a mesh, if its surfaces and times allow it."""
+    return (
+        settings.normalize
+        and settings.quadrature_tolerance >= SINGLE_TOLERANCE
+        and len(space.topology.triangles) >= SINGLE_TRIANGLES
+    )
 
 
 def _collapse_notes(energy: float, least: float) -> tuple[str, ...]:

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from .precision import RealArray
 
 # A triangle whose limit patch is thinner than this ratio counts as having it: slivers and collapsed
 # triangles get a large but bounded metric instead of a division by zero.
@@ -60,18 +59,18 @@ class Metric(NamedTuple):
         sqrt(det g), bounded from below relative to the trace (see `THINNEST_ASPECT`).
     """
 
-    g11: FloatArray
-    g12: FloatArray
-    g22: FloatArray
-    normal: FloatArray
-    area_element: FloatArray
+    g11: RealArray
+    g12: RealArray
+    g22: RealArray
+    normal: RealArray
+    area_element: RealArray
 
 
-def metric_at(tangents: FloatArray) -> Metric:
+def metric_at(tangents: RealArray) -> Metric:
     """Compute the metric from the tangents ∂1 x, ∂2 x, given as (2, 3, n_points)."""
     u, v = tangents
     g11, g12, g22 = _product(u, u), _product(u, v), _product(v, v)
-    normal = np.empty((3, len(g11)))
+    normal = np.empty((3, len(g11)), g11.dtype)
     # Two components at once: (u1, u2) with (v2, v0), and (u2, u0) with (v1, v2).
     np.multiply(u[1:], v[2::-2], out=normal[:2])
     normal[:2] -= u[2::-2] * v[1:]
@@ -91,7 +90,7 @@ def metric_at(tangents: FloatArray) -> Metric:
     return Metric(g11, g12, g22, normal, area_element)
 
 
-def mean_curvature(metric: Metric, second_derivatives: FloatArray) -> FloatArray:
+def mean_curvature(metric: Metric, second_derivatives: RealArray) -> RealArray:
     """Mean curvature H at points, positive where the surface bends away from its normal.
 
     Parameters
@@ -102,7 +101,7 @@ def mean_curvature(metric: Metric, second_derivatives: FloatArray) -> FloatArray
 
     Source: 2 H = tr(g⁻¹ h) up to the sign, with the second fundamental form h.
     """
-    trace: FloatArray
+    trace: RealArray
     x11, x12, x22 = second_derivatives
     trace = _product(x12, metric.normal)
     trace *= metric.g12
@@ -118,7 +117,7 @@ def mean_curvature(metric: Metric, second_derivatives: FloatArray) -> FloatArray
     return trace
 
 
-def _product(a: FloatArray, b: FloatArray) -> FloatArray:
+def _product(a: RealArray, b: RealArray) -> RealArray:
     """Scalar products of vectors at points, (3, n_points) each."""
-    products: FloatArray = np.einsum("dp,dp->p", a, b)
+    products: RealArray = np.einsum("dp,dp->p", a, b)
     return products

@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .assembly import LoopSpace
-from .blocks import SurfaceBlock
+from .evaluation import SurfaceBlock
 from .geometry import Metric
 from .symmetric_matrix import SymmetricMatrix
 
@@ -99,7 +99,7 @@ def _lifted(lifted: LiftedMetric, surface: SurfaceBlock) -> FloatArray:
     entries = np.empty((3, len(metric.area_element)))
     entries[:] = (1 - share) * np.array(EQUILATERAL)[:, None]
     if share > 0:
-        entries += share * np.stack([metric.g11, metric.g12, metric.g22]) / surface.values[3] ** 2
+        entries += share * np.stack([metric.g11, metric.g12, metric.g22]) / surface.field**2
     if lifted.angle is not None and surface.second_derivatives is not None:
         entries += third_form(metric, surface.second_derivatives) / lifted.angle**2
     return entries

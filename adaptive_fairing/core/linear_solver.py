@@ -9,13 +9,17 @@ from numpy.typing import NDArray
 
 from .errors import SolverError
 from .parallel import ordered_map
+from .precision import RealArray
 from .symmetric_matrix import SymmetricMatrix
 
 FloatArray = NDArray[np.float64]
 
 # Rounding alone leaves a residual of some machine epsilons of the terms that cancel in A x; asking
 # for less would never end.
-ATTAINABLE = 64 * np.finfo(np.float64).eps
+ATTAINABLE = 64  # machine epsilons
+
+# Single precision serves while the residual need not fall below this share of the first one.
+SINGLE_REDUCTION = 1e-4
 
 # Unknowns per column that one thread updates in one go.
 UNKNOWNS_PER_PIECE = 32768
@@ -29,7 +33,8 @@ class SolveReport:
     ----------
     iterations : int
     residual : float
-        |b - A x| / |b| in the norm of the inverse diagonal, over all coordinates together.
+        |b - A x| / |b| in the norm of the inverse diagonal, over all coordinates together; for b of
+        a step see `fairing`.
     converged : bool
         Whether the residual is below the tolerance, or as small as rounding lets it be.
     """
@@ -47,11 +52,13 @@ def conjugate_gradients(
     is_held: NDArray[np.bool_],
     tolerance: float,
     max_iterations: int,
+    relative_to: FloatArray | None = None,
 ) -> tuple[FloatArray, SolveReport]:
     """Solve matrix @ x = right_side with x = start on the held rows.
 
     The columns are one system with the block diagonal matrix (A, A, A), so the result does not
-    depend on the choice of the coordinate axes.
+    depend on the choice of the coordinate axes.  A matrix in single precision is solved with in
+    single precision, unless the residual is to fall by more than that can tell.
 
     Parameters
     ----------
@@ -63,6 +70,8 @@ def conjugate_gradients(
     tolerance : float
         Bound for the residual of the report.
     max_iterations : int
+    relative_to : (n, k), optional
+        What the residual is measured by, instead of `right_side`.
 
     Returns
     -------
@@ -83,16 +92,20 @@ def conjugate_gradients(
     if bad:
         raise SolverError(f"the linear system is not positive definite: {bad} diagonal entries ≤ 0")
     # Zero on the held rows: the search directions never leave the free ones.
-    inverse = np.zeros(len(diagonal))
+    inverse = np.zeros_like(diagonal)
     inverse[free] = 1 / diagonal[free]
 
     columns = np.ascontiguousarray(start.T)
     right_columns = np.ascontiguousarray(right_side.T)
-    reference = np.sqrt(np.einsum("n,kn,kn->", inverse, right_columns, right_columns))
-    floor = ATTAINABLE * np.sqrt(np.einsum("n,kn,kn->", diagonal * free, columns, columns))
-    target = max(tolerance * reference, floor)
+    reference = _size(right_columns if relative_to is None else relative_to.T, inverse)
+    residual = right_columns - matrix.product(columns)
+    if matrix.is_single and tolerance * reference < SINGLE_REDUCTION * _size(residual, inverse):
+        matrix, inverse = matrix.doubled(), inverse.astype(np.float64)
+        residual = right_columns - matrix.product(columns)
+    attainable = ATTAINABLE * np.finfo(inverse.dtype).eps
+    target = max(tolerance * reference, attainable * _size(columns, diagonal * free))
 
-    state = _State(right_columns - matrix.product(columns), inverse)
+    state = _State(residual.astype(inverse.dtype, copy=False), inverse)
     square = state.square()
     # pᵀDp with the diagonal D: the size of the terms that may cancel in pᵀAp.
     direction_size = square
@@ -100,8 +113,8 @@ def conjugate_gradients(
     iterations = 0
     while np.sqrt(square) > target and iterations < max_iterations:
         image = matrix.product(state.direction)
-        curvature = float(np.einsum("kn,kn->", state.direction, image))
-        if abs(curvature) <= ATTAINABLE * direction_size:
+        curvature = state.along(image)
+        if abs(curvature) <= attainable * direction_size:
             # What is left are motions that the matrix does not see at this precision.
             is_exhausted = True
             break
@@ -128,8 +141,15 @@ def conjugate_gradients(
     return start + state.update.T, report
 
 
+def _size(columns: FloatArray, weights: RealArray) -> float:
+    """Norm of vectors (k, n) with a weight for every row of the system."""
+    return float(np.sqrt(np.einsum("n,kn,kn->", weights, columns, columns)))
+
+
 class _State:
     """The vectors of the iteration, changed piece by piece: each is read once while in the cache.
+
+    Sums over a piece are in the precision of the vectors, those over the pieces in double.
 
     Attributes
     ----------
@@ -137,7 +157,7 @@ class _State:
         What to add to the start; and the search direction.
     """
 
-    def __init__(self, residual: FloatArray, inverse: FloatArray) -> None:
+    def __init__(self, residual: RealArray, inverse: RealArray) -> None:
         self._residual, self._inverse = residual, inverse
         self.update = np.zeros_like(residual)
         self.direction = inverse * residual
@@ -148,9 +168,17 @@ class _State:
 
     def square(self) -> float:
         """Squared norm of the residual, in the first iteration."""
-        return float(np.einsum("kn,kn->", self._residual, self.direction))
+        return self.along(self._residual)
 
-    def advance(self, step: float, image: FloatArray) -> float:
+    def along(self, vectors: RealArray) -> float:
+        """Scalar product of vectors (k, n) with the direction."""
+
+        def of_piece(piece: slice) -> float:
+            return float(np.einsum("kn,kn->", vectors[:, piece], self.direction[:, piece]))
+
+        return sum(ordered_map(of_piece, self._pieces))
+
+    def advance(self, step: float, image: RealArray) -> float:
         """Go along the direction, whose image is A p; return the residual's squared norm."""
 
         def of_piece(piece: slice) -> float:

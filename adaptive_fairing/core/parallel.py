@@ -13,10 +13,12 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import lru_cache
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
+
+from .precision import Precision
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
@@ -64,14 +66,15 @@ class Workspace(threading.local):
     """Arrays that every thread uses again and again: fresh memory costs more than filling it."""
 
     def __init__(self) -> None:
-        self._buffers: dict[str, NDArray[np.float64]] = {}
+        self._buffers: dict[tuple[str, Precision], NDArray[Any]] = {}
 
-    def array(self, name: str, *shape: int) -> NDArray[np.float64]:
+    def array(self, name: str, *shape: int, precision: Precision = np.float64) -> NDArray[Any]:
         """Return an array of any content, valid until this thread asks for `name` again."""
         size = math.prod(shape)
         if size > LARGEST_KEPT:
-            return np.empty(shape)
-        buffer = self._buffers.get(name)
+            return np.empty(shape, precision)
+        key = name, precision
+        buffer = self._buffers.get(key)
         if buffer is None or len(buffer) < size:
-            buffer = self._buffers[name] = np.empty(size)
+            buffer = self._buffers[key] = np.empty(size, precision)
         return buffer[:size].reshape(shape)

@@ -7,14 +7,13 @@ compute.  Such triangles are stacked, each with a table of its own, and numpy lo
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .class_tables import sum_products, upper_pairs
 from .loop_basis import BasisTable
-
-FloatArray = NDArray[np.float64]
+from .precision import Precision, RealArray
 
 
 class RareTables:
@@ -28,6 +27,8 @@ class RareTables:
         Of each triangle, all with equally many points.
     n_control_points : int
         K; surplus control points of a triangle have the basis function 0.
+    precision : float32 or float64
+        Of all numbers.
 
     Attributes
     ----------
@@ -36,33 +37,39 @@ class RareTables:
         Pairs of control points a ≤ b, p = K (K + 1) / 2: the entries of a local matrix.
     """
 
-    def __init__(self, tables: Sequence[BasisTable], n_control_points: int) -> None:
+    def __init__(
+        self,
+        tables: Sequence[BasisTable],
+        n_control_points: int,
+        precision: Precision = np.float64,
+    ) -> None:
+        self._tables = tables
         self.n_points, self.n_control_points = len(tables[0].weights), n_control_points
         self.pairs = upper_pairs(n_control_points)
-        self.weights = np.stack([table.weights for table in tables], axis=1)
-        self._basis = np.zeros((len(tables), 6, self.n_points, n_control_points))
+        self.weights = np.stack([table.weights for table in tables], axis=1).astype(precision)
+        self._basis = np.zeros((len(tables), 6, self.n_points, n_control_points), precision)
         for own, table in zip(self._basis, tables, strict=True):
             own[..., : table.values.shape[2]] = table.values
 
-    def evaluate(self, control: FloatArray, n_derivatives: int, out: FloatArray) -> None:
+    @cached_property
+    def single(self) -> RareTables:
+        """The same in single precision."""
+        return RareTables(self._tables, self.n_control_points, np.float32)
+
+    def evaluate(self, control: RealArray, n_derivatives: int, out: RealArray) -> None:
         """Evaluate functions; shapes as in `ClassTables.evaluate`."""
         basis = self._basis[:, :n_derivatives].reshape(
             len(self._basis), n_derivatives * self.n_points, -1
         )
         out[:] = (basis @ np.ascontiguousarray(control.T)).T
 
-    def weighted_sums(self, values: FloatArray, out: FloatArray) -> None:
-        """Integrate functions; shapes as in `ClassTables.weighted_sums`."""
-        weighted = np.ascontiguousarray((values * self.weights).T)
-        out[:] = (self._basis[:, 0].swapaxes(1, 2) @ weighted).T
-
-    def flux_sums(self, fluxes: FloatArray, out: FloatArray) -> None:
+    def flux_sums(self, fluxes: RealArray, out: RealArray) -> None:
         """Integrate fluxes along gradients; shapes as in `ClassTables.flux_sums`."""
         n_triangles = len(self._basis)
         weighted = (fluxes * self.weights).reshape(len(fluxes), -1, n_triangles)
         gradients = self._basis[:, 1:3].reshape(n_triangles, 2 * self.n_points, -1)
         out[:] = (gradients.swapaxes(1, 2) @ np.ascontiguousarray(weighted.T)).T
 
-    def local_matrices(self, coefficients: FloatArray, terms: slice, out: FloatArray) -> None:
+    def local_matrices(self, coefficients: RealArray, terms: slice, out: RealArray) -> None:
         """Integrate products; as `ClassTables.local_matrices`."""
         sum_products(self._basis[:, :3], coefficients * self.weights, terms, self.pairs, out)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from scipy import sparse
 
 from .parallel import ordered_map
+from .precision import RealArray
 from .sparsity import Strip, SymmetricPattern, adopt_entries
 
 FloatArray = NDArray[np.float64]
@@ -22,10 +23,10 @@ class SymmetricMatrix:
     ----------
     pattern : SymmetricPattern
     halves : (n_upper,)
-        Entries of H, in the order of the pattern.
+        Entries of H, in the order of the pattern, in single or double precision.
     """
 
-    def __init__(self, pattern: SymmetricPattern, halves: FloatArray) -> None:
+    def __init__(self, pattern: SymmetricPattern, halves: RealArray) -> None:
         self.pattern = pattern
         self._halves = halves
         self._strips = [
@@ -34,14 +35,23 @@ class SymmetricMatrix:
         ]
 
     @classmethod
-    def from_upper(cls, pattern: SymmetricPattern, upper: FloatArray) -> SymmetricMatrix:
+    def from_upper(cls, pattern: SymmetricPattern, upper: RealArray) -> SymmetricMatrix:
         """Make the matrix with the upper entries `upper`, (n_upper,), which are changed."""
         upper[pattern.row_starts[:-1]] /= 2
         return cls(pattern, upper)
 
-    def diagonal(self) -> FloatArray:
+    @property
+    def is_single(self) -> bool:
+        """Whether the entries are in single precision."""
+        return self._halves.dtype == np.float32
+
+    def doubled(self) -> SymmetricMatrix:
+        """Return the same entries in double precision."""
+        return SymmetricMatrix(self.pattern, self._halves.astype(np.float64))
+
+    def diagonal(self) -> RealArray:
         """Entries on the diagonal, (n,)."""
-        diagonal: FloatArray = 2 * self._halves[self.pattern.row_starts[:-1]]
+        diagonal: RealArray = 2 * self._halves[self.pattern.row_starts[:-1]]
         return diagonal
 
     def is_finite(self) -> bool:
@@ -58,9 +68,9 @@ class SymmetricMatrix:
         rows = np.repeat(root, np.diff(pattern.row_starts))
         return SymmetricMatrix(pattern, self._halves * rows * root[pattern.columns(0, pattern.n)])
 
-    def product(self, columns: FloatArray) -> FloatArray:
-        """Multiply by k vectors, given and returned as rows (k, n)."""
-        columns = np.ascontiguousarray(columns)
+    def product(self, columns: RealArray) -> RealArray:
+        """Multiply by k vectors, given as rows (k, n); return rows in the matrix's precision."""
+        columns = np.ascontiguousarray(columns, dtype=self._halves.dtype)
         result = np.zeros_like(columns)
         parts = ordered_map(lambda strip: strip.product(columns), self._strips)
         for strip, part in zip(self._strips, parts, strict=True):
@@ -78,14 +88,14 @@ class SymmetricMatrix:
 class _StripProduct:
     """Products with a strip of H, and with its transpose."""
 
-    def __init__(self, strip: Strip, halves: FloatArray) -> None:
+    def __init__(self, strip: Strip, halves: RealArray) -> None:
         self._rows, self.window = strip.rows, strip.window
         shape = strip.rows.stop - strip.rows.start, strip.window.stop - strip.window.start
         self._upper, self._lower = sparse.csr_array(shape), sparse.csc_array(shape[::-1])
         for matrix in (self._upper, self._lower):
             adopt_entries(matrix, halves[: len(strip.columns)], strip.columns, strip.starts)
 
-    def product(self, columns: FloatArray) -> FloatArray:
+    def product(self, columns: RealArray) -> RealArray:
         """Return what this strip contributes to a product, in its window."""
         n_rows = self._upper.shape[0]
         parts = []
