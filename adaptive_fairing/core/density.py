@@ -17,7 +17,7 @@ FloatArray = NDArray[np.float64]
 DENSITY_KINDS = ("edge_length", "area")
 
 # Vertices that one thread works on in one go.
-VERTICES_PER_PIECE = 32768
+VERTICES_PER_PIECE = 16384
 
 
 def mesh_density(
@@ -68,9 +68,10 @@ def smoothed(topology: TriangleTopology, values: FloatArray, passes: int) -> Flo
     On the boundary, where the paper has no rule, the limit mask is the one of the cubic B-spline
     curve that Loop's boundary rules converge to: (1/6, 2/3, 1/6).
     """
-    weight = np.zeros(topology.n_vertices)
-    inner = ~topology.on_boundary & ~topology.is_loose
-    weight[inner] = limit_weight(topology.ring_size[inner])
+    # One cosine per valence, not per vertex.
+    valences = np.arange(1, topology.ring_size.max(initial=0) + 1)
+    weight = np.append(0.0, limit_weight(valences))[topology.ring_size]
+    weight[topology.on_boundary] = 0
     keep = 1 - topology.ring_size * weight
     adjacency = topology.adjacency(np.float64)
     border = topology.boundary_vertices

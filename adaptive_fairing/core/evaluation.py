@@ -12,7 +12,6 @@ from .geometry import Metric, mean_curvature, metric_at
 from .parallel import Workspace
 from .precision import (
     SMALLEST_IN_SINGLE,
-    THINNEST_IN_SINGLE,
     Precision,
     RealArray,
     SinglePrecisionError,
@@ -117,8 +116,8 @@ def evaluate(block: Block, window: Window, curved: bool) -> SurfaceBlock:
     by_derivative = jets.reshape(3, n_derivatives, -1).swapaxes(0, 1)
     tangents, second_derivatives = by_derivative[1:3], by_derivative[3:] if curved else None
     metric = metric_at(tangents)
-    if precision is np.float32:
-        _require_resolved(metric, least_edge)
+    if metric.g11.min() < least_edge**2:
+        raise SinglePrecisionError
     return SurfaceBlock(
         field.reshape(-1), positions.reshape(3, -1), tangents, metric, second_derivatives
     )
@@ -133,13 +132,6 @@ def _see_from_corners(control: RealArray, origins: RealArray) -> None:
     corners = control[:, 0].copy()
     control -= corners[:, None]
     origins += corners
-
-
-def _require_resolved(metric: Metric, least_edge: float) -> None:
-    squares = metric.g11 + metric.g22
-    is_small = not squares.min() > least_edge**2
-    if is_small or (metric.area_element < THINNEST_IN_SINGLE * squares).any():
-        raise SinglePrecisionError
 
 
 def integrate_measures(block: Block, surface: SurfaceBlock) -> FloatArray:
