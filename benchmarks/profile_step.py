@@ -8,8 +8,8 @@ The limit is the time in which this machine could do what a step cannot avoid:
                  at the rate of copying a large array on all cores
 
 It has neither the arithmetic between the products nor the irregular access of the scatter, and it
-takes the matrix as it is stored, read once per iteration for all three coordinates. All of it counts
-as in double precision, which large meshes are not solved in.
+takes the matrix as it is stored, read once per iteration for all three coordinates. All counts as
+in double precision, although large meshes are solved in single.
 
     python benchmarks/profile_step.py [--sizes 328000] [--mesh FILE] [--repeats 5] [--record]
 """

@@ -11,6 +11,7 @@ from .blocks import Block, Chunk
 from .geometry import Metric, mean_curvature, metric_at
 from .parallel import Workspace
 from .precision import (
+    SHORTEST_IN_SINGLE,
     SMALLEST_IN_SINGLE,
     Precision,
     RealArray,
@@ -49,7 +50,7 @@ class Window(NamedTuple):
         middle = (low + high) / 2
         shifted = own.astype(precision)
         np.subtract(own[:3], middle[:, None], out=shifted[:3], casting="same_kind")
-        least_edge = SMALLEST_IN_SINGLE * float((high - low).max())
+        least_edge = max(SMALLEST_IN_SINGLE * float((high - low).max()), SHORTEST_IN_SINGLE)
         return cls(shifted, middle.astype(precision), least_edge)
 
 

@@ -166,7 +166,7 @@ def _diffusion_steps(
     settings = problem.settings
     space, _, frame, current, weights, is_held, notes = problem.posed()
     increment = np.zeros_like(current)
-    density, system = _system(space, current, settings, weights)
+    density, system = _system(space, current, settings, weights, _serves_single(space, settings))
     initial = previous = system.measures
     least_energy = initial.curvature_energy
     for index in range(1, settings.steps + 1):
@@ -188,10 +188,12 @@ def _diffusion_steps(
         used_density = density
         # The system of the next step measures this step's surface on the way.
         if index < settings.steps and solve.converged:
-            density, system = _system(space, current, settings, weights)
+            # Where single precision did not serve it is not tried again.
+            in_single = system.matrix.is_single
+            density, system = _system(space, current, settings, weights, in_single)
             measures = system.measures
         else:
-            measures = space.measures(current, _serves_single(space, settings))
+            measures = space.measures(current, system.matrix.is_single)
         reason = _stop_reason(index, settings, solve, initial, previous, measures)
         least_energy = min(least_energy, measures.curvature_energy)
         outer = measures.scaled(1 / frame.scale)
@@ -257,14 +259,18 @@ def _auto_steps(
 
 
 def _system(
-    space: LoopSpace, current: FloatArray, settings: FairingSettings, weights: FloatArray
+    space: LoopSpace,
+    current: FloatArray,
+    settings: FairingSettings,
+    weights: FloatArray,
+    in_single: bool,
 ) -> tuple[FloatArray, StepSystem]:
     """Density of the current surface, and the linear system (3.3) of the chosen scheme."""
     density = mesh_density(space.topology, current, settings.density, settings.density_passes)
     field = settings.tau * weights
     if settings.method != "uniform":
         field *= density
-    in_single = _serves_single(space, settings) and SINGLE_TIMES[0] < field.max() < SINGLE_TIMES[1]
+    in_single = in_single and SINGLE_TIMES[0] < field.max() < SINGLE_TIMES[1]
     if settings.method == "adaptive_tensor":
         return density, space.step_system(current, diffusivity=field, in_single=in_single)
     return density, space.step_system(current, timestep=_positive(field), in_single=in_single)

@@ -32,6 +32,9 @@ THINNEST_IN_SINGLE = 1e-3
 SMALLEST_IN_SINGLE = 1e-4
 """Least length of tangents over the size of a chunk, whose positions are rounded to 1e-7 of it."""
 
+SHORTEST_IN_SINGLE = 1e-6
+"""Least length of tangents in the [-3, 3]^3 frame: no sixth power of it underflows."""
+
 LEAST_MASS_IN_SINGLE = 1e-3
 """Least row sum of M over the diagonal of M + L: rounding gives rows of L, whose sum is 0, 1e-7."""
 

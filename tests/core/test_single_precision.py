@@ -57,10 +57,20 @@ def with_a_tiny_part(vertices):
     return vertices
 
 
+def microscopic(vertices):
+    return 1e-8 * vertices
+
+
 @pytest.mark.parametrize(
     ("positions", "timestep"),
-    [(squeezed, 0.002), (np.zeros_like, 0.002), (with_a_tiny_part, 1e-14), (np.array, 1e4)],
-    ids=["thin", "a point", "tiny", "long time"],
+    [
+        (squeezed, 0.002),
+        (np.zeros_like, 0.002),
+        (with_a_tiny_part, 1e-14),
+        (microscopic, 1e-20),
+        (np.array, 1e4),
+    ],
+    ids=["thin", "a point", "tiny", "microscopic", "long time"],
 )
 def test_what_single_precision_does_not_resolve_is_computed_in_double(positions, timestep):
     system = random_system(True, positions, timestep=timestep)
@@ -132,6 +142,20 @@ def test_large_meshes_in_double_precision_on_request_or_where_it_takes_that(
 ):
     expected = in_double(monkeypatch, ball, settings)
     np.testing.assert_array_equal(fair(*ball, settings).positions, expected.positions)
+
+
+def test_single_precision_is_not_tried_again_where_it_did_not_serve(ball, monkeypatch):
+    tried = []
+    step_system = LoopSpace.step_system
+
+    def recorded(*arguments, in_single, **fields):
+        tried.append(in_single)
+        return step_system(*arguments, in_single=in_single, **fields)
+
+    monkeypatch.setattr(LoopSpace, "step_system", recorded)
+    vertices, faces = ball
+    fair(squeezed(vertices), faces, FairingSettings(tau=1e-4, steps=3))
+    assert tried == [True, False, False]
 
 
 def test_the_last_bit_is_the_same_from_run_to_run(ball):
