@@ -98,8 +98,10 @@ def evaluate(block: Block, window: Window, curved: bool) -> SurfaceBlock:
     columns, origin, least_edge = window
     precision = columns.dtype.type
     control = _workspace.array("control", 4, len(block.control_points), precision=precision)
+    indices = block.control_points.astype(np.intp)  # once, not for every column
     for column, row in zip(columns, control, strict=True):
-        np.take(column, block.control_points, out=row, mode="clip")
+        # Out of range there is nothing: "wrap" only spares the test.
+        np.take(column, indices, out=row, mode="wrap")
     n_derivatives = 6 if curved else 3
     shape = block.n_points, block.n_triangles
     field = _workspace.array("field", 1, *shape, precision=precision)

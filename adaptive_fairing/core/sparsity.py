@@ -111,13 +111,13 @@ class SymmetricPattern:
         base = (ends - last - 1).astype(np.int32)
         first = np.repeat(order, sizes)
         first, columns, numbers = _chosen(columns < high - low, first, columns, numbers)
-        # Out of range there is nothing: "clip" only spares the test.
-        row, column = _ascending(first, np.take(order, columns, mode="clip"))
+        # Out of range there is nothing: "wrap" only spares the test.
+        row, column = _ascending(first, np.take(order, columns, mode="wrap"))
         # Other entries are of vertices whose path leaves the window: no triangle of it has both.
-        is_within = column <= np.take(last, row, mode="clip")
+        is_within = column <= np.take(last, row, mode="wrap")
         row, column, numbers = _chosen(is_within, row, column, numbers)
         table = np.empty(ends[-1], dtype=np.int32)
-        table[np.take(base, row, mode="clip") + column] = numbers
+        table[np.take(base, row, mode="wrap") + column] = numbers
         return _TabledPlaces(table, base, order)
 
 
@@ -179,20 +179,20 @@ class _TabledPlaces:
         self._table, self._base, self._order = table, base, order
 
     def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:
-        order = np.take(self._order, vertices, mode="clip")
-        base = np.take(self._base, order, mode="clip")
+        order = np.take(self._order, vertices, mode="wrap")
+        base = np.take(self._base, order, mode="wrap")
         a, b = pairs
         if vertices.shape[1] < FEW_TRIANGLES:
             place = np.maximum(np.take(order, a, axis=0), np.take(order, b, axis=0))
             place += np.minimum(np.take(base, a, axis=0), np.take(base, b, axis=0))
-            np.take(self._table, place, out=out, mode="clip")
+            np.take(self._table, place, out=out, mode="wrap")
             return
         # The same row by row, without copies.
         done = 0
         for k in range(len(vertices)):
             place = np.maximum(order[k], order[k:])
             place += np.minimum(base[k], base[k:])
-            np.take(self._table, place, out=out[done : done + len(place)], mode="clip")
+            np.take(self._table, place, out=out[done : done + len(place)], mode="wrap")
             done += len(place)
 
 
