@@ -138,21 +138,28 @@ def test_steps_of_a_large_mesh_are_those_of_double_precision(ball, method, tau, 
     ids=["tight tolerance", "own units", "huge time"],
 )
 def test_large_meshes_in_double_precision_on_request_or_where_it_takes_that(
-    ball, settings, monkeypatch
+    ball, settings, monkeypatch, tried
 ):
     expected = in_double(monkeypatch, ball, settings)
     np.testing.assert_array_equal(fair(*ball, settings).positions, expected.positions)
+    assert tried == [False, False]
 
 
-def test_single_precision_is_not_tried_again_where_it_did_not_serve(ball, monkeypatch):
-    tried = []
+@pytest.fixture
+def tried(monkeypatch):
+    """Whether single precision was to be tried, system by system."""
+    wishes = []
     step_system = LoopSpace.step_system
 
     def recorded(*arguments, in_single, **fields):
-        tried.append(in_single)
+        wishes.append(in_single)
         return step_system(*arguments, in_single=in_single, **fields)
 
     monkeypatch.setattr(LoopSpace, "step_system", recorded)
+    return wishes
+
+
+def test_single_precision_is_not_tried_again_where_it_did_not_serve(ball, tried):
     vertices, faces = ball
     fair(squeezed(vertices), faces, FairingSettings(tau=1e-4, steps=3))
     assert tried == [True, False, False]
