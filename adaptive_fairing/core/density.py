@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy import sparse
 
 from .errors import SettingsError
-from .masks import limit_weight
+from .limit_surface import limit_weights
 from .normals import triangle_normals
 from .parallel import ordered_map
 from .topology import TriangleTopology
@@ -68,10 +68,7 @@ def smoothed(topology: TriangleTopology, values: FloatArray, passes: int) -> Flo
     On the boundary, where the paper has no rule, the limit mask is the one of the cubic B-spline
     curve that Loop's boundary rules converge to: (1/6, 2/3, 1/6).
     """
-    # One cosine per valence, not per vertex.
-    valences = np.arange(1, topology.ring_size.max(initial=0) + 1)
-    weight = np.append(0.0, limit_weight(valences))[topology.ring_size]
-    weight[topology.on_boundary] = 0
+    weight = limit_weights(topology)
     keep = 1 - topology.ring_size * weight
     adjacency = topology.adjacency(np.float64)
     border = topology.boundary_vertices

@@ -16,6 +16,15 @@ FloatArray = NDArray[np.float64]
 INVERSE_TERMS = 3
 
 
+def limit_weights(topology: TriangleTopology) -> FloatArray:
+    """Weights (n_vertices,) of each neighbour in limit positions inside; 0 for other vertices."""
+    # One cosine per valence, not per vertex.
+    valences = np.arange(1, topology.ring_size.max(initial=0) + 1)
+    weights: FloatArray = np.append(0.0, limit_weight(valences))[topology.ring_size]
+    weights[topology.on_boundary] = 0
+    return weights
+
+
 def limit_matrix(topology: TriangleTopology) -> sparse.csr_array:
     """Assemble P: rows of weights whose product with control points are limit positions.
 
@@ -27,9 +36,7 @@ def limit_matrix(topology: TriangleTopology) -> sparse.csr_array:
     Source: (3.6) of the paper inside; the cubic B-spline curve's (1/6, 2/3, 1/6) on the boundary.
     """
     n = topology.n_vertices
-    inner = np.flatnonzero(~topology.on_boundary & ~topology.is_loose)
-    weight = np.zeros(n)
-    weight[inner] = limit_weight(topology.ring_size[inner])
+    weight = limit_weights(topology)
     keep = 1 - topology.ring_size * weight
     border = topology.boundary_vertices
     keep[border] = 2 / 3

@@ -43,18 +43,24 @@ class RareTables:
         n_control_points: int,
         precision: Precision = np.float64,
     ) -> None:
-        self._tables = tables
+        self._tables, self._precision = tables, precision
         self.n_points, self.n_control_points = len(tables[0].weights), n_control_points
         self.pairs = upper_pairs(n_control_points)
         self.weights = np.stack([table.weights for table in tables], axis=1).astype(precision)
-        self._basis = np.zeros((len(tables), 6, self.n_points, n_control_points), precision)
-        for own, table in zip(self._basis, tables, strict=True):
-            own[..., : table.values.shape[2]] = table.values
 
     @cached_property
     def single(self) -> RareTables:
         """The same in single precision."""
         return RareTables(self._tables, self.n_control_points, np.float32)
+
+    @cached_property
+    def _basis(self) -> RealArray:
+        """Values and derivatives of all basis functions, (n, 6, q, K): made when used."""
+        shape = len(self._tables), 6, self.n_points, self.n_control_points
+        basis = np.zeros(shape, self._precision)
+        for own, table in zip(basis, self._tables, strict=True):
+            own[..., : table.values.shape[2]] = table.values
+        return basis
 
     def evaluate(self, control: RealArray, n_derivatives: int, out: RealArray) -> None:
         """Evaluate functions; shapes as in `ClassTables.evaluate`."""

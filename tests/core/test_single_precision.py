@@ -108,6 +108,20 @@ def ball():
     return vertices, faces
 
 
+@pytest.fixture
+def tried(monkeypatch):
+    """Whether single precision was to be tried, system by system."""
+    wishes = []
+    step_system = LoopSpace.step_system
+
+    def recorded(*arguments, in_single, **fields):
+        wishes.append(in_single)
+        return step_system(*arguments, in_single=in_single, **fields)
+
+    monkeypatch.setattr(LoopSpace, "step_system", recorded)
+    return wishes
+
+
 def in_double(monkeypatch, mesh, settings):
     with monkeypatch.context() as patch:
         patch.setattr(fairing, "SINGLE_TRIANGLES", np.inf)
@@ -143,20 +157,6 @@ def test_large_meshes_in_double_precision_on_request_or_where_it_takes_that(
     expected = in_double(monkeypatch, ball, settings)
     np.testing.assert_array_equal(fair(*ball, settings).positions, expected.positions)
     assert tried == [False, False]
-
-
-@pytest.fixture
-def tried(monkeypatch):
-    """Whether single precision was to be tried, system by system."""
-    wishes = []
-    step_system = LoopSpace.step_system
-
-    def recorded(*arguments, in_single, **fields):
-        wishes.append(in_single)
-        return step_system(*arguments, in_single=in_single, **fields)
-
-    monkeypatch.setattr(LoopSpace, "step_system", recorded)
-    return wishes
 
 
 def test_single_precision_is_not_tried_again_where_it_did_not_serve(ball, tried):
