@@ -4,7 +4,7 @@ import atexit
 import os
 import sys
 
-from .cli import COULD_NOT, main
+from .cli.main import COULD_NOT, main
 
 
 def run() -> None:

@@ -32,7 +32,7 @@ sys.path.insert(0, str(ROOT))
 import meshes as made  # noqa: E402
 
 from adaptive_fairing.batch.plan import RECORDS  # noqa: E402
-from adaptive_fairing.formats import SUFFIXES  # noqa: E402
+from adaptive_fairing.files.formats import SUFFIXES  # noqa: E402
 
 SIZES = (200, 500, 1000, 2000, 5000, 10000, 20000)
 """Triangles of the made meshes."""

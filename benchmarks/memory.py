@@ -1,4 +1,4 @@
-"""Measure the peak memory of solves against the estimate of `adaptive_fairing.core.memory`.
+"""Measure the peak memory of solves against the estimate made before them.
 
     python benchmarks/memory.py [NAME ...]
 
@@ -20,10 +20,10 @@ for folder in (ROOT / "tests", ROOT):
 from support import bad_meshes, meshes  # noqa: E402  the search path has to be set before
 
 from adaptive_fairing.core import FairingSettings, fair_steps  # noqa: E402
-from adaptive_fairing.core.memory import estimated_bytes  # noqa: E402
-from adaptive_fairing.core.patches import PatchSet  # noqa: E402
-from adaptive_fairing.core.quadrature import quadrature_choice  # noqa: E402
-from adaptive_fairing.core.solver_frame import solvable_surface  # noqa: E402
+from adaptive_fairing.core.fem.memory_estimate import estimated_bytes  # noqa: E402
+from adaptive_fairing.core.loop.patches import PatchSet  # noqa: E402
+from adaptive_fairing.core.loop.quadrature import quadrature_choice  # noqa: E402
+from adaptive_fairing.core.mesh.solver_mesh import solvable_surface  # noqa: E402
 
 CASES = {
     "sphere 5": (lambda: meshes.icosphere(5), 1e-3),

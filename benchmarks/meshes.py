@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull
 
 from adaptive_fairing.core import FairingSettings
-from adaptive_fairing.core.smoothing_radius import radius_scale, suggest_tau
+from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale, suggest_tau
 
 CGAL_DATA = Path("/usr/share/doc/libcgal-dev/data.tar.gz")
 """Meshes in Debian's package libcgal-demo."""

@@ -38,10 +38,10 @@ from measuring import (
 from stages import SETUP, STEP, Clock, Stage
 
 from adaptive_fairing.core import FairingSettings, TriangleTopology, fair_steps
-from adaptive_fairing.core.loop_basis import basis_table
-from adaptive_fairing.core.patches import PatchSet
-from adaptive_fairing.core.quadrature import quadrature_choice
-from adaptive_fairing.core.sparsity import SymmetricPattern
+from adaptive_fairing.core.linalg.symmetric_pattern import SymmetricPattern
+from adaptive_fairing.core.loop.basis import basis_table
+from adaptive_fairing.core.loop.patches import PatchSet
+from adaptive_fairing.core.loop.quadrature import quadrature_choice
 
 REST = "everything else"
 

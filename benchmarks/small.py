@@ -36,7 +36,7 @@ from measuring import (
 )
 
 from adaptive_fairing.core import FairingSettings, LoopSpace, TriangleTopology, fair
-from adaptive_fairing.core.patches import PatchSet
+from adaptive_fairing.core.loop.patches import PatchSet
 
 RUNS_IN_PROCESS = 3
 

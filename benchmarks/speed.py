@@ -33,7 +33,7 @@ from measuring import (
     table,
 )
 
-from adaptive_fairing.core.smoothing_radius import equivalent_uniform_tau
+from adaptive_fairing.core.diffusion.smoothing_radius import equivalent_uniform_tau
 
 SIZES = [10_000, 30_000, 100_000, 328_000, 1_000_000]
 

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 
 from measuring import Stopwatch
 
-from adaptive_fairing.core.parallel import n_threads, ordered_map
+from adaptive_fairing.core.runtime.threads import n_threads, ordered_map
 
 CORE = "adaptive_fairing.core."
 
@@ -37,28 +37,28 @@ class Stage(NamedTuple):
 
 
 SETUP = (
-    Stage("ordering", "solver_frame:sweep_order"),
-    Stage("topology", "solver_frame:TriangleTopology"),
-    Stage("patches", "prepared:PatchSet"),
-    Stage("patches", "patches:PatchSet._segments"),
-    Stage("tables", "space_tables:basis_table"),
-    Stage("tables", "space_tables:ClassTables"),
-    Stage("tables", "space_tables:RareTables"),
-    Stage("chunks", "assembly:Chunk"),
-    Stage("pattern", "assembly:SymmetricPattern"),
-    Stage("entries of chunks", "assembly:ChunkEntries"),
+    Stage("ordering", "mesh.solver_mesh:sweep_order"),
+    Stage("topology", "mesh.solver_mesh:TriangleTopology"),
+    Stage("patches", "problem.prepared_mesh:PatchSet"),
+    Stage("patches", "loop.patches:PatchSet._segments"),
+    Stage("tables", "fem.table_cache:basis_table"),
+    Stage("tables", "fem.table_cache:ClassTables"),
+    Stage("tables", "fem.table_cache:RareTables"),
+    Stage("chunks", "fem.loop_space:Chunk"),
+    Stage("pattern", "fem.loop_space:SymmetricPattern"),
+    Stage("entries of chunks", "fem.loop_space:ChunkEntries"),
 )
 
 STEP = (
-    Stage("density", "fairing:mesh_density"),
-    Stage("evaluation", "assembly:evaluate"),
-    Stage("coefficients", "forms:ScalarForm.coefficients"),
-    Stage("measures", "assembly:integrate_measures"),
-    Stage("local matrices", "class_tables:ClassTables.local_matrices"),
-    Stage("local matrices", "rare_tables:RareTables.local_matrices"),
-    Stage("scatter, right side", "assembly:_integrate"),
-    Stage("sum of chunks, waiting", "assembly:LoopSpace.step_system"),
-    Stage("conjugate gradients", "fairing:conjugate_gradients"),
+    Stage("density", "diffusion.steps:mesh_density"),
+    Stage("evaluation", "fem.loop_space:evaluate"),
+    Stage("coefficients", "fem.forms:ScalarForm.coefficients"),
+    Stage("measures", "fem.loop_space:integrate_measures"),
+    Stage("local matrices", "fem.class_tables:ClassTables.local_matrices"),
+    Stage("local matrices", "fem.stacked_tables:RareTables.local_matrices"),
+    Stage("scatter, right side", "fem.loop_space:_integrate"),
+    Stage("sum of chunks, waiting", "fem.loop_space:LoopSpace.step_system"),
+    Stage("conjugate gradients", "diffusion.steps:conjugate_gradients"),
 )
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from mathutils import Vector
 from PIL import Image
 
-from adaptive_fairing.blender.shape_keys import animate_evolution, write_absolute_keys
+from adaptive_fairing.blender.data.shape_keys import animate_evolution, write_absolute_keys
 from adaptive_fairing.core import fair
 from claims.measures import TIMESTEP_AREA, UNIFORM, Scheme, matched_tau
 from claims.pairs import PUBLISHED, MeshPair, sample_pair

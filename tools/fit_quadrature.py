@@ -21,11 +21,11 @@ from scipy.spatial import Delaunay
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
 from adaptive_fairing.core import TriangleTopology, mesh_density
-from adaptive_fairing.core.geometry import metric_at
-from adaptive_fairing.core.loop_basis import evaluate_basis, refined_table
-from adaptive_fairing.core.patch_class import PatchClass
-from adaptive_fairing.core.patches import PatchSet
-from adaptive_fairing.core.quadrature import triangle_rule
+from adaptive_fairing.core.fem.differential_geometry import metric_at
+from adaptive_fairing.core.loop.basis import evaluate_basis, refined_table
+from adaptive_fairing.core.loop.patch_class import PatchClass
+from adaptive_fairing.core.loop.patches import PatchSet
+from adaptive_fairing.core.loop.quadrature import triangle_rule
 
 VALENCES = (4, 5, 7, 8, 9, 10)
 SURFACES = (

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from ..formats import SUFFIXES, is_supported
+from ..files.formats import SUFFIXES, is_supported
 
 
 class ArgumentsError(Exception):

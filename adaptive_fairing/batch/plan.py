@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..formats import BLEND, MESH_FORMATS, suffix_of
+from ..files.formats import BLEND, MESH_FORMATS, suffix_of
 from .inputs import ArgumentsError, Source, frame_numbers
 
 RECORDS = "fairing_records"

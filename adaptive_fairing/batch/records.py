@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from ..core.report import strict, write_report
+from ..files.report import strict, write_report
 from .summary import DONE, FAILED
 
 Json = dict[str, Any]

@@ -18,7 +18,7 @@ _registered: list[object] = []
 def run(arguments: list[str]) -> int:
     """Run the command line with `arguments`; return the exit code that Blender passes on."""
     # Imported late, because enabling the add-on must cost nothing.
-    from .. import cli
+    from ..cli import main as cli
 
     return cli.main(arguments, worker_command=worker_command())
 

@@ -4,18 +4,18 @@ Geometric diffusion of surface meshes in the finite element space of Loop's subd
 after C. Bajaj and G. Xu, *Adaptive Fairing of Surface Meshes by Geometric Diffusion*.
 """
 
-from .assembly import LoopSpace
-from .auto_estimate import AutoEstimate, AutoPlan
-from .density import mesh_density
+from .denoise.plan import AutoEstimate, AutoPlan
+from .diffusion.steps import fair, fair_steps
 from .errors import FairingError, InputError, SettingsError, SolverError, TopologyError
-from .fairing import fair, fair_steps
-from .geometry import SurfaceMeasures
-from .linear_solver import SolveReport
-from .memory import MemoryNeededError
-from .prepared import PreparedMesh
+from .fem.differential_geometry import SurfaceMeasures
+from .fem.loop_space import LoopSpace
+from .fem.memory_estimate import MemoryNeededError
+from .linalg.conjugate_gradients import SolveReport
+from .mesh.density import mesh_density
+from .mesh.topology import TriangleTopology
+from .problem.prepared_mesh import PreparedMesh
 from .results import FairingResult, FairingStep
 from .settings import FairingSettings
-from .topology import TriangleTopology
 
 __all__ = [
     "AutoEstimate",

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .auto_estimate import AutoEstimate
-from .geometry import SurfaceMeasures
-from .linear_solver import SolveReport
+from .denoise.plan import AutoEstimate
+from .fem.differential_geometry import SurfaceMeasures
+from .linalg.conjugate_gradients import SolveReport
 from .settings import FairingSettings
 
 FloatArray = NDArray[np.float64]

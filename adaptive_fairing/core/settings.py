@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, fields
 
-from .density import DENSITY_KINDS
 from .errors import SettingsError
+from .mesh.density import DENSITY_KINDS
 
 METHODS = ("adaptive_timestep", "adaptive_tensor", "uniform", "auto")
 BOUNDARIES = ("fixed", "free")

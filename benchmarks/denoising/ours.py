@@ -11,7 +11,7 @@ from pathlib import Path
 
 import adaptive_fairing.core
 from adaptive_fairing.core import FairingSettings, fair, fair_steps
-from adaptive_fairing.core.smoothing_radius import radius_scale, suggest_tau
+from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale, suggest_tau
 
 from .geometry import Faces, FloatArray
 from .peers import Peer, Values, spread
@@ -64,7 +64,7 @@ class OwnScheme(Peer):
 def core_digest() -> str:
     """Name the state of the numeric core."""
     content = hashlib.sha256()
-    for path in sorted(Path(adaptive_fairing.core.__file__).parent.glob("*.py")):
+    for path in sorted(Path(adaptive_fairing.core.__file__).parent.rglob("*.py")):
         content.update(path.read_bytes())
     return content.hexdigest()[:12]
 

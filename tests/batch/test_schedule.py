@@ -157,6 +157,6 @@ def test_scheduling_needs_neither_numpy_nor_blender():
     code = (
         "import sys\n"
         "sys.modules['bpy'] = sys.modules['numpy'] = sys.modules['scipy'] = None\n"
-        "import adaptive_fairing.batch.schedule, adaptive_fairing.cli_batch"
+        "import adaptive_fairing.batch.schedule, adaptive_fairing.cli.batch"
     )
     subprocess.run([sys.executable, "-c", code], cwd=ROOT, check=True)

@@ -15,7 +15,9 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from adaptive_fairing.core import FairingSettings, TriangleTopology, assembly, fairing
+from adaptive_fairing.core import FairingSettings, TriangleTopology
+from adaptive_fairing.core.diffusion import steps
+from adaptive_fairing.core.fem import loop_space
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 
@@ -67,7 +69,7 @@ def test_many_classes_come_as_asked_for(load):
 
 def test_profile_accounts_for_every_stage_and_puts_the_core_back(load):
     profile_step, stages = load("profile_step"), load("stages")
-    functions = assembly.evaluate, assembly.ordered_map, fairing.conjugate_gradients
+    functions = loop_space.evaluate, loop_space.ordered_map, steps.conjugate_gradients
     mesh = load("meshes").irregular(40_000)  # several chunks: some stages run in threads
     profiles = [profile_step.profile(mesh, FairingSettings()) for _ in range(3)]
     for part, expected in (("setup", stages.SETUP), ("step", stages.STEP)):
@@ -79,7 +81,7 @@ def test_profile_accounts_for_every_stage_and_puts_the_core_back(load):
         # What is left over is small, so nothing is counted twice and nothing large is forgotten;
         # in one run of three, as other programs may stop this one anywhere.
         assert min(abs(each.seconds[profile_step.REST]) / each.total for each in found) < 0.2
-    assert functions == (assembly.evaluate, assembly.ordered_map, fairing.conjugate_gradients)
+    assert functions == (loop_space.evaluate, loop_space.ordered_map, steps.conjugate_gradients)
 
 
 def test_history_warns_of_a_ratio_above_the_median_of_comparable_runs(load, tmp_path):

@@ -11,7 +11,7 @@ collect_ignore_glob = [] if HAS_BPY else ["test_*.py"]
 
 @pytest.fixture(autouse=True)
 def _empty_scene():
-    from adaptive_fairing.blender.files import empty_scene
+    from adaptive_fairing.blender.files.mesh_files import empty_scene
 
     empty_scene()
     yield
@@ -53,7 +53,7 @@ def five_meshes(tmp_path_factory):
 @pytest.fixture(scope="session")
 def five_faired(_method_of_the_paper, five_meshes, tmp_path_factory):
     """Give a folder with their results, made one by one."""
-    from adaptive_fairing import cli
+    from adaptive_fairing.cli import main as cli
 
     folder = tmp_path_factory.mktemp("one by one")
     for path in five_meshes.iterdir():

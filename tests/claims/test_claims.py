@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from adaptive_fairing.core import FairingSettings, TriangleTopology, fair
-from adaptive_fairing.core.density import smoothed
+from adaptive_fairing.core.mesh.density import smoothed
 from claims import __main__ as command
 from claims import convergence, density_passes, differences, stopping, under_over_fairing
 from claims.homogenisation import DISC_STEPS, quality

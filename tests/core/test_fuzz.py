@@ -26,7 +26,7 @@ from support.meshes import (
 )
 
 from adaptive_fairing.core import FairingError, FairingSettings, fair
-from adaptive_fairing.core.diagnosis import find_problems
+from adaptive_fairing.core.problem.diagnosis import find_problems
 
 WHOLE_MESHES = (
     lambda seed: bow_tie(),

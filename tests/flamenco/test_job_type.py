@@ -9,7 +9,8 @@ from types import SimpleNamespace
 import pytest
 from support.flamenco import CompileError, JobType, check_definition
 
-from adaptive_fairing import cli, defaults
+from adaptive_fairing import defaults
+from adaptive_fairing.cli import main as cli
 from adaptive_fairing.core import FairingSettings
 
 SCRIPT = Path(__file__).resolve().parents[2] / "flamenco" / "adaptive_fairing.js"

@@ -8,8 +8,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-from adaptive_fairing import cli
 from adaptive_fairing.batch.plan import RECORDS
+from adaptive_fairing.cli import main as cli
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -6,8 +6,8 @@ Needs bpy.
 import bpy
 import numpy as np
 
-from adaptive_fairing.blender.mesh_data import read_positions
-from adaptive_fairing.blender.shape_keys import write_final_shape
+from adaptive_fairing.blender.data.mesh_arrays import read_positions
+from adaptive_fairing.blender.data.shape_keys import write_final_shape
 
 from .objects import bumpy_box, corners
 

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from adaptive_fairing.blender.files import empty_scene, export_mesh
+from adaptive_fairing.blender.files.mesh_files import empty_scene, export_mesh
 
 GRID = 5
 

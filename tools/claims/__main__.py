@@ -11,7 +11,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 from adaptive_fairing.core import FairingError
-from adaptive_fairing.core.report import strict
+from adaptive_fairing.files.report import strict
 
 from . import (
     bandwidth,

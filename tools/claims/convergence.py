@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse.linalg import eigsh
 
 from adaptive_fairing.core import LoopSpace, TriangleTopology, fair
-from adaptive_fairing.core.density import smoothed
+from adaptive_fairing.core.mesh.density import smoothed
 from samples.triangles import Faces, FloatArray, mean_edge_lengths
 
 from .findings import Findings

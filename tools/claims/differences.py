@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from adaptive_fairing.core.smoothing_radius import radius_scale, suggest_tau
+from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale, suggest_tau
 
 from .measures import Scheme, matched_tau, root_mean_square
 from .pairs import MeshPair

@@ -7,7 +7,7 @@ from scipy import sparse
 from scipy.sparse.linalg import cg
 
 from adaptive_fairing.core import FairingError, TriangleTopology, mesh_density
-from adaptive_fairing.core.solver_frame import FRAME_SIZE
+from adaptive_fairing.core.mesh.solver_mesh import FRAME_SIZE
 from samples.triangles import Faces, FloatArray, triangle_areas
 
 MIDPOINTS = np.array([[1, 1, 0], [0, 1, 1], [1, 0, 1]]) / 2

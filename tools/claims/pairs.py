@@ -84,8 +84,8 @@ def file_pair(noisy: Path, clean: Path) -> MeshPair:
         A file cannot be read, or the two do not have the same triangles and vertices.
     """
     # Blender is needed for other people's files only: the samples have their own reader.
-    from adaptive_fairing.blender.files import import_mesh
-    from adaptive_fairing.blender.mesh_data import read_mesh
+    from adaptive_fairing.blender.data.mesh_arrays import read_mesh
+    from adaptive_fairing.blender.files.mesh_files import import_mesh
 
     meshes = [read_mesh(import_mesh(path, keep_axes=True).data) for path in (noisy, clean)]
     first, second = meshes

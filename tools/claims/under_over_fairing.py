@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from adaptive_fairing.core.smoothing_radius import radius_scale
+from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale
 
 from .findings import Findings
 from .measures import SCHEMES, Scheme, matched_tau

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from adaptive_fairing.core.loop_basis import evaluate_basis, table_depth
-from adaptive_fairing.core.patch_class import Corner, PatchClass, is_regular_patch
-from adaptive_fairing.core.patches import PatchSet
-from adaptive_fairing.core.quadrature import QuadratureChoice, quadrature_choice
-from adaptive_fairing.core.refinement import refine
-from adaptive_fairing.core.topology import TriangleTopology
+from adaptive_fairing.core.loop.basis import evaluate_basis, table_depth
+from adaptive_fairing.core.loop.patch_class import Corner, PatchClass, is_regular_patch
+from adaptive_fairing.core.loop.patches import PatchSet
+from adaptive_fairing.core.loop.quadrature import QuadratureChoice, quadrature_choice
+from adaptive_fairing.core.loop.subdivision import refine
+from adaptive_fairing.core.mesh.topology import TriangleTopology
 from claims.plots import figure, save
 
 from .panels import ROOT

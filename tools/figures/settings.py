@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from adaptive_fairing.core import FairingSettings, fair
-from adaptive_fairing.core.smoothing_radius import radius_scale
+from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale
 from claims.measures import TIMESTEP, TIMESTEP_AREA, UNIFORM, Scheme, matched_tau
 from claims.pairs import MeshPair, sample_pair
 from render import View

@@ -1,0 +1,1 @@
+"""Meshes, attributes, colours and shape keys of Blender, as numpy arrays and back."""

@@ -1,0 +1,102 @@
+"""Which objects a run works on, and with which weight at every vertex."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
+from numpy.typing import NDArray
+
+MODES = ("OBJECT", "EDIT", "SCULPT")
+SCULPT_MASK = ".sculpt_mask"
+
+
+def target_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """Mesh objects to work on: all that are selected, or all in the mode of the active object."""
+    active = context.active_object
+    if active is None or active.mode == "OBJECT":
+        selected = context.selected_objects
+        return [obj for obj in selected if obj.type == "MESH"]
+    if active.mode == "EDIT":
+        return [obj for obj in context.objects_in_mode if obj.type == "MESH"]
+    return [active] if active.type == "MESH" else []
+
+
+def refusal(context: bpy.types.Context) -> str | None:
+    """Say why no run can start here, and what to do; None if one can."""
+    active = context.active_object
+    if active is not None and active.mode not in MODES:
+        return "Change to Object Mode, Edit Mode or Sculpt Mode"
+    if active is not None and active.mode == "SCULPT":
+        if active.use_dynamic_topology_sculpting:
+            return "Turn off dynamic topology sculpting"
+        if any(modifier.type == "MULTIRES" for modifier in active.modifiers):
+            return "Leave Sculpt Mode: the mask of a multiresolution sculpture cannot be read"
+    if not target_objects(context):
+        return "Select a mesh object"
+    return None
+
+
+def vertex_weights(
+    obj: bpy.types.Object, mode: str, *, use_region: bool, vertex_group: str, invert: bool
+) -> NDArray[np.float64] | None:
+    """Share of the smoothing that every vertex gets.
+
+    Parameters
+    ----------
+    obj
+        Mesh object in Object Mode, where selection and mask can be read.
+    mode
+        Mode in which the user called: decides whether selection or mask count.
+    use_region
+        Whether the selection in Edit Mode, or the mask in Sculpt Mode, limits the smoothing.
+    vertex_group
+        Name of a vertex group whose weights scale the smoothing; empty for none.
+    invert
+        Take one minus the weights of the group.
+
+    Returns
+    -------
+    (n,) array in [0, 1], or None
+        None if nothing limits the smoothing.
+
+    Raises
+    ------
+    InputError
+        The object has no such vertex group, or every vertex has the weight 0.
+    """
+    from ...core import InputError
+
+    mesh = obj.data
+    factors = []
+    if use_region and mode == "EDIT":
+        selected = np.zeros(len(mesh.vertices), dtype=bool)
+        mesh.vertices.foreach_get("select", selected)
+        if selected.any():
+            factors.append(selected.astype(np.float64))
+    if use_region and mode == "SCULPT" and SCULPT_MASK in mesh.attributes:
+        mask = np.zeros(len(mesh.vertices), dtype=np.float32)
+        mesh.attributes[SCULPT_MASK].data.foreach_get("value", mask)
+        factors.append(1.0 - np.clip(mask.astype(np.float64), 0.0, 1.0))
+    if vertex_group:
+        group = obj.vertex_groups.get(vertex_group)
+        if group is None:
+            raise InputError(rpt_("there is no vertex group {!r}").format(vertex_group))
+        weights = _group_weights(mesh, group.index)
+        factors.append(1.0 - weights if invert else weights)
+    if not factors:
+        return None
+    product = np.prod(factors, axis=0)
+    if not product.any():
+        raise InputError(rpt_("selection, mask and vertex group leave no vertex to smooth"))
+    return product
+
+
+def _group_weights(mesh: bpy.types.Mesh, index: int) -> NDArray[np.float64]:
+    """Weights of a vertex group, 0 outside of it; Blender has no bulk access to them."""
+    weights = np.zeros(len(mesh.vertices))
+    for vertex in mesh.vertices:
+        for element in vertex.groups:
+            if element.group == index:
+                weights[vertex.index] = element.weight
+    return weights

@@ -1,0 +1,85 @@
+"""Write to an object completely or not at all."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import bpy
+
+from .targets import writable_object
+
+
+@contextmanager
+def written_or_restored(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
+    """Give the object to write to, see `writable_object`; put all back if the body fails.
+
+    Blender takes nothing back by itself when an operator ends with an error.
+
+    Parameters
+    ----------
+    obj
+        Mesh object in Object Mode.
+
+    Yields
+    ------
+    bpy.types.Object
+        `obj`, or a copy of it.
+    """
+    mesh = obj.data
+    name, has_fake_user, active_key = mesh.name, mesh.use_fake_user, obj.active_shape_key_index
+    visibility = _Visibility.of(obj)
+    target = writable_object(obj)
+    backup = mesh.copy() if target.data == mesh else None
+    try:
+        yield target
+    except BaseException:
+        broken = target.data
+        if target == obj:
+            obj.data = backup or mesh
+        else:
+            bpy.data.objects.remove(target)
+            visibility.restore(obj)
+        _remove_mesh(broken)
+        if backup is not None:
+            backup.name, backup.use_fake_user = name, has_fake_user
+            obj.active_shape_key_index = active_key
+        raise
+    if backup is not None:
+        _remove_mesh(backup)
+
+
+@dataclass(frozen=True)
+class _Visibility:
+    """Where an object is hidden and selected: layers with the two flags, and in renders."""
+
+    in_layers: list[tuple[bpy.types.ViewLayer, bool, bool]]
+    in_render: bool
+
+    @classmethod
+    def of(cls, obj: bpy.types.Object) -> _Visibility:
+        layers = [layer for scene in obj.users_scene for layer in scene.view_layers]
+        states = [
+            (layer, obj.hide_get(view_layer=layer), obj.select_get(view_layer=layer))
+            for layer in layers
+            if obj.name in layer.objects
+        ]
+        return cls(states, obj.hide_render)
+
+    def restore(self, obj: bpy.types.Object) -> None:
+        for layer, is_hidden, is_selected in self.in_layers:
+            obj.hide_set(is_hidden, view_layer=layer)
+            obj.select_set(is_selected, view_layer=layer)
+        if obj.library is None:
+            obj.hide_render = self.in_render
+
+
+def _remove_mesh(mesh: bpy.types.Mesh) -> None:
+    """Remove a mesh, and the animation of its keys if nobody else uses it."""
+    keys = mesh.shape_keys
+    animation = keys.animation_data if keys is not None else None
+    action = animation.action if animation is not None else None
+    bpy.data.meshes.remove(mesh)
+    if action is not None and action.users == 0:
+        bpy.data.actions.remove(action)

@@ -1,0 +1,162 @@
+"""The evolution as shape keys: "Basis" is the input, "Fairing 1", "Fairing 2", … the steps.
+
+Absolute keys form one movie: `Key.eval_time` runs through them, so that one slider scrubs the
+evolution. Relative keys are the form that glTF and FBX can export. Keys that anyone else made are
+never touched: the writers refuse a mesh that has them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+from numpy.typing import ArrayLike
+
+from ...core import FairingError
+from .. import compatibility
+from .mesh_arrays import flat_float32, read_positions, write_positions
+
+BASIS = "Basis"
+
+
+def step_key_name(index: int) -> str:
+    """Name of the key of a step, counted from 1."""
+    return f"Fairing {index}"
+
+
+def has_foreign_keys(mesh: bpy.types.Mesh) -> bool:
+    """Whether the mesh has shape keys other than those that this module writes."""
+    if mesh.shape_keys is None:
+        return False
+    names = [block.name for block in mesh.shape_keys.key_blocks]
+    ours = [BASIS, *(step_key_name(index) for index in range(1, len(names)))]
+    return names != ours
+
+
+def write_absolute_keys(
+    obj: bpy.types.Object, positions: Sequence[ArrayLike], shown: int = -1
+) -> None:
+    """Replace the object's fairing keys by absolute ones, one of which is shown.
+
+    Parameters
+    ----------
+    obj
+        Mesh object in Object Mode.
+    positions
+        Positions of every step, (n, 3) each, in object space, without the input. Must not be empty.
+    shown
+        Index of the step to show, by default the last.
+
+    Raises
+    ------
+    FairingError
+        The mesh has shape keys of its own.
+    """
+    keys, block = _write_keys(obj, positions, shown)
+    keys.use_relative = False
+    # Frames are 0, 10, 20, 30.0000019 …: read, never computed.
+    keys.eval_time = block.frame
+    obj.data.update()
+
+
+def write_relative_keys(
+    obj: bpy.types.Object, positions: Sequence[ArrayLike], shown: int = -1
+) -> None:
+    """Replace the object's fairing keys by relative ones; only the shown one has the value 1.
+
+    Parameters, errors: as in `write_absolute_keys`.
+    """
+    keys, shown_block = _write_keys(obj, positions, shown)
+    keys.use_relative = True
+    for block in keys.key_blocks:
+        # Blender 5.0 changed the value of a new key from 0 to 1.
+        block.value = 1.0 if block == shown_block else 0.0
+    obj.data.update()
+
+
+def write_final_shape(obj: bpy.types.Object, positions: ArrayLike) -> None:
+    """Move the vertices themselves; earlier fairing keys go, no key is left.
+
+    Parameters
+    ----------
+    obj
+        Mesh object in Object Mode.
+    positions
+        (n, 3) in object space.
+
+    Raises
+    ------
+    FairingError
+        The mesh has shape keys of its own.
+    """
+    remove_fairing_keys(obj)
+    write_positions(obj.data, positions)
+
+
+def remove_fairing_keys(obj: bpy.types.Object) -> None:
+    """Take the fairing keys away, with their animation; the vertices go back to the Basis.
+
+    Raises
+    ------
+    FairingError
+        The mesh has shape keys of its own.
+    """
+    mesh = obj.data
+    if mesh.shape_keys is None:
+        return
+    if has_foreign_keys(mesh):
+        raise FairingError(
+            f"mesh {mesh.name!r} has shape keys of its own, which fairing would destroy: "
+            "fair a copy of the object without them"
+        )
+    basis = read_positions(mesh)
+    animation = mesh.shape_keys.animation_data
+    action = animation.action if animation is not None else None
+    obj.shape_key_clear()
+    write_positions(mesh, basis)
+    if action is not None and action.users == 0:
+        bpy.data.actions.remove(action)
+
+
+def animate_evolution(obj: bpy.types.Object, frame_start: float, frame_end: float) -> None:
+    """Let the timeline run through the absolute keys: one keyframe per step, evenly spaced.
+
+    Parameters
+    ----------
+    obj
+        Object that `write_absolute_keys` has written.
+    frame_start, frame_end
+        Frames that show the input and the last step.
+    """
+    keys = obj.data.shape_keys
+    last = len(keys.key_blocks) - 1
+    length = frame_end - frame_start
+    keyframe_keys(keys, [frame_start + length * index / last for index in range(last + 1)])
+
+
+def keyframe_keys(keys: bpy.types.Key, frames: Sequence[float]) -> None:
+    """Let every absolute key be shown at a frame of its own, and straight lines between them."""
+    for frame, block in zip(frames, keys.key_blocks, strict=True):
+        # Where a key stands is read, never computed: 0, 10, 20, 30.0000019 …
+        keys.eval_time = block.frame
+        keys.keyframe_insert("eval_time", frame=frame)
+    for curve in compatibility.fcurves(keys):
+        if curve.data_path == "eval_time":
+            for point in curve.keyframe_points:
+                point.interpolation = "LINEAR"
+
+
+def _write_keys(
+    obj: bpy.types.Object, positions: Sequence[ArrayLike], shown: int
+) -> tuple[bpy.types.Key, bpy.types.ShapeKey]:
+    """Write keys for the input and every step; give them and that of the step to show."""
+    mesh = obj.data
+    # All shapes are checked before anything is touched.
+    buffers = [flat_float32(step, mesh) for step in positions]
+    remove_fairing_keys(obj)
+    obj.shape_key_add(name=BASIS, from_mix=False)
+    for index, buffer in enumerate(buffers, start=1):
+        block = obj.shape_key_add(name=step_key_name(index), from_mix=False)
+        block.points.foreach_set("co", buffer)
+    obj.active_shape_key_index = 1 + range(len(buffers))[shown]
+    return mesh.shape_keys, mesh.shape_keys.key_blocks[obj.active_shape_key_index]

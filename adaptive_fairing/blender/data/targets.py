@@ -1,0 +1,100 @@
+"""Which object is faired, and how to write to it without harm to anything else in the file."""
+
+from __future__ import annotations
+
+import bpy
+
+from ...core import FairingError
+from .mesh_arrays import read_positions, write_positions
+from .shape_keys import has_foreign_keys
+
+
+def find_mesh_object(file_name: str, name: str | None = None) -> bpy.types.Object:
+    """Find the mesh object of the loaded file.
+
+    Parameters
+    ----------
+    file_name
+        For error messages.
+    name
+        Name of the object; None if the file is expected to hold a single mesh.
+
+    Raises
+    ------
+    FairingError
+        There is no such object, or the choice is not clear.
+    """
+    meshes = [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.users_scene]
+    names = ", ".join(repr(obj.name) for obj in meshes)
+    if name is None:
+        if not meshes:
+            raise FairingError(f"{file_name} holds no mesh: give a file with a polygon mesh")
+        if len(meshes) > 1:
+            raise FairingError(
+                f"{file_name} holds {len(meshes)} meshes: choose one with --object: {names}"
+            )
+        return meshes[0]
+    for obj in meshes:
+        if obj.name == name:
+            return obj
+    other = bpy.data.objects.get(name)
+    if other is not None:
+        kind = "not in any scene" if other.type == "MESH" else f"a {other.type.lower()}, not a mesh"
+        raise FairingError(f"object {name!r} in {file_name} is {kind}; its meshes are: {names}")
+    raise FairingError(f"{file_name} has no object {name!r}; its meshes are: {names or 'none'}")
+
+
+def needs_copy(obj: bpy.types.Object) -> bool:
+    """Whether the object itself must stay as it is: it is linked, or has shape keys of its own."""
+    is_foreign = obj.library is not None or obj.override_library is not None
+    return is_foreign or has_foreign_keys(obj.data)
+
+
+def writable_object(obj: bpy.types.Object) -> bpy.types.Object:
+    """Give an object whose mesh belongs to it alone and may be written.
+
+    Parameters
+    ----------
+    obj
+        Mesh object in Object Mode.
+
+    Returns
+    -------
+    bpy.types.Object
+        `obj` itself, its mesh made single-user if others share it or a library owns it; or, if it
+        `needs_copy`, a new object "NAME faired" in its place, with the undeformed shape and no
+        keys, while `obj` is hidden and otherwise untouched.
+    """
+    if needs_copy(obj):
+        return _copy_in_place(obj)
+    mesh = obj.data
+    is_shared = mesh.users - mesh.use_fake_user > 1
+    if is_shared or mesh.library is not None or mesh.override_library is not None:
+        obj.data = mesh.copy()
+    return obj
+
+
+def _copy_in_place(obj: bpy.types.Object) -> bpy.types.Object:
+    basis = read_positions(obj.data)
+    copy = obj.copy()
+    copy.make_local(clear_liboverride=True)
+    copy.name = f"{obj.name} faired"
+    copy.data = obj.data.copy()
+    copy.data.make_local(clear_liboverride=True)
+    if copy.data.shape_keys is not None:
+        keys = copy.data.shape_keys.name
+        copy.shape_key_clear()
+        if keys in bpy.data.shape_keys:
+            # Blender leaves the copied block behind, counted as used, though nothing uses it.
+            bpy.data.batch_remove([bpy.data.shape_keys[keys]])
+        write_positions(copy.data, basis)
+    collections = [each for each in obj.users_collection if each.library is None]
+    for collection in collections or [obj.users_scene[0].collection]:
+        collection.objects.link(copy)
+    for scene in obj.users_scene:
+        for layer in scene.view_layers:
+            if obj.name in layer.objects:
+                obj.hide_set(True, view_layer=layer)
+    if obj.library is None:
+        obj.hide_render = True
+    return copy

@@ -1,0 +1,1 @@
+"""Mesh files through Blender's importers and exporters, and what these lose."""

@@ -1,0 +1,205 @@
+"""Files in and out, with Blender's own importers and exporters; results appear whole or not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+
+from ...core import FairingError, InputError
+from ...core.errors import listed
+from ...files.atomic_files import replaced_file, replaced_files, require_space
+from ...files.formats import BLEND, MESH_FORMATS, OBJ, PLY, suffix_of
+from ...silence import silent_stdout
+from ..compatibility import known_options
+from ..data.mesh_arrays import read_positions
+from ..data.targets import find_mesh_object
+from .obj_precision import restore_precision
+from .ply_export import prepare_for_ply
+
+_AXES_AS_IN_FILE = {"forward_axis": "Y", "up_axis": "Z"}
+
+
+class FileError(FairingError):
+    """A file that Blender cannot read or write."""
+
+
+def import_mesh(
+    path: Path, object_name: str | None = None, *, keep_axes: bool = False
+) -> bpy.types.Object:
+    """Load a file in place of everything that Blender holds, and find the mesh to fair.
+
+    Parameters
+    ----------
+    path
+        A .blend file, or any format of `MESH_FORMATS`, which is loaded into an empty scene.
+    object_name
+        Name of the mesh object; needed only if the file holds several.
+    keep_axes
+        Take coordinates as they stand in the file, for the formats that have no axes of their own.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or the mesh has no faces.
+    FairingError
+        No mesh, several meshes without a name, or no mesh of that name.
+    InputError
+        Coordinates that are not finite numbers.
+    """
+    path = Path(path).resolve()
+    if not path.is_file():
+        raise FileError(f"cannot read {path}: there is no such file")
+    if suffix_of(path) == BLEND:
+        _call(path, "wm.open_mainfile", {"filepath": str(path), "use_scripts": False})
+    else:
+        _import_into_empty_scene(path, split=object_name is not None, keep_axes=keep_axes)
+    obj = find_mesh_object(path.name, object_name)
+    if len(obj.data.polygons) == 0:
+        raise FileError(f"{obj.name!r} in {path.name} has no faces: there is no surface to fair")
+    if obj.mode != "OBJECT":
+        # The mesh of an object in Edit Mode or Sculpt Mode is not up to date.
+        with bpy.context.temp_override(object=obj, active_object=obj):
+            bpy.ops.object.mode_set(mode="OBJECT")
+    return obj
+
+
+def export_mesh(
+    obj: bpy.types.Object, path: Path, *, alone: bool, keep_axes: bool = False
+) -> list[str]:
+    """Write a mesh file; modifiers and shape keys are not applied where the format allows it.
+
+    Parameters
+    ----------
+    obj
+        The faired object; for .ply its colours and attributes are adapted to the exporter.
+    path
+        Output; its suffix chooses the format.
+    alone
+        Write this object only, instead of the whole scene.
+    keep_axes
+        As in `import_mesh`.
+
+    Returns
+    -------
+    list of str
+        What the format could not hold, one sentence each.
+
+    Raises
+    ------
+    FileError
+        Blender cannot write the file.
+    OSError
+        The place cannot be written to.
+    """
+    file_format = MESH_FORMATS[suffix_of(path)]
+    options = dict(file_format.export_options)
+    notes = []
+    if file_format.keeps_axes and keep_axes:
+        options |= _AXES_AS_IN_FILE
+    if file_format in (OBJ, PLY):
+        # Without normals of its own a mesh stays one whose readers compute them.
+        options["export_normals"] = obj.data.has_custom_normals
+    if file_format is PLY:
+        # Blender's own export of UVs cuts the surface open at seams and renumbers all vertices.
+        options["export_uv"] = False
+        notes += prepare_for_ply(obj.data)
+    if alone or not file_format.holds_scene:
+        _show_alone(obj)
+    with replaced_files(path) as draft:
+        if file_format.dies_without_space:
+            require_space(draft.parent, _size_bound())
+        _call(path, file_format.exporter, {**options, "filepath": str(draft)})
+        if not draft.is_file():
+            raise FileError(f"cannot write {path}: Blender wrote nothing")
+        if file_format is OBJ:
+            restore_precision(draft, keep_axes=keep_axes)
+    return notes
+
+
+def save_blend(path: Path) -> None:
+    """Save everything that Blender holds as a .blend file.
+
+    Raises
+    ------
+    FileError, OSError
+        As in `export_mesh`.
+    """
+    with replaced_file(path) as draft:
+        options = {"filepath": str(draft), "copy": True, "check_existing": False}
+        _call(path, "wm.save_as_mainfile", options)
+
+
+def empty_scene() -> None:
+    """Load Blender's factory start-up scene without its objects; add-ons stay enabled."""
+    with silent_stdout():
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+
+
+def _import_into_empty_scene(path: Path, *, split: bool, keep_axes: bool) -> None:
+    file_format = MESH_FORMATS[suffix_of(path)]
+    options = dict(file_format.import_options)
+    if split and "use_split_objects" in options:
+        # Whoever names an object of the file wants its objects apart.
+        options["use_split_objects"] = True
+    if file_format.keeps_axes and keep_axes:
+        options |= _AXES_AS_IN_FILE
+    empty_scene()
+    _call(path, file_format.importer, {**options, "filepath": str(path)})
+    for mesh in bpy.data.meshes:
+        _require_finite(mesh)
+        # The importers' own validation is off, because it hides what `_require_finite` finds.
+        mesh.validate(clean_customdata=False)
+
+
+def _require_finite(mesh: bpy.types.Mesh) -> None:
+    bad = np.flatnonzero(~np.isfinite(read_positions(mesh)).all(axis=1))
+    if len(bad):
+        raise InputError(
+            f"{len(bad)} vertices of mesh {mesh.name!r} have coordinates that are not finite "
+            f"numbers: {listed(bad)}; delete or repair them"
+        )
+
+
+def _size_bound() -> int:
+    """Bytes that the meshes of the scene take at most in a file, if no modifier enlarges them."""
+    elements = sum(
+        len(obj.data.vertices) + len(obj.data.loops)
+        for obj in bpy.context.scene.objects
+        if obj.type == "MESH"
+    )
+    # Position, index, normal and UV of an element are 36 bytes; the rest is for their frame.
+    return 64 * elements + (1 << 16)
+
+
+def _show_alone(obj: bpy.types.Object) -> None:
+    """Replace all scenes by one that holds this object only, whatever hid it before."""
+    scene = bpy.data.scenes.new(obj.name)
+    scene.collection.objects.link(obj)
+    if obj.library is None:
+        obj.hide_viewport = False
+    bpy.context.window.scene = scene
+    # Some exporters write every scene of the file.
+    bpy.data.batch_remove([each for each in bpy.data.scenes if each != scene])
+
+
+def _call(path: Path, name: str, options: Mapping[str, Any]) -> None:
+    """Run an operator on a file; its errors become one line."""
+    operator = _operator(name)
+    verb = "write" if "export" in name or "save" in name else "read"
+    try:
+        with silent_stdout():
+            outcome = operator(**known_options(operator, dict(options)))
+    except RuntimeError as error:
+        reason = " ".join(str(error).removeprefix("Error: ").split())
+        raise FileError(f"cannot {verb} {path}: {reason}") from error
+    if outcome != {"FINISHED"}:
+        raise FileError(f"cannot {verb} {path}: Blender gave up without a reason")
+
+
+def _operator(name: str) -> Callable[..., set[str]]:
+    group, _, function = name.partition(".")
+    return getattr(getattr(bpy.ops, group), function)

@@ -1,0 +1,302 @@
+"""The main job: one file in, its mesh faired, one file out. The command line is a shell of this."""
+
+from __future__ import annotations
+
+import platform
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import bpy
+import numpy as np
+import scipy
+
+from ...core import (
+    FairingError,
+    FairingSettings,
+    FairingStep,
+    PreparedMesh,
+    SolverError,
+    fair_steps,
+)
+from ...core.denoise.plan import AutoPlan
+from ...files.atomic_files import writable_place
+from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
+from ...files.report import build_report, step_record, write_report
+from ...version import program_version
+from ..data.attributes import write_density
+from ..data.mesh_arrays import MeshData, read_mesh, welded
+from ..data.shape_keys import animate_evolution, write_absolute_keys, write_final_shape
+from ..data.targets import needs_copy, writable_object
+from ..files.import_losses import import_notes
+from ..files.mesh_files import export_mesh, import_mesh, save_blend
+from .fairing_task import not_converged
+from .frames import object_at_frame
+
+FRAMES_PER_STEP = 10
+"""Length of one step on the timeline of an output .blend, in frames."""
+
+OnStep = Callable[[FairingStep], None]
+OnShare = Callable[[float], None]
+
+
+@dataclass(frozen=True)
+class FairingJob:
+    """What to do.
+
+    Attributes
+    ----------
+    input, output
+        Files; their suffixes choose the formats. A .blend output gets every step as a shape key,
+        a mesh format the last step.
+    settings
+        For the solver.
+    object_name
+        Mesh object of the input; None if it holds a single one.
+    report
+        File for the JSON report; None for no report.
+    frame
+        Frame of an animated input whose deformed shape is faired; the output is then a mesh
+        format. None takes the mesh as it is stored, before modifiers.
+    """
+
+    input: Path
+    output: Path
+    settings: FairingSettings = field(default_factory=FairingSettings)
+    object_name: str | None = None
+    report: Path | None = None
+    frame: int | None = None
+
+
+@dataclass(frozen=True)
+class Preparation:
+    """What is known of a surface before it is solved on.
+
+    Attributes
+    ----------
+    mesh
+        Its analysis.
+    plan
+        How "auto" is to mix its filters; None lets it find out.
+    """
+
+    mesh: PreparedMesh
+    plan: AutoPlan | None = None
+
+
+Prepare = Callable[[MeshData], Preparation]
+Admit = Callable[[PreparedMesh], None]
+
+
+def run_job(
+    job: FairingJob,
+    on_step: OnStep | None = None,
+    *,
+    on_share: OnShare | None = None,
+    prepare: Prepare | None = None,
+    admit: Admit | None = None,
+) -> dict[str, Any]:
+    """Do the job. Everything that Blender holds is replaced by the input file.
+
+    A solve that fails in a later step does not lose the steps before it: they are written, and
+    then the error is raised. A step that did not converge itself is not written.
+
+    Parameters
+    ----------
+    job
+        What to do.
+    on_step
+        Called after every step.
+    on_share
+        Called with the share of the solve that is done, up to 1.
+    prepare
+        Gives the preparation of a surface, by default a new one; a caller of many jobs may have
+        one already.
+    admit
+        Called when the surface is known, before the memory for its solve is taken. What it raises
+        ends the job without an output.
+
+    Returns
+    -------
+    dict
+        The report, whether or not it is also written to a file.
+
+    Raises
+    ------
+    FairingError
+        The input is no mesh that can be faired, or the solver failed.
+    OSError
+        A file cannot be read or written.
+    MemoryError
+        The mesh is too large for this machine.
+    """
+    for path in (job.output, job.report):
+        if path is not None:
+            writable_place(path)
+    run = _Run(
+        job,
+        prepare or (lambda data: prepared_alone(data, job.settings)),
+        admit or (lambda prepared: None),
+    )
+    try:
+        run.execute(on_step or (lambda step: None), on_share)
+    except (FairingError, OSError, MemoryError) as error:
+        if job.report is not None:
+            write_report(job.report, run.report(str(error) or "not enough memory"))
+        raise
+    report = run.report(None)
+    if job.report is not None:
+        write_report(job.report, report)
+    return report
+
+
+class _Run:
+    """State of a job while it runs, from which its report can be written at any moment."""
+
+    def __init__(self, job: FairingJob, prepare: Prepare, admit: Admit) -> None:
+        self.job = job
+        self.prepare = prepare
+        self.admit = admit
+        self.object_name = job.object_name
+        self.mesh: Mapping[str, int] = {}
+        self.records: list[dict[str, Any]] = []
+        self.last: FairingStep | None = None
+        self.chosen = -1  # of the steps: the result for a format that holds one
+        self.notes: list[str] = []
+
+    def execute(self, on_step: OnStep, on_share: OnShare | None) -> None:
+        job = self.job
+        obj = import_mesh(job.input, job.object_name, keep_axes=keeps_axes(job.input, job.output))
+        self.object_name = obj.name
+        self.notes = import_notes(job.input)
+        if job.frame is not None:
+            obj = object_at_frame(obj, job.frame)
+        shapes, density, failure = self._solve(obj, on_step, on_share)
+        if shapes:
+            self._write(obj, shapes, density)
+        if failure is not None:
+            written = f"the {len(shapes)} before it are in {job.output}" if shapes else "no output"
+            raise SolverError(f"{failure} ({written})") from failure
+
+    def _solve(
+        self, obj: bpy.types.Object, on_step: OnStep, on_share: OnShare | None
+    ) -> tuple[list[np.ndarray], np.ndarray | None, FairingError | None]:
+        """Run the solver; give the good steps, the density of the last, and what went wrong."""
+        data = read_mesh(obj.data)
+        self.mesh = {
+            "vertices": len(data.vertices),
+            "edges": len(obj.data.edges),
+            "polygons": len(obj.data.polygons),
+            "triangles": len(data.triangles),
+        }
+        surface, surface_vertex = solved_surface(data, self.job.input)
+        preparation = self.prepare(surface)
+        self.admit(preparation.mesh)
+        shapes: list[np.ndarray] = []
+        density = None
+        given_notes = self.notes
+        started = time.perf_counter()
+        try:
+            for step in fair_steps(
+                surface.vertices,
+                surface.triangles,
+                self.job.settings,
+                prepared=preparation.mesh,
+                plan=preparation.plan,
+                progress=on_share,
+            ):
+                now = time.perf_counter()
+                self.records.append(step_record(step, surface.vertices, now - started))
+                self.last = step
+                self.notes = [*given_notes, *step.notes]
+                on_step(step)
+                if not step.solve.converged:
+                    return shapes, density, SolverError(not_converged(step))
+                # Blender keeps float32: half the memory for the same result.
+                shapes.append(step.positions[surface_vertex].astype(np.float32))
+                if step.auto is not None and step.auto.is_chosen:
+                    self.chosen = len(shapes) - 1
+                density = step.density[surface_vertex]
+                started = time.perf_counter()
+        except SolverError as error:
+            return shapes, density, error
+        return shapes, density, None
+
+    def _write(self, obj: bpy.types.Object, shapes: list[np.ndarray], density: np.ndarray) -> None:
+        job = self.job
+        is_copy = needs_copy(obj)
+        obj = writable_object(obj)
+        if suffix_of(job.output) == BLEND:
+            write_absolute_keys(obj, shapes)
+            write_density(obj.data, density)
+            _put_on_timeline(obj, self.chosen, extend=suffix_of(job.input) == BLEND)
+            save_blend(job.output)
+        else:
+            write_final_shape(obj, shapes[self.chosen])
+            self.notes += export_mesh(
+                obj,
+                job.output,
+                alone=is_copy or suffix_of(job.input) == BLEND or job.frame is not None,
+                keep_axes=keeps_axes(job.input, job.output),
+            )
+
+    def report(self, error: str | None) -> dict[str, Any]:
+        job, last = self.job, self.last
+        return build_report(
+            settings=job.settings,
+            program=_versions(),
+            files={"input": job.input, "output": job.output, "object": self.object_name},
+            mesh=self.mesh,
+            initial=None if last is None else last.initial,
+            steps=self.records,
+            stop_reason=None if last is None else last.stop_reason,
+            notes=self.notes,
+            error=error,
+        )
+
+
+def prepared_alone(
+    data: MeshData, settings: FairingSettings, scale: float | None = None
+) -> Preparation:
+    """Analyse a surface that has nothing in common with others but perhaps the scale."""
+    return Preparation(PreparedMesh(data.vertices, data.triangles, settings, scale=scale))
+
+
+def solved_surface(data: MeshData, source: Path) -> tuple[MeshData, np.ndarray | slice]:
+    """Surface to solve on for a mesh of a file, and its vertex for each of the mesh's."""
+    return welded(data) if splits_vertices(source) else (data, slice(None))
+
+
+def _put_on_timeline(obj: bpy.types.Object, shown: int, *, extend: bool) -> None:
+    """Animate the keys from the scene's first frame on.
+
+    Parameters
+    ----------
+    obj
+        Object with absolute keys.
+    shown
+        Index of the step to show.
+    extend
+        Only lengthen the scene's frame range, which other animation may need; otherwise fit it.
+    """
+    scene = obj.users_scene[0]
+    blocks = obj.data.shape_keys.key_blocks[1:]  # without the Basis
+    first = scene.frame_start
+    last = first + FRAMES_PER_STEP * len(blocks)
+    animate_evolution(obj, first, last)
+    obj.data.shape_keys.eval_time = blocks[shown].frame
+    scene.frame_end = max(scene.frame_end, last) if extend else last
+    scene.frame_current = first + FRAMES_PER_STEP * (range(len(blocks))[shown] + 1)
+
+
+def _versions() -> dict[str, str]:
+    return {
+        "name": "adaptive-fairing",
+        "version": program_version(),
+        "blender": bpy.app.version_string,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "scipy": scipy.__version__,
+    }

@@ -1,0 +1,163 @@
+"""What the frames of one surface have in common: the analysis of its topology, and the strength."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from ...core import FairingError, FairingSettings, FairingStep, PreparedMesh, fair
+from ...core.results import chosen_step
+from ..data.mesh_arrays import MeshData, read_mesh
+from ..files.mesh_files import import_mesh
+from .fairing_task import FairingTask, RunCancelledError, run_tasks
+from .file_job import Preparation, prepared_alone, solved_surface
+from .frames import object_at_frame
+
+Place = tuple[Path, int | None]
+"""A file, and a frame in it; None for the mesh as it is stored."""
+
+
+class Preparations:
+    """Preparations of surfaces, of which that of a sequence's first frame is kept.
+
+    A frame with other triangles than the first is analysed on its own. So the result of a frame
+    does not depend on which others were faired before it in the same process.
+    """
+
+    def __init__(self) -> None:
+        self._place: Place | None = None
+        self._kept: Preparation | None = None
+
+    def turn_to(
+        self,
+        reference: Place | None,
+        object_name: str | None,
+        settings: FairingSettings,
+        *,
+        scale: float | None,
+        keep_axes: bool,
+    ) -> None:
+        """Make sure that the kept preparation is that of a place; None keeps nothing.
+
+        All parameters but the place must be those of the last call with the same place.
+
+        Raises
+        ------
+        FairingError, OSError
+            The place cannot be read, or holds no mesh to fair.
+        """
+        if reference == self._place:
+            return
+        self._place, self._kept = reference, None
+        if reference is not None:
+            data = read_place(reference, object_name, keep_axes=keep_axes)
+            is_one_strength = scale is not None
+            self._kept = prepared_first(data, settings, scale, is_one_strength=is_one_strength)
+
+    def of(self, data: MeshData, settings: FairingSettings, scale: float | None) -> Preparation:
+        """Give the kept preparation if it is one of this surface, otherwise a new one."""
+        kept = self._kept
+        if kept is not None and kept.mesh.serves(data.triangles, len(data.vertices)):
+            return kept
+        return prepared_alone(data, settings, scale)
+
+
+def prepared_first(
+    data: MeshData,
+    settings: FairingSettings,
+    scale: float | None,
+    *,
+    is_one_strength: bool,
+    progress: Callable[[float], None] | None = None,
+) -> Preparation:
+    """Analyse the first frame of a sequence; fair it too, if all are to have its plan.
+
+    `progress` is as for `fair_steps`.
+    """
+    preparation = prepared_alone(data, settings, scale)
+    if settings.method == "auto" and is_one_strength:
+        result = fair(
+            data.vertices, data.triangles, settings, prepared=preparation.mesh, progress=progress
+        )
+        preparation = replace(preparation, plan=result.chosen.auto.plan)
+    return preparation
+
+
+def read_place(place: Place, object_name: str | None, *, keep_axes: bool = False) -> MeshData:
+    """Read the surface of a frame, as a job would solve on it. Replaces what Blender holds."""
+    path, frame = place
+    obj = import_mesh(path, object_name, keep_axes=keep_axes)
+    if frame is not None:
+        obj = object_at_frame(obj, frame)
+    surface, _ = solved_surface(read_mesh(obj.data), path)
+    return surface
+
+
+def same_strength(data: MeshData, settings: FairingSettings) -> tuple[FairingSettings, float]:
+    """Find what gives every frame the same smoothing as the first.
+
+    Parameters
+    ----------
+    data
+        Surface of the first frame.
+    settings
+        As asked for. A stopping rule would end frames after different numbers of steps: what it
+        says of the first frame holds for all.
+
+    Returns
+    -------
+    FairingSettings
+        Without anything that each frame would choose for itself.
+    float
+        Scale into the solver's frame, see `PreparedMesh`.
+    """
+    prepared = PreparedMesh(data.vertices, data.triangles, settings)
+    if settings.stop_curvature is not None or settings.stop_rate is not None:
+        result = fair(data.vertices, data.triangles, settings, prepared=prepared)
+        settings = replace(settings, steps=len(result.steps), stop_curvature=None, stop_rate=None)
+    return settings, prepared.own_scale
+
+
+def run_frames(tasks: Sequence[FairingTask], *, one_strength: bool) -> Iterator[FairingTask]:
+    """Fair frames with the same triangles; yield the task at hand after every step.
+
+    Touches no Blender data. Of a finished task only the chosen step is kept.
+
+    Parameters
+    ----------
+    tasks
+        The frames, with one settings for all.
+    one_strength
+        Whether to smooth all of them as the first, see `same_strength`.
+    """
+    first = tasks[0]
+    data, settings, scale = MeshData(first.vertices, first.triangles), first.settings, None
+    try:
+        if one_strength:
+            settings, scale = same_strength(data, settings)
+        preparation = prepared_first(
+            data,
+            settings,
+            scale,
+            is_one_strength=one_strength,
+            progress=first.note_progress,
+        )
+    except RunCancelledError:
+        return
+    except FairingError as error:
+        first.error = str(error)
+        return
+    for task in tasks:
+        if task.is_cancelled:
+            return
+        task.settings = settings
+        yield from run_tasks([task], preparation.mesh, preparation.plan)
+        task.steps = [kept_step(task.steps)] if task.steps else []
+        if task.is_cancelled:
+            return
+
+
+def kept_step(steps: Sequence[FairingStep]) -> FairingStep:
+    """Take the chosen step of a finished run, with the reason that ended it, without its plan."""
+    return replace(chosen_step(steps), stop_reason=steps[-1].stop_reason, auto=None)

@@ -1,0 +1,109 @@
+"""What τ means on the mesh at hand, measured once per mesh and remembered for the panel.
+
+The panel is drawn many times a second, so it only looks up. A mesh that is not known yet is
+measured shortly after, outside of drawing.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import bpy
+
+from ..properties import SolverProperties, solver_settings
+
+if TYPE_CHECKING:
+    from ...core.diffusion.smoothing_radius import RadiusScale
+
+LARGEST_UNASKED = 200_000
+"""Polygons of a mesh that is still measured without being asked to: a fraction of a second."""
+
+REMEMBERED = 32
+
+Key = tuple[object, ...]
+
+_known: dict[Key, RadiusScale | str] = {}
+_wanted: list[tuple[Key, str, bpy.types.PropertyGroup]] = []
+
+
+def known_scale(obj: bpy.types.Object, properties: SolverProperties) -> RadiusScale | str | None:
+    """Look up the scale of a mesh: the measured scale, why there is none, or None if unknown."""
+    return _known.get(_key(obj, properties))
+
+
+def measure(obj: bpy.types.Object, properties: SolverProperties) -> RadiusScale | str:
+    """Measure a mesh now, even if it is known, and remember the scale or why there is none."""
+    from ...core import FairingError
+    from ...core.diffusion.smoothing_radius import radius_scale
+    from ..data.mesh_arrays import read_mesh
+
+    data = read_mesh(obj.data)
+    try:
+        settings = solver_settings(properties)
+        scale = radius_scale(data.vertices, data.triangles, settings)
+    except FairingError as error:
+        scale = str(error)
+    while len(_known) >= REMEMBERED:
+        del _known[next(iter(_known))]
+    _known[_key(obj, properties)] = scale
+    return scale
+
+
+def measure_soon(obj: bpy.types.Object, properties: bpy.types.PropertyGroup) -> bool:
+    """Have a mesh measured after drawing, unless it is too large or being edited.
+
+    Returns
+    -------
+    bool
+        Whether it will be measured.
+    """
+    if obj.mode == "EDIT" or len(obj.data.polygons) > LARGEST_UNASKED:
+        return False
+    if not bpy.app.timers.is_registered(_measure_wanted):
+        _wanted[:] = [(_key(obj, properties), obj.name, properties.id_data.name)]
+        bpy.app.timers.register(_measure_wanted, first_interval=0.05)
+    return True
+
+
+def _measure_wanted() -> None:
+    """Timer: measure what the panel asked for, if it is still there."""
+    from .modal_run import redraw_panels
+
+    for key, object_name, scene_name in _wanted:
+        obj, scene = bpy.data.objects.get(object_name), bpy.data.scenes.get(scene_name)
+        if obj is None or scene is None or obj.type != "MESH" or obj.mode == "EDIT":
+            continue
+        if _key(obj, scene.adaptive_fairing) == key:
+            measure(obj, scene.adaptive_fairing)
+    _wanted.clear()
+    redraw_panels(bpy.context)
+
+
+def _key(obj: bpy.types.Object, properties: SolverProperties) -> Key:
+    """Everything that the scale depends on and that is cheap to compare."""
+    mesh = obj.data
+    size = len(mesh.vertices), len(mesh.edges), len(mesh.polygons)
+    density = properties.density, properties.density_passes
+    if properties.method == "uniform":
+        density = ()
+    return (mesh.name_full, bpy.data.filepath, *size, properties.normalize, *density)
+
+
+@bpy.app.handlers.persistent
+def _forget(*_arguments) -> None:
+    """Forget the meshes of the file that is being left."""
+    _known.clear()
+    _wanted.clear()
+
+
+def register() -> None:
+    """Watch for files being loaded."""
+    bpy.app.handlers.load_pre.append(_forget)
+
+
+def unregister() -> None:
+    """Stop watching, and forget."""
+    bpy.app.handlers.load_pre.remove(_forget)
+    if bpy.app.timers.is_registered(_measure_wanted):
+        bpy.app.timers.unregister(_measure_wanted)
+    _forget()

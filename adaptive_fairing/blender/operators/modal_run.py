@@ -1,0 +1,241 @@
+"""Run tasks beside Blender's window: a worker thread computes, a timer looks in, Esc stops.
+
+From scripts, in background and in the redo panel the same operators block until all is done.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..jobs.worker_thread import Worker
+
+if TYPE_CHECKING:
+    from ..jobs.fairing_task import FairingTask
+
+TIMER_SECONDS = 0.1
+QUIT_SECONDS = 5.0
+
+
+@dataclass
+class Progress:
+    """How far the run that is going on has come, for the panel and the status bar.
+
+    Attributes
+    ----------
+    tasks
+        All meshes of the run; the thread fills in their steps.
+    worker
+        The thread.
+    n_known
+        Steps that the main thread has seen; a run of "auto" counts as one.
+    last_news, step_seconds
+        When the last step was seen, and how long it had taken.
+    """
+
+    tasks: list[FairingTask]
+    worker: Worker
+    n_known: int = 0
+    last_news: float = field(default_factory=time.perf_counter)
+    step_seconds: float = 0.0
+
+    def step_done(self) -> None:
+        """Note that one more step has arrived."""
+        now = time.perf_counter()
+        self.n_known += 1
+        self.step_seconds = now - self.last_news
+        self.last_news = now
+
+    @property
+    def task(self) -> FairingTask:
+        """The mesh at hand."""
+        return next((task for task in self.tasks if not _is_over(task)), self.tasks[-1])
+
+    @property
+    def factor(self) -> float:
+        """Share of the run that is done; within a step guessed from how long the last one took."""
+        n_steps = sum(1 if task.is_auto else task.settings.steps for task in self.tasks)
+        within = 0.0
+        if self.task.is_auto:
+            within = self.task.share
+        elif self.step_seconds > 0:
+            within = min((time.perf_counter() - self.last_news) / self.step_seconds, 0.95)
+        return min((self.n_known + within) / n_steps, 1.0)
+
+    def describe_step(self) -> str:
+        """Name the step that is being computed, of how many."""
+        task = self.task
+        if task.is_auto:
+            text = iface_("Removing noise: {:.0f} %").format(100 * task.share)
+        else:
+            text = iface_("Step {:d} of {:d}").format(
+                min(len(task.steps) + 1, task.settings.steps), task.settings.steps
+            )
+        return f"{task.name}: {text}" if len(self.tasks) > 1 else text
+
+    def stop(self) -> None:
+        """Ask the run to stop: after the step it is computing, or at once if that is of "auto"."""
+        self.worker.stop()
+        for task in self.tasks:
+            task.is_cancelled = True
+
+    def solver_details(self) -> str:
+        """Tell iterations and H of the last step of the mesh at hand; empty before the first."""
+        steps = self.task.steps
+        if not steps or self.task.is_auto:
+            return ""
+        return iface_("{:d} solver iterations  ·  H at {:.1f} %").format(
+            steps[-1].solve.iterations, 100 * steps[-1].curvature_ratio
+        )
+
+
+def _is_over(task: FairingTask) -> bool:
+    return task.error is not None or bool(task.steps and task.steps[-1].stop_reason is not None)
+
+
+_progress: list[Progress] = []  # of the run that is going on; at most one
+
+
+def progress() -> Progress | None:
+    """Progress of the run that is going on, if any."""
+    return _progress[0] if _progress else None
+
+
+def stop_run() -> None:
+    """Ask the run that is going on to stop after the step it is computing."""
+    for each in _progress:
+        each.stop()
+
+
+def forget_run(wait: float = 0.0) -> None:
+    """Give up the run that is going on; what it computes from now on goes nowhere."""
+    stop_run()
+    for each in _progress:
+        each.worker.join(wait)
+    _progress.clear()
+
+
+def register() -> None:
+    """Start without a run."""
+    _progress.clear()
+
+
+def unregister() -> None:
+    """End the thread: Blender is quitting, or the add-on is being disabled."""
+    forget_run(QUIT_SECONDS)
+
+
+class ModalRun:
+    """Mix-in for operators that fair meshes.
+
+    A subclass has two methods, which are called in the main thread; Blender's classes cannot have
+    abstract ones:
+
+    - ``prepare(context)`` reads the meshes and gives a list of tasks.
+    - ``conclude(context, tasks, *, is_stopped)`` writes the results and gives what an operator
+      returns. It is also called after a stop, with the steps that were finished by then.
+    """
+
+    _timer: bpy.types.Timer | None = None
+
+    def execute(self, context):
+        tasks = self._prepared(context)
+        if tasks is None:
+            return {"CANCELLED"}
+        for _ in self._generator(tasks):
+            pass
+        return self.conclude(context, tasks, is_stopped=False)
+
+    def invoke(self, context, event):
+        if bpy.app.background:
+            return self.execute(context)
+        tasks = self._prepared(context)
+        if tasks is None:
+            return {"CANCELLED"}
+        _progress[:] = [Progress(tasks, Worker(self._generator(tasks)))]
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(TIMER_SECONDS, window=context.window)
+        manager.modal_handler_add(self)
+        _show_progress(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        current = progress()
+        if current is None:  # given up from outside
+            self._leave(context)
+            return {"CANCELLED"}
+        if event.type == "ESC" and event.value == "PRESS":
+            current.stop()
+            _show_progress(context)
+            return {"RUNNING_MODAL"}
+        if event.type != "TIMER":
+            return {"PASS_THROUGH"}
+        try:
+            news, is_over = current.worker.poll()
+        except BaseException:
+            self._leave(context)
+            raise
+        for _ in news:
+            current.step_done()
+        if not is_over:
+            _show_progress(context)
+            return {"PASS_THROUGH"}
+        is_stopped = current.worker.is_stopping
+        self._leave(context)
+        return self.conclude(context, current.tasks, is_stopped=is_stopped)
+
+    def cancel(self, context):
+        """Blender ends the operator: another file is loaded, or the window is closed."""
+        self._leave(context)
+
+    def _prepared(self, context: bpy.types.Context) -> list[FairingTask] | None:
+        from ...core import FairingError
+
+        try:
+            return self.prepare(context)
+        except FairingError as error:
+            self.report({"ERROR"}, str(error))
+            return None
+
+    def _generator(self, tasks: list[FairingTask]) -> Iterator[FairingTask]:
+        from ..jobs.fairing_task import run_tasks
+
+        return run_tasks(tasks)
+
+    def _leave(self, context: bpy.types.Context) -> None:
+        forget_run()
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+        redraw_panels(context)
+
+
+def redraw_panels(context: bpy.types.Context) -> None:
+    """Draw the sidebars of all 3D views anew."""
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                for region in area.regions:
+                    if region.type == "UI":
+                        region.tag_redraw()
+
+
+def _show_progress(context: bpy.types.Context) -> None:
+    current = progress()
+    is_auto = current.task.is_auto
+    if current.worker.is_stopping:
+        hint = rpt_("stopping") if is_auto else rpt_("stopping after this step")
+    else:
+        hint = rpt_("Esc: stop") if is_auto else rpt_("Esc: stop, keep the finished steps")
+    parts = ["Adaptive Fairing", current.describe_step(), current.solver_details(), hint]
+    if context.workspace is not None:
+        context.workspace.status_text_set("   ·   ".join(part for part in parts if part))
+    redraw_panels(context)

@@ -1,0 +1,102 @@
+"""The operator that fairs an animated object over a range of frames."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..properties import SolverProperties, solver_settings
+from ..requirements import scipy_problem
+from .modal_run import ModalRun
+from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
+
+
+class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_sequence"
+    bl_label = "Fair Frames"
+    bl_description = (
+        "Fair the active object as it is shown at each frame of a range, modifiers and simulations "
+        "included, and make a new object that plays the faired frames; bake simulations first"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    frame_start: bpy.props.IntProperty(
+        name="First Frame", description="First frame to fair", default=1
+    )
+    frame_end: bpy.props.IntProperty(
+        name="Last Frame", description="Last frame to fair", default=250
+    )
+    same_strength: bpy.props.BoolProperty(
+        name="Same Strength",
+        description="Smooth every frame as the first one, so that nothing flickers",
+        default=True,
+    )
+
+    @classmethod
+    def poll(cls, context):
+        no_mesh, wrong_mode = no_active_mesh_refusal(context), None
+        if no_mesh is None and context.active_object.mode != "OBJECT":
+            wrong_mode = "Change to Object Mode"
+        return is_allowed(cls, no_mesh, wrong_mode, busy_refusal(), scipy_problem())
+
+    def prepare(self, context):
+        from ...core import InputError
+        from ..jobs.fairing_task import FairingTask
+        from ..jobs.frames import read_frames
+
+        settings = solver_settings(self)
+        if self.frame_end <= self.frame_start:
+            raise InputError(rpt_("The last frame must come after the first"))
+        obj = context.active_object
+        numbers = range(self.frame_start, self.frame_end + 1)
+        self._name = obj.name
+        self._frames = read_frames(obj, numbers)
+        return [
+            FairingTask(
+                rpt_("Frame {:d}").format(frame.number),
+                frame.data.vertices,
+                frame.data.triangles,
+                None,
+                settings,
+            )
+            for frame in self._frames
+        ]
+
+    def conclude(self, context, tasks, *, is_stopped):
+        from ...core.results import chosen_step
+        from ..jobs.keyed_object import show_frames
+
+        done = [
+            (frame, chosen_step(task.steps).positions)
+            for frame, task in zip(self._frames, tasks, strict=True)
+            if task.error is None and task.steps and task.steps[-1].stop_reason is not None
+        ]
+        problems = [f"{task.name}: {task.error}" for task in tasks if task.error is not None]
+        for problem in problems:
+            self.report({"WARNING"} if done else {"ERROR"}, problem)
+        obj = bpy.data.objects.get(self._name)
+        if obj is None:
+            self.report({"ERROR"}, rpt_("the object was deleted or renamed during the run"))
+            return {"CANCELLED"}
+        if not done:
+            if not problems:
+                self.report({"INFO"}, rpt_("Stopped before the first frame was done"))
+            return {"CANCELLED"}
+        result = show_frames(obj, *zip(*done, strict=True))
+        for each in context.selected_objects:
+            each.select_set(False)
+        result.select_set(True)
+        context.view_layer.objects.active = result
+        text = rpt_("Faired {:d} frames, {:.1f} s").format(
+            len(done), sum(task.seconds for task in tasks)
+        )
+        self.report({"INFO"}, rpt_("Stopped early. {:s}").format(text) if is_stopped else text)
+        return {"FINISHED"}
+
+    def _generator(self, tasks):
+        from ..jobs.frame_sequence import run_frames
+
+        return run_frames(tasks, one_strength=self.same_strength)
+
+
+register, unregister = bpy.utils.register_classes_factory((OBJECT_OT_adaptive_fairing_sequence,))

@@ -1,0 +1,93 @@
+"""Operators that colour meshes by density, displacement, curvature …, and that end it."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_tip as tip_
+
+from ..data.regions import refusal, target_objects
+from ..properties import solver_settings
+from ..requirements import scipy_problem
+from . import viewport
+from .object_mode import object_mode
+from .polls import is_allowed
+
+FIELDS = (
+    (
+        "DENSITY",
+        "Density",
+        "How coarse the mesh is: where it is bright, the adaptive methods smooth more",
+    ),
+    ("DISPLACEMENT", "Displacement", "How far the smoothing has moved each vertex"),
+    ("CURVATURE", "Curvature", "Mean curvature: bright where the surface bulges outward"),
+    (
+        "REMOVED",
+        "Removed",
+        "What the smoothing has removed, along the normals: red where it took a bump off, blue "
+        "where it filled a dent; noise looks random, a shape that shows here was smoothed away",
+    ),
+)
+
+
+class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_view"
+    bl_label = "Show Fairing Field"
+    bl_description = "Colour the selected meshes, as they are shown now, by a field"
+    bl_options = {"REGISTER", "UNDO"}
+
+    field: bpy.props.EnumProperty(
+        name="Field",
+        description="What the colours mean",
+        items=FIELDS,
+        default="DENSITY",
+    )
+
+    @classmethod
+    def description(cls, context, properties):
+        texts = {identifier: text for identifier, _, text in FIELDS}
+        return tip_(texts[properties.field])
+
+    @classmethod
+    def poll(cls, context):
+        return is_allowed(cls, scipy_problem(), refusal(context))
+
+    def execute(self, context):
+        from ...core import FairingError
+        from ..data.coloring import color_by_field
+
+        shown = 0
+        objects = target_objects(context)
+        try:
+            settings = solver_settings(context.scene.adaptive_fairing)
+        except FairingError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        with object_mode(context):
+            for obj in objects:
+                try:
+                    color_by_field(obj, self.field, settings)
+                    shown += 1
+                except FairingError as error:
+                    self.report({"WARNING"}, f"{obj.name}: {error}")
+        if not shown:
+            return {"CANCELLED"}
+        viewport.show_colors(context)
+        return {"FINISHED"}
+
+
+class OBJECT_OT_adaptive_fairing_view_end(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_view_end"
+    bl_label = "Back to Shading"
+    bl_description = "Show the 3D view as it was before the colours"
+
+    def execute(self, context):
+        viewport.show_as_before(context)
+        for obj in context.scene.objects:
+            if obj.adaptive_fairing.view and obj.library is None:
+                obj.adaptive_fairing.view = ""
+        return {"FINISHED"}
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (OBJECT_OT_adaptive_fairing_view, OBJECT_OT_adaptive_fairing_view_end)
+)

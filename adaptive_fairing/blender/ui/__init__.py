@@ -1,0 +1,1 @@
+"""Panels, menus, presets, pictures, translations."""

@@ -1,0 +1,41 @@
+"""Entries in Blender's own menus, which the search finds too."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..operators.compare import OBJECT_OT_adaptive_fairing_compare
+from ..properties import SOLVER_NAMES, copy_settings
+from .settings_panel import draw_run_button
+
+
+def draw_object_menu(self, context) -> None:
+    """Add to Object: run and compare, with the settings of the scene."""
+    self.layout.separator()
+    draw_mode_menu(self, context)
+    compare = self.layout.operator(OBJECT_OT_adaptive_fairing_compare.bl_idname)
+    copy_settings(context.scene.adaptive_fairing, compare, SOLVER_NAMES)
+
+
+def draw_mode_menu(self, context) -> None:
+    """Add the run, with the settings of the scene."""
+    draw_run_button(self.layout, context.scene.adaptive_fairing, icon="MOD_SMOOTH")
+
+
+_ENTRIES = (
+    ("VIEW3D_MT_object", draw_object_menu),
+    ("VIEW3D_MT_edit_mesh_vertices", draw_mode_menu),
+    ("VIEW3D_MT_sculpt", draw_mode_menu),
+)
+
+
+def register() -> None:
+    """Add the entries."""
+    for menu, draw in _ENTRIES:
+        getattr(bpy.types, menu).append(draw)
+
+
+def unregister() -> None:
+    """Take the entries back."""
+    for menu, draw in _ENTRIES:
+        getattr(bpy.types, menu).remove(draw)

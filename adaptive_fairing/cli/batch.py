@@ -1,0 +1,275 @@
+"""The command line of batches and sequences: options, checks, the run."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..batch.inputs import ArgumentsError, find_sources, is_pattern, parse_frames
+from ..batch.memory_use import parse_bytes
+from ..batch.plan import (
+    KEYED_SUFFIX,
+    Item,
+    parse_format,
+    parse_shard,
+    plan_animation,
+    plan_file_frames,
+    plan_files,
+    shard_of,
+)
+from ..batch.summary import DONE, FAILED, MISSING, SKIPPED, is_complete
+from ..files.formats import BLEND, suffix_of
+
+if TYPE_CHECKING:
+    from ..core import FairingSettings
+
+BATCH_OPTIONS = ("out_dir", "format", "jobs", "memory", "shard", "merge", "allow_failures")
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A batch, as the arguments ask for it.
+
+    Attributes
+    ----------
+    items
+        Meshes of this run.
+    all_items
+        Those of all shards.
+    is_sequence
+        Whether they are frames of one surface.
+    keyed
+        File for one keyed object with all frames; None for no such file.
+    jobs, memory
+        As in `Batch`; the memory is None if nobody has set a limit.
+    """
+
+    items: Sequence[Item]
+    all_items: Sequence[Item]
+    is_sequence: bool
+    keyed: Path | None
+    jobs: int
+    memory: int | None
+
+
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """Add the options of batches and sequences to the program's."""
+    batch = parser.add_argument_group(
+        "many meshes",
+        "Several INPUTs, a folder (all mesh files in it) or a pattern in quotes make a batch. "
+        "Finished outputs are skipped; a mesh that fails does not keep the others from it. "
+        "--report writes the summary.",
+    )
+    batch.add_argument(
+        "--out-dir", type=Path, metavar="DIR", help="folder for the outputs, made if missing"
+    )
+    batch.add_argument(
+        "--format", metavar="KIND", help="kind of the outputs, such as ply (default: the input's)"
+    )
+    batch.add_argument("--jobs", type=int, metavar="N", help="worker processes (default: 1)")
+    batch.add_argument(
+        "--memory",
+        metavar="SIZE",
+        help="memory that the workers may hold together, such as 8G (default: what is free)",
+    )
+    batch.add_argument(
+        "--shard", metavar="I/N", help="do the I-th of N shares only, on one of N machines"
+    )
+    batch.add_argument(
+        "--merge",
+        action="store_true",
+        help="fair nothing, sum up what earlier runs, such as shards, have done",
+    )
+    batch.add_argument(
+        "--allow-failures",
+        action="store_true",
+        help="exit with 0 although meshes have failed; the summary and the messages tell them",
+    )
+    batch.add_argument(
+        "--flamenco",
+        action="store_true",
+        help="write a line for every mesh to standard output, which Flamenco counts as progress",
+    )
+    sequence = parser.add_argument_group(
+        "frames of one surface",
+        "With -o FILE.blend the frames also become one object, keyframed.",
+    )
+    sequence.add_argument(
+        "--sequence", action="store_true", help="the INPUTs are numbered frames of one surface"
+    )
+    sequence.add_argument(
+        "--frames",
+        metavar="LIST",
+        help="frames of an animated INPUT to fair as it is shown there, such as 1-50 or 1,5,10-20",
+    )
+    sequence.add_argument(
+        "--same-strength",
+        action="store_true",
+        help="smooth every frame as the first one, so that nothing flickers",
+    )
+
+
+def plan_of(arguments: argparse.Namespace) -> Plan | None:
+    """Plan the batch that the arguments ask for; None if they name a single mesh.
+
+    Raises
+    ------
+    ArgumentsError
+        They contradict each other, or are not what they should be.
+    """
+    is_sequence = arguments.sequence or arguments.frames is not None
+    if not is_sequence and not _is_batch(arguments):
+        return None
+    keyed = _keyed_output(arguments, is_sequence)
+    folder = arguments.out_dir
+    if folder is None:
+        if keyed is None:
+            raise ArgumentsError("give the folder for the outputs with --out-dir")
+        folder = keyed.with_name(f"{keyed.stem}_frames")
+    if arguments.same_strength and not is_sequence:
+        raise ArgumentsError("--same-strength is for frames: add --sequence or --frames")
+    if arguments.jobs is not None and arguments.jobs < 1:
+        raise ArgumentsError(f"--jobs {arguments.jobs}: give a number of at least 1")
+    items = _items(arguments, folder, is_sequence, keyed)
+    shown = items
+    if arguments.shard is not None:
+        shown = shard_of(items, parse_shard(arguments.shard))
+    memory = None if arguments.memory is None else parse_bytes(arguments.memory)
+    return Plan(shown, items, is_sequence, keyed, arguments.jobs or 1, memory)
+
+
+def run_plan(
+    arguments: argparse.Namespace,
+    settings: FairingSettings,
+    worker_command: Sequence[str],
+    program: str,
+) -> tuple[dict[str, Any], str | None]:
+    """Run the batch.
+
+    Returns
+    -------
+    dict
+        The summary, whether or not it is also written to a file.
+    str or None
+        What is missing in the end, in one line; None if all is there.
+
+    Raises
+    ------
+    FairingError, OSError
+        Nothing could be done at all, or a file of the whole batch cannot be written.
+    """
+    from ..batch.run import Batch, merge_batch, run_batch
+    from ..core.fem.memory_estimate import available_bytes
+    from ..files.atomic_files import writable_place
+    from ..files.report import write_report
+    from .progress import MeshProgress
+
+    plan: Plan = arguments.plan
+    for path in (arguments.report, plan.keyed):
+        if path is not None:
+            writable_place(path)
+    batch = Batch(
+        items=plan.items,
+        settings=settings,
+        object_name=arguments.object,
+        reference=plan.all_items[0] if plan.is_sequence else None,
+        same_strength=arguments.same_strength,
+        command=worker_command,
+        jobs=plan.jobs,
+        memory=plan.memory or available_bytes(),
+    )
+    if arguments.merge:
+        account = merge_batch(batch)
+    else:
+        progress = MeshProgress(
+            len(plan.items),
+            program,
+            show_bar=not arguments.quiet and sys.stderr.isatty(),
+            show_errors=True,
+            farm_lines=arguments.flamenco,
+        )
+        try:
+            account = run_batch(batch, progress)
+        finally:
+            progress.close()
+    if arguments.report is not None:
+        write_report(arguments.report, account)
+    if not is_complete(account["meshes"]):
+        return account, _what_is_missing(account)
+    if plan.keyed is not None:
+        from ..silence import silent_stdout
+
+        with silent_stdout():
+            from ..blender.jobs.keyed_object import write_keyed_file
+
+        write_keyed_file(plan.items, arguments.object, plan.keyed)
+    return account, None
+
+
+def describe(account: dict[str, Any]) -> str:
+    """Sum a summary up in one line."""
+    counts = account["counts"]
+    parts = [f"{counts['meshes']} meshes: {counts[DONE]} faired"]
+    if counts[SKIPPED]:
+        parts.append(f"{counts[SKIPPED]} finished before")
+    parts += [f"{counts[status]} {status}" for status in (FAILED, MISSING) if counts[status]]
+    return f"{', '.join(parts)}; {account['seconds']:.1f} s"
+
+
+def _is_batch(arguments: argparse.Namespace) -> bool:
+    """Whether the arguments ask for more than a single mesh."""
+    inputs = arguments.input
+    is_asked_for = any(getattr(arguments, name) not in (None, False) for name in BATCH_OPTIONS)
+    return is_asked_for or len(inputs) > 1 or Path(inputs[0]).is_dir() or is_pattern(inputs[0])
+
+
+def _keyed_output(arguments: argparse.Namespace, is_sequence: bool) -> Path | None:
+    """File for the keyed object, if there is to be one."""
+    output = arguments.output
+    if output is None:
+        return None
+    if not is_sequence:
+        raise ArgumentsError("-o is for a single mesh: give a folder with --out-dir instead")
+    if suffix_of(output) != BLEND:
+        raise ArgumentsError(f"-o {output}: frames are put together in a {BLEND} file only")
+    if arguments.shard is not None:
+        raise ArgumentsError("-o needs all frames: give it with --merge, not with --shard")
+    return output
+
+
+def _items(
+    arguments: argparse.Namespace, folder: Path, is_sequence: bool, keyed: Path | None
+) -> list[Item]:
+    suffix = None if arguments.format is None else parse_format(arguments.format)
+    if is_sequence and suffix == BLEND:
+        raise ArgumentsError("frames are written as mesh files: choose another --format")
+    if keyed is not None:
+        if suffix not in (None, KEYED_SUFFIX):
+            raise ArgumentsError(f"-o puts frames together from {KEYED_SUFFIX}: omit --format")
+        suffix = KEYED_SUFFIX
+    sources = find_sources(arguments.input, folder)
+    if arguments.frames is not None:
+        if len(sources) != 1:
+            raise ArgumentsError("--frames is for one animated file")
+        frames = parse_frames(arguments.frames)
+        return plan_animation(sources[0].path, frames, folder, suffix or KEYED_SUFFIX)
+    if not arguments.sequence:
+        return plan_files(sources, folder, suffix)
+    if any(suffix_of(source.path) == BLEND for source in sources):
+        suffix = suffix or KEYED_SUFFIX
+    return plan_file_frames(sources, folder, suffix)
+
+
+def _what_is_missing(account: dict[str, Any]) -> str:
+    counts = account["counts"]
+    n_missing = counts[FAILED] + counts[MISSING]
+    first = next(mesh for mesh in account["meshes"] if mesh["status"] in (FAILED, MISSING))
+    reason = first["error"] or "not tried yet"
+    return (
+        f"{n_missing} of {counts['meshes']} meshes have no output, the first is "
+        f"{first['output']}: {reason}"
+    )

@@ -1,0 +1,326 @@
+"""The command line of the program, of ``python -m`` and of ``blender -c adaptive_fairing``.
+
+Exit status: 0 done; 1 could not (file, mesh or solver); 2 wrong arguments. Errors are one line on
+standard error that says what to do; standard output stays empty.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from .. import defaults
+from ..batch.inputs import ArgumentsError
+from ..batch.summary import chosen_record
+from ..files.formats import BLEND, SUFFIXES, is_supported
+from ..version import program_version
+from . import batch
+
+if TYPE_CHECKING:
+    from ..core import FairingSettings
+
+PROGRAM = "adaptive-fairing"
+DONE, COULD_NOT, WRONG_ARGUMENTS, INTERRUPTED = 0, 1, 2, 130
+WORKER = "--worker"
+"""The only argument of a worker process."""
+
+METHODS = {
+    "uniform": "uniform",
+    "timestep": "adaptive_timestep",
+    "tensor": "adaptive_tensor",
+    "auto": "auto",
+}
+METHOD_NAMES = {method: name for name, method in METHODS.items()}
+DENSITIES = {"edge": "edge_length", "area": "area"}
+
+
+def main(argv: Sequence[str] | None = None, *, worker_command: Sequence[str] | None = None) -> int:
+    """Run the program.
+
+    Parameters
+    ----------
+    argv
+        Arguments without the program's name; None takes those of the process.
+    worker_command
+        Starts the program, to which `WORKER` is added, as a worker process of a batch; None for
+        the Python that is running.
+
+    Returns
+    -------
+    int
+        Exit status.
+    """
+    if list(sys.argv[1:] if argv is None else argv) == [WORKER]:
+        return _serve()
+    try:
+        arguments = parse(argv)
+    except SystemExit as request:  # argparse ends the process after --help and after an error
+        return int(request.code or DONE)
+    command = [*(worker_command or (sys.executable, "-m", "adaptive_fairing")), WORKER]
+    try:
+        return _run_batch(arguments, command) if arguments.plan else _run(arguments)
+    except ModuleNotFoundError as error:
+        if error.name not in _MISSING:
+            raise
+        return _fail(_MISSING[error.name])
+    except KeyboardInterrupt:
+        kept = "what is finished stays, run again to go on" if arguments.plan else None
+        _fail(f"interrupted: {kept or 'no output was written'}")
+        return INTERRUPTED
+
+
+_MISSING = {
+    "bpy": "Blender is missing: pip install bpy, for a Python version that it exists for",
+    "numpy": "numpy is missing: pip install numpy",
+    "scipy": "scipy is missing: pip install scipy, or install the extension with its wheels",
+}
+
+
+def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
+    """Parse and check the arguments; an error ends the process with status 2, as argparse does."""
+    parser = build_parser()
+    arguments = parser.parse_args(argv)
+    try:
+        arguments.plan = batch.plan_of(arguments)
+    except ArgumentsError as error:
+        parser.error(str(error))
+    if arguments.plan is not None:
+        return arguments
+    arguments.input = Path(arguments.input[0])
+    if arguments.output is None:
+        arguments.output = default_output(arguments.input)
+    for path in (arguments.input, arguments.output):
+        if not is_supported(path):
+            parser.error(f"{path}: unknown kind of file; use one of {' '.join(SUFFIXES)}")
+    return arguments
+
+
+def default_output(source: Path) -> Path:
+    """Where the result goes if nobody says: a .blend file beside the input."""
+    return source.with_name(f"{source.stem}_faired{BLEND}")
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(WRONG_ARGUMENTS, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+
+
+def build_parser() -> argparse.ArgumentParser:
+    """Make the parser."""
+    parser = _Parser(
+        prog=PROGRAM,
+        allow_abbrev=False,  # an abbreviation would break when an option is added
+        description="Remove noise from a surface mesh by geometric diffusion that follows the "
+        "mesh density.",
+        epilog="Exit status: 0 done, 1 could not (file, mesh or solver), 2 wrong arguments. "
+        "If a later step fails, the steps before it are written and the status is 1.",
+    )
+    parser.add_argument(
+        "input",
+        nargs="+",
+        metavar="INPUT",
+        help=f"file with a mesh: {' '.join(SUFFIXES)}; or several files, folders and patterns, "
+        "see below",
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        type=Path,
+        metavar="OUTPUT",
+        help="result: .blend (every step as a shape key, animated) or a mesh format (the last "
+        "step); default: INPUT's name with _faired.blend, beside it",
+    )
+    parser.add_argument(
+        "--object", metavar="NAME", help="mesh object to fair, if INPUT holds several"
+    )
+    parser.add_argument(
+        "--method",
+        choices=tuple(METHODS),
+        help="what follows the density: the timestep, the diffusion tensor, or nothing; auto "
+        "estimates the noise and needs none of --tau, --steps, --density, --density-passes, "
+        "--stop-curvature and --stop-rate (default: timestep if one of these is given, "
+        f"otherwise {METHOD_NAMES[defaults.METHOD]})",
+    )
+    parser.add_argument(
+        "--strength",
+        type=float,
+        default=1.0,
+        metavar="X",
+        help="of auto: factor of the noise that it estimates (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--features",
+        choices=("auto", "sharp", "smooth"),
+        default="auto",
+        help="of auto: whether there are creases to keep (default: %(default)s, per place)",
+    )
+    parser.add_argument(
+        "--tau",
+        type=float,
+        metavar="T",
+        help="time of a step, in the frame where the mesh fits [-3, 3]^3 (default: 0.016)",
+    )
+    parser.add_argument("--steps", type=int, metavar="N", help="number of steps (default: 4)")
+    parser.add_argument(
+        "--density",
+        choices=tuple(DENSITIES),
+        help="measure of the density: mean edge length or area around a vertex (default: edge)",
+    )
+    parser.add_argument(
+        "--density-passes",
+        type=int,
+        metavar="N",
+        help="smoothing passes over the density (default: 3)",
+    )
+    parser.add_argument(
+        "--boundary",
+        choices=("fixed", "free"),
+        default="fixed",
+        help="whether the rims of an open mesh stay or move along (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--stop-curvature",
+        type=float,
+        metavar="X",
+        help="stop once the curvature energy is at most X times that of the input",
+    )
+    parser.add_argument(
+        "--stop-rate",
+        type=float,
+        metavar="X",
+        help="stop once the curvature energy, relative to that of the input, changes by at most X "
+        "per unit of time",
+    )
+    parser.add_argument(
+        "--report", type=Path, metavar="FILE.json", help="write settings and measures as JSON"
+    )
+    parser.add_argument("--quiet", action="store_true", help="show errors only")
+    batch.add_options(parser)
+    parser.add_argument("--version", action="version", version=f"%(prog)s {program_version()}")
+    return parser
+
+
+def settings_of(arguments: argparse.Namespace) -> FairingSettings:
+    """Translate the arguments into settings of the solver.
+
+    Raises
+    ------
+    SettingsError
+        A value makes no sense.
+    """
+    from ..core import FairingSettings
+
+    diffusion = {name: getattr(arguments, name) for name in defaults.DIFFUSION}
+    given = {name: value for name, value in diffusion.items() if value is not None}
+    if "density" in given:
+        given["density"] = DENSITIES[given["density"]]
+    if arguments.method is not None:
+        method = METHODS[arguments.method]
+    else:
+        method = defaults.method_beside(given)
+    return FairingSettings(
+        method=method,
+        strength=arguments.strength,
+        features=arguments.features,
+        boundary=arguments.boundary,
+        **given,
+    )
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    # Imported late: numpy, scipy and Blender take a second, which --help and typos need not wait.
+    from ..core import FairingError, SettingsError
+
+    try:
+        settings = settings_of(arguments)
+    except SettingsError as error:
+        return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
+
+    from ..silence import silent_stdout
+    from .progress import share_progress, step_progress
+
+    with silent_stdout():  # Blender logs from its very first moment
+        from ..blender.jobs.file_job import FairingJob, run_job
+
+    job = FairingJob(
+        arguments.input, arguments.output, settings, arguments.object, arguments.report
+    )
+    show = not arguments.quiet and sys.stderr.isatty()
+    try:
+        if settings.method == "auto":
+            with share_progress(enabled=show) as on_share:
+                report = run_job(job, on_share=on_share)
+        else:
+            with step_progress(settings.steps, enabled=show) as on_step:
+                report = run_job(job, on_step)
+    except (FairingError, OSError) as error:
+        return _fail(str(error))
+    except MemoryError:
+        return _fail("not enough memory for this mesh: reduce it, or use a larger machine")
+    if not arguments.quiet:
+        for note in report["notes"]:
+            print(f"{PROGRAM}: note: {note}", file=sys.stderr)
+        print(_summary(report), file=sys.stderr)
+    return DONE
+
+
+def _run_batch(arguments: argparse.Namespace, worker_command: Sequence[str]) -> int:
+    from ..core import FairingError, SettingsError
+
+    try:
+        settings = settings_of(arguments)
+    except SettingsError as error:
+        return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
+    try:
+        account, problem = batch.run_plan(arguments, settings, worker_command, PROGRAM)
+    except (FairingError, OSError) as error:
+        return _fail(str(error))
+    if not arguments.quiet:
+        print(f"{PROGRAM}: {batch.describe(account)}", file=sys.stderr)
+    if problem is None or arguments.allow_failures:
+        return DONE
+    return _fail(problem)
+
+
+def _serve() -> int:
+    from ..silence import silent_stdout
+
+    with silent_stdout():
+        from ..blender.jobs.batch_worker import serve
+
+    serve()
+    return DONE
+
+
+_ENDS = {
+    "steps": "all done",
+    "curvature": "ended by --stop-curvature",
+    "rate": "ended by --stop-rate",
+}
+
+
+def _summary(report: dict[str, Any]) -> str:
+    shown = chosen_record(report["steps"])
+    if shown["auto"] is None:
+        how = f"{shown['step']} steps ({_ENDS[report['stop_reason']]})"
+    else:
+        estimate = shown["auto"]
+        how = (
+            f"noise {estimate['noise']:.3g}, smoothing radius {estimate['radius']:.3g} local edge "
+            "lengths"
+        )
+    return (
+        f"{PROGRAM}: {report['mesh']['vertices']} vertices, {how}, curvature energy "
+        f"{shown['curvature_ratio']:.3g} times the input's, largest displacement "
+        f"{shown['largest_displacement']:.3g}; wrote {report['output']}"
+    )
+
+
+def _fail(message: str, status: int = COULD_NOT) -> int:
+    print(f"{PROGRAM}: error: {' '.join(message.split())}", file=sys.stderr)
+    return status

@@ -1,0 +1,137 @@
+"""How far a run is, on standard error."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from typing import Any
+
+from ..batch.summary import FAILED
+from ..core import FairingStep
+
+try:
+    from tqdm import tqdm
+except ImportError:  # Blender's own Python has no tqdm
+    tqdm = None
+
+
+@contextmanager
+def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[FairingStep], None]]:
+    """Show a progress bar while the body runs, or a line per step where tqdm is missing.
+
+    Parameters
+    ----------
+    total
+        Number of steps, if no stopping rule ends the run earlier.
+    enabled
+        Whether to show anything.
+
+    Yields
+    ------
+    callable
+        To be called after every step.
+    """
+    if not enabled:
+        yield lambda step: None
+    elif tqdm is None:
+        yield lambda step: _show_line(step, total)
+    else:
+        options = {"desc": "fairing", "unit": "step", "leave": False, "mininterval": 0}
+        with tqdm(total=total, file=sys.stderr, **options) as bar:
+
+            def advance(step: FairingStep) -> None:
+                bar.set_postfix_str(f"{step.solve.iterations} CG iterations", refresh=False)
+                bar.update()
+
+            yield advance
+
+
+@contextmanager
+def share_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
+    """Show a progress bar for a run whose steps come all at once, if there is tqdm.
+
+    Parameters
+    ----------
+    enabled
+        Whether to show anything.
+
+    Yields
+    ------
+    callable
+        To be called with the share that is done, up to 1.
+    """
+    if not enabled or tqdm is None:
+        yield lambda share: None
+        return
+    form = "{l_bar}{bar}| {elapsed}<{remaining}"
+    options = {
+        "desc": "fairing",
+        "leave": False,
+        "mininterval": 0,
+        "miniters": 1e-6,
+        "bar_format": form,
+    }
+    with tqdm(total=1.0, file=sys.stderr, **options) as bar:
+        # Solves run side by side: their news may come in another order.
+        yield lambda share: bar.update(max(share - bar.n, 0))
+
+
+class MeshProgress:
+    """How far a batch is: a bar over all its meshes, a line for each that failed.
+
+    Parameters
+    ----------
+    total
+        Number of meshes.
+    program
+        Name to put before messages.
+    show_bar
+        Whether to show the bar.
+    show_errors
+        Whether to write the lines.
+    farm_lines
+        Write a line to standard output for every mesh, in the form that Flamenco counts as
+        progress of its task.
+    """
+
+    def __init__(
+        self, total: int, program: str, *, show_bar: bool, show_errors: bool, farm_lines: bool
+    ) -> None:
+        self._program = program
+        self._show_errors = show_errors
+        self._farm_lines = farm_lines
+        self._started = time.perf_counter()
+        self._bar = None
+        if show_bar and tqdm is not None:
+            self._bar = tqdm(total=total, file=sys.stderr, desc="fairing", unit="mesh")
+
+    def finished(self, entry: Mapping[str, Any]) -> None:
+        """Take note of a mesh, see `batch.summary.mesh_entry`."""
+        if entry["status"] == FAILED and self._show_errors:
+            self._write(f"{self._program}: {entry['output']}: {entry['error']}")
+        if self._bar is not None:
+            self._bar.update()
+        if self._farm_lines:
+            elapsed = time.perf_counter() - self._started
+            sys.stdout.write(f"Time: {elapsed:.1f} s | {entry['output']}: {entry['status']}\n")
+            sys.stdout.flush()
+
+    def close(self) -> None:
+        """Take the bar away."""
+        if self._bar is not None:
+            self._bar.close()
+
+    def _write(self, line: str) -> None:
+        if self._bar is not None:
+            self._bar.write(line, file=sys.stderr)
+        else:
+            sys.stderr.write(line + "\n")
+            sys.stderr.flush()
+
+
+def _show_line(step: FairingStep, total: int) -> None:
+    line = f"fairing: step {step.index} of {total}, {step.solve.iterations} CG iterations"
+    sys.stderr.write(line + "\n")
+    sys.stderr.flush()

@@ -1,0 +1,1 @@
+"""Denoising without a parameter: estimate the noise, mix filters for the least risk."""

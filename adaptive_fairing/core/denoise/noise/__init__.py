@@ -1,0 +1,1 @@
+"""What noise a mesh has: its level, its correlation, and what only looks like noise."""

@@ -1,0 +1,85 @@
+"""How the roughness of a mesh fades in differences of higher order: white noise does not.
+
+White noise shows with the same strength in every difference with the neighbours' mean, of whatever
+order.  Shape fades in the higher ones, the faster the smoother it is; so do the staircases of
+contoured volumes, which are like white noise that was averaged with the neighbours' once.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..local_frame import LocalFrame
+
+FloatArray = NDArray[np.float64]
+BoolArray = NDArray[np.bool_]
+
+# Orders of the differences that are compared.
+LOW, HIGH = 2, 5
+
+# What keeps less than the first of these from the low to the high order fades; white noise on many
+# shapes keeps 0.92 to 1.05, staircases 0.71 to 0.85.  Of few vertices chance alone makes it less:
+# by as many of its standard deviations, about 1 / √n, it must be below the second one.
+FADED, WHITE, DEVIATIONS = 0.9, 0.97, 2.0
+
+NOISE_SEED = 1
+
+
+class Fading:
+    """Differences of a mesh and of white noise on it.
+
+    Parameters
+    ----------
+    positions : (n, 3)
+    frame : LocalFrame
+
+    Attributes
+    ----------
+    white : (n,)
+        The white noise, in local edge lengths.
+    """
+
+    def __init__(self, positions: FloatArray, frame: LocalFrame) -> None:
+        self.white: FloatArray = np.random.default_rng(NOISE_SEED).normal(size=len(positions))
+        self._positions, self._frame = positions, frame
+
+    def fades(self, is_counted: BoolArray) -> bool:
+        """Tell if the roughness of vertices, (n,) bool, fades more than white noise may."""
+        _, kept = self.of_mesh(is_counted)
+        chance = DEVIATIONS / np.sqrt(np.count_nonzero(is_counted))
+        return kept < min(FADED, WHITE - chance)
+
+    def of_mesh(self, is_counted: BoolArray) -> tuple[float, float]:
+        """Return the roughness in low order, over the white noise's, and what high orders keep."""
+        return self._compared(self._of_mesh, is_counted)
+
+    def of_noise(self, noise: FloatArray, is_counted: BoolArray) -> tuple[float, float]:
+        """Return the same two numbers for noise (n,) along the normals, in local edge lengths."""
+        return self._compared(_differences(self._frame.raised(noise), self._frame), is_counted)
+
+    # Not needed for a mesh that is clean at first sight.
+    @cached_property
+    def _of_mesh(self) -> FloatArray:
+        return _differences(self._positions, self._frame)
+
+    @cached_property
+    def _of_white(self) -> FloatArray:
+        return _differences(self._frame.raised(self.white), self._frame)
+
+    def _compared(self, differences: FloatArray, is_counted: BoolArray) -> tuple[float, float]:
+        low, high = np.median(differences[:, is_counted], axis=1)
+        white_low, white_high = np.median(self._of_white[:, is_counted], axis=1)
+        return float(low / white_low), float((high / low) / (white_high / white_low))
+
+
+def _differences(values: FloatArray, frame: LocalFrame) -> FloatArray:
+    """Magnitudes of the normal parts of differences of low and high order, (2, n)."""
+    found = []
+    for order in range(1, HIGH + 1):
+        values = values - frame.mean @ values
+        if order in (LOW, HIGH):
+            found.append(np.abs(frame.along_normal(values)))
+    return np.stack(found)

@@ -1,0 +1,1 @@
+"""The paper's algorithm: geometric diffusion, step by step."""

@@ -1,0 +1,1 @@
+"""Finite elements in the Loop basis: mass and stiffness matrices, surface integrals."""

@@ -1,0 +1,373 @@
+"""Finite elements in the Loop basis: mass and stiffness matrices, right sides, surface integrals.
+
+Everything is a dense product with the tables of a patch class.  With K control points and q
+quadrature points, M and L together need one product: the (K (K + 1) / 2, 4 q) table of products of
+basis functions times the (4 q, n) coefficients.  Local matrices are scattered chunk by chunk.
+"""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import sparse
+
+from ..errors import InputError
+from ..linalg.symmetric_matrix import SymmetricMatrix
+from ..linalg.symmetric_pattern import SymmetricPattern, scattered
+from ..loop.patches import PatchSet
+from ..loop.quadrature import quadrature_choice
+from ..mesh.topology import TriangleTopology
+from ..runtime.precision import LEAST_MASS_IN_SINGLE, Precision, RealArray, SinglePrecisionError
+from ..runtime.threads import Workspace, ordered_map
+from .blocks import Chunk
+from .class_tables import MASS, STIFFNESS, SUM
+from .differential_geometry import SurfaceMeasures
+from .forms import Form, ScalarForm, gradient_fluxes
+from .scatter import ChunkEntries
+from .surface_evaluation import Window, evaluate, integrate_measures
+from .table_cache import SpaceTables
+
+FloatArray = NDArray[np.float64]
+
+_workspace = Workspace()
+
+
+class StepSystem(NamedTuple):
+    """The linear system (3.3) of one step, and the measures of the surface it starts from.
+
+    Attributes
+    ----------
+    matrix : SymmetricMatrix
+        M + L.
+    load : (n_vertices, 3)
+        -L X, the right side for what a step adds to X.
+    lumped_mass : (n_vertices,)
+        Row sums of M.
+    measures : SurfaceMeasures
+    """
+
+    matrix: SymmetricMatrix
+    load: FloatArray
+    lumped_mass: RealArray
+    measures: SurfaceMeasures
+
+
+class LoopSpace:
+    """The finite element space of the Loop basis on a triangulated surface.
+
+    Patches, tables and the sparsity pattern depend on connectivity alone: they are computed once
+    and serve every surface with this topology.
+
+    Parameters
+    ----------
+    topology : TriangleTopology
+    quadrature_tolerance : float
+        Bound for the error of matrix entries, relative to the largest; 1e-6 to 1.
+    patches : PatchSet, optional
+        The patches of this topology, where they are known already.
+
+    Raises
+    ------
+    SettingsError
+        If the tolerance is out of range.
+    """
+
+    def __init__(
+        self,
+        topology: TriangleTopology,
+        quadrature_tolerance: float = 1e-3,
+        patches: PatchSet | None = None,
+    ) -> None:
+        self.topology = topology
+        patches = patches or PatchSet(topology)
+        tables = SpaceTables(patches, quadrature_choice(quadrature_tolerance))
+        self._chunks = [Chunk(segments, tables) for segments in patches.chunks]
+
+    @cached_property
+    def pattern(self) -> SymmetricPattern:
+        """Sparsity pattern of every matrix in this space."""
+        return SymmetricPattern(self.topology.adjacency())
+
+    def mass_matrix(
+        self, positions: ArrayLike, timestep: ArrayLike | None = None
+    ) -> sparse.csr_array:
+        """Assemble ∫ t(x)⁻¹ φi φj over the limit surface, with t(x) = Σ t_k φ_k.
+
+        Parameters
+        ----------
+        positions : (n_vertices, 3)
+            Control points of the surface.
+        timestep : (n_vertices,), optional
+            Control values t_k > 0; without them t = 1 and this is the plain mass matrix.
+
+        Returns
+        -------
+        (n_vertices, n_vertices) csr_array
+            Symmetric, positive definite but for the empty rows of loose vertices; without
+            `timestep` its entries add up to the area.
+
+        Source: M of (3.4) and (3.9).
+        """
+        form = ScalarForm(inverse_mass=timestep is not None)
+        return self._assemble(form, positions, timestep, MASS).matrices[0].full()
+
+    def stiffness_matrix(
+        self, positions: ArrayLike, diffusivity: ArrayLike | None = None
+    ) -> sparse.csr_array:
+        """Assemble ∫ c(x) ∇φi · ∇φj over the limit surface, with c(x) = Σ c_k φ_k.
+
+        Parameters
+        ----------
+        positions : (n_vertices, 3)
+            Control points of the surface.
+        diffusivity : (n_vertices,), optional
+            Control values c_k ≥ 0; without them c = 1.
+
+        Returns
+        -------
+        (n_vertices, n_vertices) csr_array
+            Symmetric, positive semi-definite, rows add up to zero.
+
+        Source: L of (3.4) and (3.9).
+        """
+        form = ScalarForm(scaled_stiffness=diffusivity is not None)
+        return self._assemble(form, positions, diffusivity, STIFFNESS).matrices[0].full()
+
+    def step_system(
+        self,
+        positions: ArrayLike,
+        *,
+        timestep: ArrayLike | None = None,
+        diffusivity: ArrayLike | None = None,
+        in_single: bool = False,
+    ) -> StepSystem:
+        """Assemble M + L and -L X for one semi-implicit step, and measure the surface meanwhile.
+
+        Parameters
+        ----------
+        positions : (n_vertices, 3)
+            Control points X of the surface.
+        timestep, diffusivity : (n_vertices,), optional
+            Either may vary over the surface, not both.
+        in_single : bool
+            Compute in single precision where the surface allows it; for positions in [-3, 3]^3.
+
+        Source: (3.3) with (3.4) (`timestep`) or (3.9) (`diffusivity`), less M X(0) on both sides.
+        """
+        if timestep is not None and diffusivity is not None:
+            raise InputError("give either a timestep or a diffusivity, not both")
+        form = ScalarForm(
+            inverse_mass=timestep is not None,
+            scaled_stiffness=diffusivity is not None,
+            measured=True,
+        )
+        field = timestep if diffusivity is None else diffusivity
+        if in_single:
+            with suppress(SinglePrecisionError):
+                system = self._step_system(form, positions, field, np.float32)
+                if (system.lumped_mass >= LEAST_MASS_IN_SINGLE * system.matrix.diagonal()).all():
+                    return system
+        return self._step_system(form, positions, field, np.float64)
+
+    def mass_and_stiffness(
+        self, form: Form, positions: ArrayLike, field: ArrayLike | None = None
+    ) -> tuple[SymmetricMatrix, SymmetricMatrix]:
+        """Assemble the two parts of a form, see `Form`, on the surface of `positions`."""
+        mass, stiffness = self._assemble(form, positions, field, MASS, STIFFNESS).matrices
+        return mass, stiffness
+
+    def turning_load(self, positions: ArrayLike, turns: FloatArray) -> FloatArray:
+        """Integrate (∇x - R ∇x) · ∇φ_a over the limit surface x: how far turns R would bend it.
+
+        Parameters
+        ----------
+        positions : (n_vertices, 3)
+            Control points of the surface.
+        turns : (n_triangles, 3, 3)
+            A linear map R for the tangents of each triangle.
+
+        Returns
+        -------
+        (n_vertices, 3)
+            0 if every R is the identity; L X if every R is 0.
+
+        Source: the right side of Y. Yu et al., Mesh editing with Poisson-based gradient field
+        manipulation, 2004, in this basis.
+        """
+        columns = self._columns(positions, None)
+        left = np.eye(3) - turns
+        form = ScalarForm()
+
+        def of_chunk(chunk: Chunk) -> FloatArray:
+            window = Window.of_chunk(chunk, columns, np.float64)
+            loads = np.empty((3, len(chunk.control_points)))
+            n_loaded = 0
+            for block in chunk.blocks:
+                surface = evaluate(block, window, curved=False)
+                fluxes = gradient_fluxes(surface, form.coefficients(surface))
+                by_point = fluxes.reshape(3, 2, block.n_points, -1)
+                loaded = loads[:, n_loaded : n_loaded + len(block.control_points)]
+                for part in block.parts:
+                    own = part.of_control(loaded)
+                    sums = np.empty(own.shape)
+                    part.tables.flux_sums(by_point[..., part.columns], out=sums)
+                    part_left = left[block.triangles[part.columns]]
+                    np.einsum("nde,ekn->dkn", part_left, sums, out=own)
+                n_loaded += len(block.control_points)
+            return _summed(chunk, loads)
+
+        total = np.zeros((3, self.topology.n_vertices))
+        parts = ordered_map(of_chunk, self._chunks)
+        for chunk, part in zip(self._chunks, parts, strict=True):
+            total[:, chunk.low : chunk.high] += part
+        return total.T
+
+    def measures(self, positions: ArrayLike, in_single: bool = False) -> SurfaceMeasures:
+        """Integrate curvature energy, area and volume of the limit surface of `positions`.
+
+        `in_single` as for `step_system`.
+        """
+        columns = self._columns(positions, None)
+        if in_single:
+            with suppress(SinglePrecisionError):
+                return self._measures(columns, np.float32)
+        return self._measures(columns, np.float64)
+
+    def _measures(self, columns: FloatArray, precision: Precision) -> SurfaceMeasures:
+        def of_chunk(chunk: Chunk) -> FloatArray:
+            window = Window.of_chunk(chunk, columns, precision)
+            totals = np.zeros(3)
+            for block in chunk.blocks:
+                totals += integrate_measures(block, evaluate(block, window, curved=True))
+            return totals
+
+        return self._as_measures(sum(ordered_map(of_chunk, self._chunks), np.zeros(3)))
+
+    def _step_system(
+        self, form: Form, positions: ArrayLike, field: ArrayLike | None, precision: Precision
+    ) -> StepSystem:
+        (matrix,), load, measures = self._assemble(form, positions, field, SUM, precision=precision)
+        # Those of M + L: L has none.
+        lumped_mass = matrix.product(np.ones((1, len(load))))[0]
+        return StepSystem(matrix, load, lumped_mass, measures)
+
+    def _assemble(
+        self,
+        form: Form,
+        positions: ArrayLike,
+        field: ArrayLike | None,
+        *terms: slice,
+        precision: Precision = np.float64,
+    ) -> _Assembled:
+        """Assemble a matrix for each of the `terms` of a form; MASS, STIFFNESS or SUM."""
+        columns = self._columns(positions, field)
+        uppers = [np.zeros(self.pattern.n_upper, precision) for _ in terms]
+        load = np.zeros((3, self.topology.n_vertices))
+        totals = np.zeros(3)
+
+        def contribution(index: int) -> _Contribution:
+            chunk, entries = self._chunks[index], self._entries[index]
+            return _integrate(chunk, entries, columns, form, terms, precision)
+
+        parts = ordered_map(contribution, range(len(self._chunks)))
+        for chunk, entries, part in zip(self._chunks, self._entries, parts, strict=True):
+            for upper, own in zip(uppers, part.entries, strict=True):
+                upper[entries.low : entries.high] += own
+            if form.measured:
+                load[:, chunk.low : chunk.high] -= part.bending
+                totals += part.totals
+        matrices = [SymmetricMatrix.from_upper(self.pattern, upper) for upper in uppers]
+        return _Assembled(matrices, load.T, self._as_measures(totals))
+
+    @cached_property
+    def _entries(self) -> list[ChunkEntries]:
+        pattern = self.pattern
+        return list(ordered_map(lambda chunk: ChunkEntries(chunk, pattern), self._chunks))
+
+    def _columns(self, positions: ArrayLike, field: ArrayLike | None) -> FloatArray:
+        """Stack the coordinates and a scalar field as rows, (4, n_vertices)."""
+        points = np.asarray(positions, dtype=np.float64)
+        n = self.topology.n_vertices
+        if points.shape != (n, 3):
+            raise InputError(f"positions must have shape ({n}, 3), not {points.shape}")
+        columns = np.ones((4, n))
+        columns[:3] = points.T
+        if field is not None:
+            control = np.asarray(field, dtype=np.float64)
+            if control.shape != (n,):
+                raise InputError(f"control values must have shape ({n},), not {control.shape}")
+            columns[3] = control
+        return columns
+
+    def _as_measures(self, totals: FloatArray) -> SurfaceMeasures:
+        energy, area, volume = totals.tolist()
+        return SurfaceMeasures(energy, area, volume if self.topology.is_closed else np.nan)
+
+
+class _Assembled(NamedTuple):
+    """Matrices of several terms of a form, and what was integrated meanwhile."""
+
+    matrices: list[SymmetricMatrix]
+    load: FloatArray
+    measures: SurfaceMeasures
+
+
+class _Contribution(NamedTuple):
+    """What a chunk adds to its window of entries, to its window of L X, and to the measures."""
+
+    entries: list[RealArray]
+    bending: RealArray
+    totals: FloatArray
+
+
+def _integrate(
+    chunk: Chunk,
+    entries: ChunkEntries,
+    columns: FloatArray,
+    form: Form,
+    terms: tuple[slice, ...],
+    precision: Precision,
+) -> _Contribution:
+    window = Window.of_chunk(chunk, columns, precision)
+    local = _workspace.array("local", len(terms), chunk.n_entries, precision=precision)
+    n_loads = len(chunk.control_points) if form.measured else 0
+    loads = _workspace.array("loads", 3, n_loads, precision=precision)
+    totals = np.zeros(3)
+    n_done = n_loaded = 0
+    for block in chunk.blocks:
+        surface = evaluate(block, window, form.curved)
+        flat_coefficients = form.coefficients(surface)
+        coefficients = flat_coefficients.reshape(4, block.n_points, -1)
+        for part in block.parts:
+            own = local[:, n_done : n_done + part.n_entries]
+            for term, matrices in zip(terms, own, strict=True):
+                part.tables_in(precision).local_matrices(
+                    coefficients[..., part.columns], term, matrices.reshape(-1, part.n_triangles)
+                )
+            n_done += part.n_entries
+        if form.measured:
+            totals += integrate_measures(block, surface)
+            fluxes = gradient_fluxes(surface, flat_coefficients)
+            by_point = fluxes.reshape(3, 2, block.n_points, -1)
+            loaded = loads[:, n_loaded : n_loaded + len(block.control_points)]
+            for part in block.parts:
+                part.tables_in(precision).flux_sums(
+                    by_point[..., part.columns], out=part.of_control(loaded)
+                )
+            n_loaded += len(block.control_points)
+    local[:, entries.doubled] *= 2
+    bending = _summed(chunk, loads) if form.measured else np.zeros((3, 0))
+    size = entries.high - entries.low
+    return _Contribution(
+        [scattered(entries.numbers, values, size) for values in local], bending, totals
+    )
+
+
+def _summed(chunk: Chunk, loads: RealArray) -> RealArray:
+    """Add up loads of control points (3, n_control) by vertex, in the chunk's window."""
+    size = chunk.high - chunk.low
+    return np.stack([scattered(chunk.control_points, load, size) for load in loads])

@@ -1,0 +1,204 @@
+"""How much memory a solve needs, estimated before it starts, and how much there is."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import FairingError
+from ..loop.basis import table_depth
+from ..loop.fitted_quadrature import POINTS, is_fitted
+from ..loop.patch_class import PatchClass, is_regular_patch
+from ..loop.patches import PatchSet, chunk_size
+from ..loop.quadrature import QuadratureChoice
+from ..runtime.threads import n_threads
+from .class_tables import product_table_pays
+from .table_cache import FEW_TRIANGLES, LARGEST_STACKED
+
+# Bytes, fitted to the measured peak of runs on regular, irregular, cut and pole meshes of 200 to
+# 1,000,000 triangles (benchmarks/memory.py prints estimate and measurement side by side).
+FIXED_BYTES = 50_000_000
+BYTES_PER_TRIANGLE = 650  # topology, patches, sparsity pattern, matrix, vectors of the solver
+BYTES_PER_LOCAL_ENTRY = 4  # place in the matrix of an entry of a triangle's local matrix
+BYTES_PER_ENTRY_IN_WORK = 16  # the same while its chunk is assembled, and places are looked up
+BYTES_PER_TABLE_NUMBER = 16  # basis functions at quadrature points: in the table and its parts
+AUTO_BYTES_PER_TRIANGLE = 3000  # filtered surfaces of "auto", their mixtures and responses
+
+# Neighbours beyond which a vertex is worth naming: its memory grows with their cube.
+NOTABLE_VALENCE = 300
+
+
+class MemoryNeededError(FairingError):
+    """The solve needs more memory than there is.
+
+    Attributes
+    ----------
+    needed, available : int
+        Bytes.
+    """
+
+    def __init__(self, message: str, needed: int, available: int) -> None:
+        super().__init__(message)
+        self.needed = needed
+        self.available = available
+
+
+def require_memory(
+    patches: PatchSet, choice: QuadratureChoice, method: str = "adaptive_timestep"
+) -> None:
+    """Refuse a mesh whose solve cannot fit into memory.
+
+    Raises
+    ------
+    MemoryNeededError
+        With the numbers. Not where the system does not tell how much memory it has.
+    """
+    available = available_bytes()
+    if available is None:
+        return
+    needed = estimated_bytes(patches, choice, method)
+    if needed <= available:
+        return
+    topology = patches.topology
+    poles = np.flatnonzero(topology.ring_size > NOTABLE_VALENCE)
+    advice = "decimate it, or fair it in parts"
+    if len(poles):
+        advice = f"{len(poles)} vertices have more than {NOTABLE_VALENCE} neighbours, remesh there"
+    raise MemoryNeededError(
+        f"a mesh of {topology.n_triangles} triangles needs about {needed / 1e9:.1f} GB of memory, "
+        f"{available / 1e9:.1f} GB are available: {advice}",
+        needed,
+        available,
+    )
+
+
+def estimated_bytes(
+    patches: PatchSet, choice: QuadratureChoice, method: str = "adaptive_timestep"
+) -> int:
+    """Estimate the peak memory of a solve: an upper bound, at most about twice what is used.
+
+    Parameters
+    ----------
+    patches : PatchSet
+        Of the mesh that is solved on.
+    choice : QuadratureChoice
+        Decides the size of the tables.
+    method : str
+        As in `FairingSettings`; "auto" takes more than the others.
+    """
+    n_triangles = patches.topology.n_triangles
+    n_control = patches.n_control_points.astype(np.int64)
+    n_pairs = n_control * (n_control + 1) // 2
+    n_points = np.array([_n_points(each, choice) for each in patches.classes], dtype=np.int64)
+
+    local = n_pairs[patches.class_of]
+    chunk_sizes = np.add.reduceat(local, np.arange(0, n_triangles, chunk_size(n_triangles)))
+    in_work = min(int(local.sum()), 2 * n_threads() * int(chunk_sizes.max()))
+    n_products = 4 * n_points * n_pairs
+    of_class = zip(n_products, patches.class_sizes, strict=True)
+    products = 8 * n_products[[product_table_pays(*each) for each in of_class]]
+    tables = 8 * BYTES_PER_TABLE_NUMBER * n_points * n_control
+    stacked = _stacked_bytes(n_points * n_control, patches)
+    auto_bytes = AUTO_BYTES_PER_TRIANGLE if method == "auto" else 0
+    return int(
+        FIXED_BYTES
+        + (BYTES_PER_TRIANGLE + auto_bytes) * n_triangles
+        + BYTES_PER_LOCAL_ENTRY * local.sum()
+        + BYTES_PER_ENTRY_IN_WORK * in_work
+        + products.sum()
+        + tables.sum()
+        + stacked.sum()
+    )
+
+
+def _stacked_bytes(n_numbers: NDArray[np.int64], patches: PatchSet) -> NDArray[np.int64]:
+    """Bound the tables of single triangles, by class: `n_numbers` at points for each function."""
+    n_triangles = patches.topology.n_triangles
+    n_chunks = -(-n_triangles // max(chunk_size(n_triangles), 1))
+    n_stacked = np.minimum(patches.class_sizes, FEW_TRIANGLES * n_chunks)
+    bound: NDArray[np.int64] = np.where(
+        6 * n_numbers <= LARGEST_STACKED, 8 * 6 * n_numbers * n_stacked, 0
+    )
+    return bound
+
+
+def _n_points(patch_class: PatchClass, choice: QuadratureChoice) -> int:
+    """Bound the number of quadrature points: all three corners refined to the choice's depth."""
+    if is_regular_patch(patch_class):
+        return len(choice.regular.weights)
+    if choice.prefers_fitted and is_fitted(patch_class):
+        return len(POINTS)
+    return len(choice.irregular.weights) * max(9 * table_depth(patch_class, choice) - 5, 1)
+
+
+def available_bytes() -> int | None:
+    """Memory that this process can still get, or None if the system does not tell.
+
+    On Linux what is free or reclaimable, with swap, within the limit of the control group; on
+    Windows what can be committed; elsewhere all memory that the machine has.
+    """
+    if sys.platform == "win32":
+        return _available_on_windows()
+    meminfo = Path("/proc/meminfo")
+    if meminfo.exists():
+        values = _numbers(meminfo, separator=":")
+        if "MemAvailable" in values:
+            # In units of 1024 bytes.
+            free = 1024 * (values["MemAvailable"] + values.get("SwapFree", 0))
+            group = _available_in_group()
+            return free if group is None else min(free, group)
+    try:
+        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (ValueError, OSError):
+        return None
+
+
+def _available_in_group(root: Path = Path("/sys/fs/cgroup")) -> int | None:
+    """Read what the memory limit of a container leaves (control groups, version 2)."""
+    try:
+        limit = (root / "memory.max").read_text().strip()
+        if limit == "max":
+            return None
+        used = int((root / "memory.current").read_text())
+        # Cached files count as used but give way.
+        cached = _numbers(root / "memory.stat").get("inactive_file", 0)
+        return max(int(limit) - used + cached, 0)
+    except (OSError, ValueError):
+        return None
+
+
+def _numbers(path: Path, separator: str | None = None) -> dict[str, int]:
+    """Read lines of a name and a number."""
+    found = {}
+    for line in path.read_text().splitlines():
+        name, *rest = line.split(separator, 1)
+        if rest and rest[0].split()[:1] and rest[0].split()[0].isdigit():
+            found[name.strip()] = int(rest[0].split()[0])
+    return found
+
+
+def _available_on_windows() -> int | None:
+    import ctypes
+
+    class MemoryStatus(ctypes.Structure):
+        _fields_ = [
+            ("length", ctypes.c_ulong),
+            ("load", ctypes.c_ulong),
+            *(
+                (name, ctypes.c_ulonglong)
+                for name in (
+                    "physical", "free_physical", "pages", "free_pages",
+                    "virtual", "free_virtual", "free_extended",
+                )
+            ),
+        ]  # fmt: skip
+
+    status = MemoryStatus(length=ctypes.sizeof(MemoryStatus))
+    kernel = getattr(ctypes, "windll").kernel32  # noqa: B009  absent from the types elsewhere
+    if not kernel.GlobalMemoryStatusEx(ctypes.byref(status)):
+        return None
+    return int(status.free_pages)

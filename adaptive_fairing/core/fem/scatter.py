@@ -1,0 +1,57 @@
+"""Where the local matrices of a chunk go in the global one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..linalg.symmetric_pattern import Pairs, SymmetricPattern
+from .blocks import Chunk
+
+
+class ChunkEntries:
+    """Where the local matrices of a chunk go.
+
+    Attributes
+    ----------
+    low, high : int
+        Range of the upper-triangle entries of the chunk's vertices.
+    numbers : (n_entries,) int32
+        Upper-triangle entry of every local matrix entry, minus `low`.
+    doubled : (k,) int
+        Local off-diagonal entries whose two control points are one vertex: they count twice.
+    """
+
+    def __init__(self, chunk: Chunk, pattern: SymmetricPattern) -> None:
+        self.low, self.high = pattern.row_starts[[chunk.low, chunk.high]].tolist()
+        self.numbers = np.empty(chunk.n_entries, dtype=np.int32)
+        places = pattern.places(chunk.low, chunk.high)
+        doubled = [np.empty(0, dtype=np.intp)]
+        done = 0
+        for block in chunk.blocks:
+            for part in block.parts:
+                vertices = part.of_control(block.control_points)
+                out = self.numbers[done : done + part.n_entries].reshape(-1, part.n_triangles)
+                places.numbers(vertices, part.tables.pairs, out)
+                doubled.append(done + _doubled(vertices, part.tables.pairs))
+                done += part.n_entries
+        self.doubled = np.concatenate(doubled)
+
+
+def _doubled(vertices: NDArray[np.int32], pairs: Pairs) -> NDArray[np.intp]:
+    """Which entries (a, b), a ≠ b, of local matrices (p, n), in one row, have one vertex twice.
+
+    Parameters
+    ----------
+    vertices : (K, n)
+    pairs : two arrays (p,)
+    """
+    ordered = np.sort(vertices, axis=0)
+    triangles = np.flatnonzero((ordered[1:] == ordered[:-1]).any(axis=0))
+    if not len(triangles):
+        return triangles
+    own = vertices[:, triangles]
+    a, b = pairs
+    found = np.flatnonzero((own[a] == own[b]) & (a != b)[:, None])
+    pair, place = np.divmod(found, len(triangles))
+    return pair * vertices.shape[1] + triangles[place]

@@ -1,0 +1,156 @@
+"""The surface at the quadrature points of a block, and what is integrated over it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..runtime.precision import (
+    SHORTEST_IN_SINGLE,
+    SMALLEST_IN_SINGLE,
+    Precision,
+    RealArray,
+    SinglePrecisionError,
+)
+from ..runtime.threads import Workspace
+from .blocks import Block, Chunk
+from .differential_geometry import Metric, mean_curvature, metric_at
+
+FloatArray = NDArray[np.float64]
+
+_workspace = Workspace()
+
+
+class Window(NamedTuple):
+    """Coordinates and a scalar field of a chunk's vertices.
+
+    Attributes
+    ----------
+    columns : (4, n)
+        From the chunk's lowest vertex on, coordinates as seen from the origin.
+    origin : (3,)
+    least_edge : float
+        Shortest tangents that single precision resolves; 0 in double precision.
+    """
+
+    columns: RealArray
+    origin: RealArray
+    least_edge: float = 0.0
+
+    @classmethod
+    def of_chunk(cls, chunk: Chunk, columns: FloatArray, precision: Precision) -> Window:
+        """Take a chunk's part of the columns (4, n_vertices) of all vertices."""
+        own = columns[:, chunk.low : chunk.high]
+        if precision is np.float64:
+            return cls(own, np.zeros(3))
+        # Seen from its middle, a chunk's coordinates keep more digits than single precision has.
+        low, high = own[:3].min(axis=1), own[:3].max(axis=1)
+        middle = (low + high) / 2
+        shifted = own.astype(precision)
+        np.subtract(own[:3], middle[:, None], out=shifted[:3], casting="same_kind")
+        least_edge = max(SMALLEST_IN_SINGLE * float((high - low).max()), SHORTEST_IN_SINGLE)
+        return cls(shifted, middle.astype(precision), least_edge)
+
+
+class SurfaceBlock(NamedTuple):
+    """Surface and field at the quadrature points of a block, until the thread's next block.
+
+    Points run over the quadrature points first, then over the triangles: arrays (…, n_points) can
+    be seen as (…, q, n_triangles).
+
+    Attributes
+    ----------
+    field : (n_points,)
+        A scalar field.
+    positions : (3, n_points)
+    tangents : (2, 3, n_points)
+        ∂1 x, ∂2 x.
+    metric : Metric
+    second_derivatives : (3, 3, n_points) or None
+        ∂11 x, ∂12 x, ∂22 x, if they were asked for.
+    """
+
+    field: RealArray
+    positions: RealArray
+    tangents: RealArray
+    metric: Metric
+    second_derivatives: RealArray | None
+
+
+def evaluate(block: Block, window: Window, curved: bool) -> SurfaceBlock:
+    """Evaluate the surface at the quadrature points of a block, in the window's precision.
+
+    Parameters
+    ----------
+    block : Block
+    window : Window
+        Of the block's chunk.
+    curved : bool
+        Whether second derivatives are wanted.
+
+    Raises
+    ------
+    SinglePrecisionError
+        If a patch is too thin or too small for single precision.
+    """
+    columns, origin, least_edge = window
+    precision = columns.dtype.type
+    control = _workspace.array("control", 4, len(block.control_points), precision=precision)
+    indices = block.control_points.astype(np.intp)  # once, not for every column
+    for column, row in zip(columns, control, strict=True):
+        # Out of range there is nothing: "wrap" only spares the test.
+        np.take(column, indices, out=row, mode="wrap")
+    n_derivatives = 6 if curved else 3
+    shape = block.n_points, block.n_triangles
+    field = _workspace.array("field", 1, *shape, precision=precision)
+    jets = _workspace.array("jets", 3, n_derivatives, *shape, precision=precision)
+    rows = jets.reshape(3, -1, block.n_triangles)
+    origins = np.tile(origin[:, None], block.n_triangles)
+    for part in block.parts:
+        own, tables = part.of_control(control), part.tables_in(precision)
+        if precision is np.float32:
+            _see_from_corners(own[:3], origins[:, part.columns])
+        tables.evaluate(own[:3], n_derivatives, out=rows[..., part.columns])
+        tables.evaluate(own[3:], 1, out=field[..., part.columns])
+    positions = _workspace.array("positions", 3, *shape, precision=precision)
+    np.add(jets[:, 0], origins[:, None], out=positions)
+    by_derivative = jets.reshape(3, n_derivatives, -1).swapaxes(0, 1)
+    tangents, second_derivatives = by_derivative[1:3], by_derivative[3:] if curved else None
+    metric = metric_at(tangents)
+    if metric.g11.min() < least_edge**2:
+        raise SinglePrecisionError
+    return SurfaceBlock(
+        field.reshape(-1), positions.reshape(3, -1), tangents, metric, second_derivatives
+    )
+
+
+def _see_from_corners(control: RealArray, origins: RealArray) -> None:
+    """Move the origins of triangles (3, n) to their first control points, out of (3, K, n).
+
+    Rounded basis functions do not add up to 1, nor their derivatives to 0: far from the origin that
+    would bend the surface.
+    """
+    corners = control[:, 0].copy()
+    control -= corners[:, None]
+    origins += corners
+
+
+def integrate_measures(block: Block, surface: SurfaceBlock) -> FloatArray:
+    """Curvature energy, area and volume of a block, (3,)."""
+    metric = surface.metric
+    precision = metric.area_element.dtype.type
+    integrands = _workspace.array("integrands", 3, len(metric.area_element), precision=precision)
+    if surface.second_derivatives is not None:
+        np.square(mean_curvature(metric, surface.second_derivatives), out=integrands[0])
+        integrands[0] *= metric.area_element
+    else:
+        integrands[0] = 0
+    integrands[1] = metric.area_element
+    np.einsum("dp,dp->p", surface.positions, metric.normal, out=integrands[2])
+    by_point = integrands.reshape(3, block.n_points, block.n_triangles)
+    sums = np.add.reduceat(by_point, block.weight_starts, axis=2, dtype=np.float64)
+    totals: FloatArray = np.einsum("iqk,qk->i", sums, block.weights)
+    totals[2] /= 3
+    return totals

@@ -1,0 +1,1 @@
+"""Sparse symmetric matrices, conjugate gradients, and filters in a Krylov space."""

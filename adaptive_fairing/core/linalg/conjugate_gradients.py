@@ -1,0 +1,203 @@
+"""Conjugate gradients with diagonal preconditioning, for the three coordinates at once."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import SolverError
+from ..runtime.precision import RealArray
+from ..runtime.threads import ordered_map
+from .symmetric_matrix import SymmetricMatrix
+
+FloatArray = NDArray[np.float64]
+
+# Rounding alone leaves a residual of some machine epsilons of the terms that cancel in A x; asking
+# for less would never end.
+ATTAINABLE = 64  # machine epsilons
+
+# Single precision serves while the residual need not fall below this share of the first one.
+SINGLE_REDUCTION = 1e-4
+
+# Unknowns per column that one thread updates in one go.
+UNKNOWNS_PER_PIECE = 32768
+
+
+@dataclass(frozen=True)
+class SolveReport:
+    """How a linear solve ended.
+
+    Attributes
+    ----------
+    iterations : int
+    residual : float
+        |b - A x| / |b| in the norm of the inverse diagonal, over all coordinates together; for b of
+        a step see `fairing`.
+    converged : bool
+        Whether the residual is below the tolerance, or as small as rounding lets it be.
+    """
+
+    iterations: int
+    residual: float
+    converged: bool
+
+
+def conjugate_gradients(
+    matrix: SymmetricMatrix,
+    right_side: FloatArray,
+    start: FloatArray,
+    *,
+    is_held: NDArray[np.bool_],
+    tolerance: float,
+    max_iterations: int,
+    relative_to: FloatArray | None = None,
+) -> tuple[FloatArray, SolveReport]:
+    """Solve matrix @ x = right_side with x = start on the held rows.
+
+    The columns are one system with the block diagonal matrix (A, A, A), so the result does not
+    depend on the choice of the coordinate axes.  A matrix in single precision is solved with in
+    single precision, unless the residual is to fall by more than that can tell.
+
+    Parameters
+    ----------
+    matrix : SymmetricMatrix, (n, n)
+        Positive definite on the rows that are not held.
+    right_side, start : (n, k)
+    is_held : (n,) bool
+        Rows whose unknowns keep their start value exactly; their equations are dropped.
+    tolerance : float
+        Bound for the residual of the report.
+    max_iterations : int
+    relative_to : (n, k), optional
+        What the residual is measured by, instead of `right_side`.
+
+    Returns
+    -------
+    x : (n, k), SolveReport
+
+    Raises
+    ------
+    SolverError
+        If the system has entries that are not finite, or proves not to be positive definite.
+
+    Source: the paper, after (3.4): conjugate gradients with a diagonal preconditioning.
+    """
+    if not (np.isfinite(right_side).all() and matrix.is_finite()):
+        raise SolverError("the linear system has entries that are not finite numbers")
+    diagonal = matrix.diagonal()
+    free = ~is_held
+    bad = int(np.count_nonzero(diagonal[free] <= 0))
+    if bad:
+        raise SolverError(f"the linear system is not positive definite: {bad} diagonal entries ≤ 0")
+    # Zero on the held rows: the search directions never leave the free ones.
+    inverse = np.zeros_like(diagonal)
+    inverse[free] = 1 / diagonal[free]
+
+    columns = np.ascontiguousarray(start.T)
+    right_columns = np.ascontiguousarray(right_side.T)
+    reference = _size(right_columns if relative_to is None else relative_to.T, inverse)
+    residual = right_columns - matrix.product(columns)
+    if matrix.is_single and tolerance * reference < SINGLE_REDUCTION * _size(residual, inverse):
+        matrix, inverse = matrix.doubled(), inverse.astype(np.float64)
+        residual = right_columns - matrix.product(columns)
+    attainable = ATTAINABLE * np.finfo(inverse.dtype).eps
+    target = max(tolerance * reference, attainable * _size(columns, diagonal * free))
+
+    state = _State(residual.astype(inverse.dtype, copy=False), inverse)
+    square = state.square()
+    # pᵀDp with the diagonal D: the size of the terms that may cancel in pᵀAp.
+    direction_size = square
+    is_exhausted = False
+    iterations = 0
+    while np.sqrt(square) > target and iterations < max_iterations:
+        image = matrix.product(state.direction)
+        curvature = state.along(image)
+        if abs(curvature) <= attainable * direction_size:
+            # What is left are motions that the matrix does not see at this precision.
+            is_exhausted = True
+            break
+        if not curvature > 0:
+            raise SolverError(
+                f"the linear system is not positive definite: pᵀAp = {curvature:g} in iteration "
+                f"{iterations + 1}, residual {np.sqrt(square) / reference:.3g}"
+            )
+        square, previous = state.advance(square / curvature, image), square
+        state.turn(square / previous)
+        # Preconditioned residual and last direction are orthogonal with respect to D.
+        direction_size = square + (square / previous) ** 2 * direction_size
+        iterations += 1
+    if not np.isfinite(square):
+        raise SolverError(
+            f"conjugate gradients diverged after {iterations} iterations: residual {square:g}"
+        )
+    size = np.sqrt(square)
+    report = SolveReport(
+        iterations=iterations,
+        residual=float(size / reference) if reference > 0 else 0.0,
+        converged=bool(size <= target) or is_exhausted,
+    )
+    return start + state.update.T, report
+
+
+def _size(columns: FloatArray, weights: RealArray) -> float:
+    """Norm of vectors (k, n) with a weight for every row of the system."""
+    return float(np.sqrt(np.einsum("n,kn,kn->", weights, columns, columns)))
+
+
+class _State:
+    """The vectors of the iteration, changed piece by piece: each is read once while in the cache.
+
+    Sums over a piece are in the precision of the vectors, those over the pieces in double.
+
+    Attributes
+    ----------
+    update, direction : (k, n)
+        What to add to the start; and the search direction.
+    """
+
+    def __init__(self, residual: RealArray, inverse: RealArray) -> None:
+        self._residual, self._inverse = residual, inverse
+        self.update = np.zeros_like(residual)
+        self.direction = inverse * residual
+        n = len(inverse)
+        self._pieces = [
+            slice(first, first + UNKNOWNS_PER_PIECE) for first in range(0, n, UNKNOWNS_PER_PIECE)
+        ]
+
+    def square(self) -> float:
+        """Squared norm of the residual, in the first iteration."""
+        return self.along(self._residual)
+
+    def along(self, vectors: RealArray) -> float:
+        """Scalar product of vectors (k, n) with the direction."""
+
+        def of_piece(piece: slice) -> float:
+            return float(np.einsum("kn,kn->", vectors[:, piece], self.direction[:, piece]))
+
+        return sum(ordered_map(of_piece, self._pieces))
+
+    def advance(self, step: float, image: RealArray) -> float:
+        """Go along the direction, whose image is A p; return the residual's squared norm."""
+
+        def of_piece(piece: slice) -> float:
+            residual, direction = self._residual[:, piece], self.direction[:, piece]
+            scratch = step * direction
+            self.update[:, piece] += scratch
+            residual -= np.multiply(image[:, piece], step, out=scratch)
+            np.multiply(self._inverse[piece], residual, out=scratch)
+            return float(np.einsum("kn,kn->", residual, scratch))
+
+        return sum(ordered_map(of_piece, self._pieces))
+
+    def turn(self, factor: float) -> None:
+        """Make the next direction: the preconditioned residual and `factor` times the last one."""
+
+        def of_piece(piece: slice) -> None:
+            direction = self.direction[:, piece]
+            direction *= factor
+            direction += self._inverse[piece] * self._residual[:, piece]
+
+        for _ in ordered_map(of_piece, self._pieces):
+            pass

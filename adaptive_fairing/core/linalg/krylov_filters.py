@@ -1,0 +1,194 @@
+"""All diffusions in one metric from one small space.
+
+Every diffusion in a metric is a function of the same M and L: it removes a share r(λ) of each
+eigenvector of M⁻¹L, with its eigenvalue λ.  The solves (M + t L)⁻¹ M for one time t,
+applied again and again to what they removed at first, span a space in which all those functions are
+found by Rayleigh and Ritz, accurate to a hundredth after eight or so; to carry out the steps of six
+diffusions one by one takes seventy-two.
+
+Source: shift-and-invert Krylov spaces for functions of matrices, J. van den Eshof and M. Hochbruck,
+Preconditioning Lanczos approximations to the matrix exponential, 2006; I. Moret and P. Novati,
+RD-rational approximations of the matrix exponential, 2004.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .conjugate_gradients import SolveReport, conjugate_gradients
+from .symmetric_matrix import SymmetricMatrix
+
+FloatArray = NDArray[np.float64]
+
+# Time t of the solves that span the space, in squared edge lengths; between those of the filters.
+SHARED_TIME = 1.0
+
+# The first solve is more accurate by this factor: all results inherit its error.
+FIRST_FACTOR = 0.5
+MAX_ITERATIONS = 5000
+MOST_DIRECTIONS = 24
+
+# Of smaller eigenvalues nothing is removed; their ratio to what is removed already would be 0 / 0.
+LEAST_EIGENVALUE = 1e-9
+
+# Of a vector of which no larger part lies outside the space, rounding is all that is left.
+LEAST_SHARE = 1e-9
+
+
+class Diffusion(NamedTuple):
+    """A filter (1 - (1 - S)ᵖ)ᵏ with S = (M + t L)⁻¹ M.
+
+    Attributes
+    ----------
+    time : float
+        t of S, in squared edge lengths.
+    order : int
+        p.
+    steps : int
+        k.
+    """
+
+    time: float
+    order: int
+    steps: int
+
+    def removed(self, eigenvalues: FloatArray) -> FloatArray:
+        """Share of the eigenvectors of M⁻¹L that is removed, for eigenvalues > 0."""
+        missing = (self.time * eigenvalues / (1 + self.time * eigenvalues)) ** self.order
+        # 1 - (1 - missing)ᵏ without loss of digits where little is missing.
+        share: FloatArray = -np.expm1(self.steps * np.log1p(-missing))
+        return share
+
+
+def removed_by(
+    diffusions: Sequence[Diffusion],
+    mass: SymmetricMatrix,
+    stiffness: SymmetricMatrix,
+    control: FloatArray,
+    is_loose: NDArray[np.bool_],
+    on_solve: Callable[[SolveReport], None],
+    tolerance: float = 1e-2,
+) -> list[FloatArray]:
+    """Compute what each diffusion removes of control points.
+
+    Parameters
+    ----------
+    diffusions : sequence of Diffusion
+    mass, stiffness : SymmetricMatrix, (n, n)
+        M and L.
+    control : (n, 3)
+    is_loose : (n,) bool
+        Vertices without a triangle, of which nothing is removed.
+    on_solve : callable
+        Called after each linear solve with its report.
+    tolerance : float
+        Relative residual of the solves; and what the last direction of the space may add to the
+        results, relative to their size.
+
+    Returns
+    -------
+    list of (n, 3)
+    """
+    system = mass.plus(SHARED_TIME, stiffness)
+
+    def solved(right_side: FloatArray, start: FloatArray, residual: float) -> FloatArray:
+        result, report = conjugate_gradients(
+            system,
+            right_side.T,
+            start.T,
+            is_held=is_loose,
+            tolerance=residual,
+            max_iterations=MAX_ITERATIONS,
+        )
+        on_solve(report)
+        return result.T
+
+    columns = np.ascontiguousarray(control.T)
+    bending = SHARED_TIME * stiffness.product(columns)
+    space = _Space(mass, stiffness)
+    direction = solved(bending, np.zeros_like(columns), FIRST_FACTOR * tolerance)
+    while space.add(direction):
+        shares = space.shares(diffusions)
+        size = np.linalg.norm(shares, axis=0)
+        if space.n_directions == MOST_DIRECTIONS or (np.abs(shares[-1]) <= tolerance * size).all():
+            break
+        direction = solved(space.last_image, space.last, tolerance)
+    if not space.n_directions:
+        return [np.zeros_like(control) for _ in diffusions]
+    return [combined.T for combined in space.combined(shares)]
+
+
+class _Space:
+    """Directions with VᵀMV = I, and what L does to them.
+
+    All coordinates of all vertices are one vector, so that the result does not depend on the choice
+    of the coordinate axes.
+    """
+
+    def __init__(self, mass: SymmetricMatrix, stiffness: SymmetricMatrix) -> None:
+        self._mass, self._stiffness = mass, stiffness
+        shape = MOST_DIRECTIONS, 3, mass.pattern.n
+        # Only what is used of these becomes memory.
+        self._directions, self._images = np.empty(shape), np.empty(shape)
+        self._bending = np.zeros((MOST_DIRECTIONS, MOST_DIRECTIONS))
+        self._first_length = 0.0
+        self.n_directions = 0
+
+    @property
+    def last(self) -> FloatArray:
+        """The newest direction v, (3, n)."""
+        newest: FloatArray = self._directions[self.n_directions - 1]
+        return newest
+
+    @property
+    def last_image(self) -> FloatArray:
+        """M v, (3, n)."""
+        newest: FloatArray = self._images[self.n_directions - 1]
+        return newest
+
+    def add(self, vector: FloatArray) -> bool:
+        """Add the part of a vector that is not in the space; False if there is hardly any."""
+        done = self.n_directions
+        directions = self._directions[:done].reshape(done, vector.size)
+        images = self._images[:done].reshape(done, vector.size)
+        rest = vector.reshape(-1).copy()
+        within = 0.0
+        for _ in range(2):  # once would let rounding grow tenfold with every direction
+            overlaps = images @ rest
+            rest -= overlaps @ directions
+            within += float(overlaps @ overlaps)
+        vector = rest.reshape(vector.shape)
+        image = self._mass.product(vector)
+        square = float(np.einsum("kn,kn->", vector, image))
+        if not square > LEAST_SHARE**2 * within:
+            return False
+        length = np.sqrt(square)
+        np.divide(vector, length, out=self._directions[done])
+        np.divide(image, length, out=self._images[done])
+        if done == 0:
+            self._first_length = length
+        bent = self._stiffness.product(self._directions[done])
+        entries = self._directions[: done + 1].reshape(done + 1, -1) @ bent.reshape(-1)
+        self._bending[done, : done + 1] = self._bending[: done + 1, done] = entries
+        self.n_directions += 1
+        return True
+
+    def shares(self, diffusions: Sequence[Diffusion]) -> FloatArray:
+        """Shares of the directions in what each diffusion removes, (n_directions, k)."""
+        n = self.n_directions
+        eigenvalues, vectors = np.linalg.eigh(self._bending[:n, :n])
+        eigenvalues = np.maximum(eigenvalues, LEAST_EIGENVALUE)
+        # The first direction is what one solve for the shared time removed.
+        already = Diffusion(SHARED_TIME, 1, 1).removed(eigenvalues)
+        ratios = np.stack([d.removed(eigenvalues) / already for d in diffusions], axis=1)
+        shares: FloatArray = self._first_length * (vectors @ (vectors[0][:, None] * ratios))
+        return shares
+
+    def combined(self, shares: FloatArray) -> FloatArray:
+        """Combine the directions with shares (n_directions, k), to (k, 3, n)."""
+        directions = self._directions[: self.n_directions].reshape(self.n_directions, -1)
+        return (shares.T @ directions).reshape(-1, *self._directions.shape[1:])

@@ -1,0 +1,106 @@
+"""Symmetric sparse matrices of which only the upper triangle is stored."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from ..runtime.precision import RealArray
+from ..runtime.threads import ordered_map
+from .symmetric_pattern import Strip, SymmetricPattern, adopt_entries
+
+FloatArray = NDArray[np.float64]
+
+
+class SymmetricMatrix:
+    """A = H + Hᵀ with H the upper triangle, half the diagonal in it.
+
+    Products read half as much memory as with all entries, and a strip of rows at a time, which
+    serves all columns while it is in the cache.
+
+    Parameters
+    ----------
+    pattern : SymmetricPattern
+    halves : (n_upper,)
+        Entries of H, in the order of the pattern, in single or double precision.
+    """
+
+    def __init__(self, pattern: SymmetricPattern, halves: RealArray) -> None:
+        self.pattern = pattern
+        self._halves = halves
+        self._strips = [
+            _StripProduct(strip, halves[pattern.row_starts[strip.rows.start] :])
+            for strip in pattern.strips
+        ]
+
+    @classmethod
+    def from_upper(cls, pattern: SymmetricPattern, upper: RealArray) -> SymmetricMatrix:
+        """Make the matrix with the upper entries `upper`, (n_upper,), which are changed."""
+        upper[pattern.row_starts[:-1]] /= 2
+        return cls(pattern, upper)
+
+    @property
+    def is_single(self) -> bool:
+        """Whether the entries are in single precision."""
+        return self._halves.dtype == np.float32
+
+    def doubled(self) -> SymmetricMatrix:
+        """Return the same entries in double precision."""
+        return SymmetricMatrix(self.pattern, self._halves.astype(np.float64))
+
+    def diagonal(self) -> RealArray:
+        """Entries on the diagonal, (n,)."""
+        diagonal: RealArray = 2 * self._halves[self.pattern.row_starts[:-1]]
+        return diagonal
+
+    def is_finite(self) -> bool:
+        """Whether all entries are finite numbers."""
+        return bool(np.isfinite(self._halves).all())
+
+    def plus(self, factor: float, other: SymmetricMatrix) -> SymmetricMatrix:
+        """Add `factor` times another matrix of the same pattern."""
+        return SymmetricMatrix(self.pattern, self._halves + factor * other._halves)
+
+    def weighted(self, weights: FloatArray) -> SymmetricMatrix:
+        """Return D½ A D½ for the diagonal matrix D of `weights` > 0, (n,)."""
+        pattern, root = self.pattern, np.sqrt(weights)
+        rows = np.repeat(root, np.diff(pattern.row_starts))
+        return SymmetricMatrix(pattern, self._halves * rows * root[pattern.columns(0, pattern.n)])
+
+    def product(self, columns: RealArray) -> RealArray:
+        """Multiply by k vectors, given as rows (k, n); return rows in the matrix's precision."""
+        columns = np.ascontiguousarray(columns, dtype=self._halves.dtype)
+        result = np.zeros_like(columns)
+        parts = ordered_map(lambda strip: strip.product(columns), self._strips)
+        for strip, part in zip(self._strips, parts, strict=True):
+            result[:, strip.window] += part
+        return result
+
+    def full(self) -> sparse.csr_array:
+        """Return all entries, (n, n), in ascending columns."""
+        pattern = self.pattern
+        entries = (self._halves, pattern.columns(0, pattern.n), pattern.row_starts)
+        upper = sparse.csr_array(entries, shape=(pattern.n, pattern.n))
+        return (upper + upper.T).tocsr()
+
+
+class _StripProduct:
+    """Products with a strip of H, and with its transpose."""
+
+    def __init__(self, strip: Strip, halves: RealArray) -> None:
+        self._rows, self.window = strip.rows, strip.window
+        shape = strip.rows.stop - strip.rows.start, strip.window.stop - strip.window.start
+        self._upper, self._lower = sparse.csr_array(shape), sparse.csc_array(shape[::-1])
+        for matrix in (self._upper, self._lower):
+            adopt_entries(matrix, halves[: len(strip.columns)], strip.columns, strip.starts)
+
+    def product(self, columns: RealArray) -> RealArray:
+        """Return what this strip contributes to a product, in its window."""
+        n_rows = self._upper.shape[0]
+        parts = []
+        for column in columns[:, self.window]:
+            part = self._lower @ column[:n_rows]
+            part[:n_rows] += self._upper @ column
+            parts.append(part)
+        return np.stack(parts)

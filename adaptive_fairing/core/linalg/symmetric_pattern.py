@@ -1,0 +1,255 @@
+"""The fixed sparsity pattern of all matrices in the Loop space, and the places of entries in it.
+
+Two basis functions meet on a triangle exactly if their vertices are at most three edges apart
+(one step to a corner, one edge, one step out), so the pattern is that of (I + A)³ with the vertex
+adjacency A: 37 entries a row on a regular mesh.  Only the upper triangle is kept.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+
+from ..runtime.precision import RealArray
+from ..runtime.threads import ordered_map
+
+IntArray = NDArray[np.int32]
+Pairs = tuple[NDArray[np.intp], NDArray[np.intp]]
+
+# Rows of a strip: its entries should stay in the cache while several columns are multiplied.
+ROWS_PER_STRIP = 16384
+
+# Places in a table of entries, four bytes each and as many tables as threads.  Where a pole of high
+# valence needs more, entries are searched for in the pattern, which takes three times as long.
+LARGEST_TABLE = 32_000_000
+
+# Below this number of triangles of a class the calls take longer than what they compute.
+FEW_TRIANGLES = 256
+
+
+class Strip(NamedTuple):
+    """Consecutive rows of the upper triangle, with the columns that they reach.
+
+    Attributes
+    ----------
+    rows : slice
+    window : slice
+        The columns, from the first row's diagonal on.
+    starts : (n_rows + 1,) int32, columns : (n_entries,) int32
+        Row pointers, and ascending columns counted from the window's first: the diagonal first.
+    """
+
+    rows: slice
+    window: slice
+    starts: IntArray
+    columns: IntArray
+
+
+class SymmetricPattern:
+    """Sparsity pattern of a symmetric matrix, with numbered entries of its upper triangle.
+
+    Parameters
+    ----------
+    adjacency : (n, n) csr_array
+        Which vertices are neighbours; symmetric, without the diagonal.
+
+    Attributes
+    ----------
+    n : int
+        Number of rows.
+    n_upper : int
+        Number of entries on and above the diagonal, which are numbered row by row.
+    row_starts : (n + 1,) int32
+        Number of the first entry of each row: the one on the diagonal.
+    strips : list of Strip
+    """
+
+    def __init__(self, adjacency: sparse.csr_array) -> None:
+        self.n = adjacency.shape[0]
+        self._near = _with_diagonal(adjacency)
+        firsts = range(0, self.n, ROWS_PER_STRIP)
+        self.strips = list(ordered_map(lambda first: _strip(self._near, first), firsts))
+        self.row_starts = np.zeros(self.n + 1, dtype=np.int32)
+        for strip in self.strips:
+            first, last = strip.rows.start, strip.rows.stop
+            self.row_starts[first + 1 : last + 1] = strip.starts[1:] + self.row_starts[first]
+        self.n_upper = int(self.row_starts[-1])
+
+    def columns(self, low: int, high: int) -> IntArray:
+        """Columns of the entries of rows `low` to `high` - 1."""
+        parts = [np.empty(0, dtype=np.int32)]
+        for rows, _, starts, columns in self.strips:
+            first, last = max(low, rows.start), min(high, rows.stop)
+            if first < last:
+                own = slice(starts[first - rows.start], starts[last - rows.start])
+                parts.append(columns[own] + np.int32(rows.start))
+        return np.concatenate(parts)
+
+    def places(self, low: int, high: int) -> Places:
+        """Prepare to look up entries among the vertices from `low` to `high` - 1.
+
+        Numbers are counted from the first entry of row `low`.
+        """
+        # In an order of small bandwidth a table with a place for every pair of near vertices is
+        # not much larger than the entries.
+        window = self._near[low:high, low:high]
+        order = _narrow_order(window)
+        last = _last_within_three(window, order)
+        # Row r of the table has columns r to last[r], the first of them at base[r] + r.
+        ends = np.cumsum(last - np.arange(-1, high - low - 1))
+        sizes = np.diff(self.row_starts[low : high + 1])
+        columns = self.columns(low, high) - np.int32(low)
+        numbers = np.arange(len(columns), dtype=np.int32)
+        if ends[-1] > LARGEST_TABLE:
+            rows = np.repeat(np.arange(high - low, dtype=np.int32), sizes)
+            rows, columns, numbers = _chosen(columns < high - low, rows, columns, numbers)
+            return _SearchedPlaces(rows, columns, numbers, high - low)
+        base = (ends - last - 1).astype(np.int32)
+        first = np.repeat(order, sizes)
+        first, columns, numbers = _chosen(columns < high - low, first, columns, numbers)
+        # Out of range there is nothing: "wrap" only spares the test.
+        row, column = _ascending(first, np.take(order, columns, mode="wrap"))
+        # Other entries are of vertices whose path leaves the window: no triangle of it has both.
+        is_within = column <= np.take(last, row, mode="wrap")
+        row, column, numbers = _chosen(is_within, row, column, numbers)
+        table = np.empty(ends[-1], dtype=np.int32)
+        table[np.take(base, row, mode="wrap") + column] = numbers
+        return _TabledPlaces(table, base, order)
+
+
+def _with_diagonal(adjacency: sparse.csr_array) -> sparse.csr_array:
+    """Put the diagonal first in every row; int16 ones, the other columns in the order they had."""
+    n = adjacency.shape[0]
+    diagonal = np.arange(n, dtype=np.int32)
+    starts = adjacency.indptr + np.arange(n + 1, dtype=np.int32)
+    columns = np.empty(starts[-1], dtype=np.int32)
+    is_neighbour = np.ones(len(columns), dtype=bool)
+    is_neighbour[starts[:-1]] = False
+    columns[starts[:-1]] = diagonal
+    columns[is_neighbour] = adjacency.indices
+    ones = np.ones(len(columns), dtype=np.int16)
+    return sparse.csr_array((ones, columns, starts), shape=adjacency.shape)
+
+
+def _strip(near: sparse.csr_array, first: int) -> Strip:
+    """Find the vertices that are at most three edges away, for a strip of rows."""
+    n = near.shape[0]
+    rows = slice(first, min(first + ROWS_PER_STRIP, n))
+    two_edges = near[rows] @ near
+    # Entries count paths: they must not add up to 0 by overflow, which would drop the entry.
+    two_edges.data[:] = 1
+    reach = two_edges @ near
+    row = np.repeat(np.arange(len(reach.indptr) - 1, dtype=np.int32), np.diff(reach.indptr))
+    columns = reach.indices - np.int32(first)
+    is_upper = columns >= row
+    row, columns = row[is_upper], columns[is_upper]
+    starts = np.zeros(rows.stop - first + 1, dtype=np.int32)
+    np.cumsum(np.bincount(row, minlength=rows.stop - first), out=starts[1:])
+    width = int(columns.max()) + 1
+    entries = (np.ones(len(columns), dtype=bool), columns, starts)
+    upper = sparse.csr_array(entries, shape=(rows.stop - first, width))
+    # Transposing twice sorts the columns of every row in linear time.
+    return Strip(rows, slice(first, first + width), starts, upper.tocsc().tocsr().indices)
+
+
+class Places(Protocol):
+    """Finds the upper entries of pairs of vertices of one chunk."""
+
+    def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:
+        """Write the numbers of entries of local matrices.
+
+        Parameters
+        ----------
+        vertices : (K, n) int32
+            Control points, counted from the chunk's lowest vertex.
+        pairs : two arrays (p,)
+            Pairs of control points (a, b), a ≤ b, in the order of ``numpy.triu_indices``.
+        out : (p, n) int32
+        """
+
+
+class _TabledPlaces:
+    """The number of each upper entry, at base[row] + column of a table; base never decreases."""
+
+    def __init__(self, table: IntArray, base: IntArray, order: IntArray) -> None:
+        self._table, self._base, self._order = table, base, order
+
+    def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:
+        order = np.take(self._order, vertices, mode="wrap")
+        base = np.take(self._base, order, mode="wrap")
+        a, b = pairs
+        if vertices.shape[1] < FEW_TRIANGLES:
+            place = np.maximum(np.take(order, a, axis=0), np.take(order, b, axis=0))
+            place += np.minimum(np.take(base, a, axis=0), np.take(base, b, axis=0))
+            np.take(self._table, place, out=out, mode="wrap")
+            return
+        # The same row by row, without copies.
+        done = 0
+        for k in range(len(vertices)):
+            place = np.maximum(order[k], order[k:])
+            place += np.minimum(base[k], base[k:])
+            np.take(self._table, place, out=out[done : done + len(place)], mode="wrap")
+            done += len(place)
+
+
+class _SearchedPlaces:
+    """Entries are looked for in the sorted rows."""
+
+    def __init__(self, rows: IntArray, columns: IntArray, numbers: IntArray, n: int) -> None:
+        self._numbers = sparse.csr_array((numbers, (rows, columns)), shape=(n, n))
+
+    def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:
+        a, b = pairs
+        row, column = _ascending(vertices[a], vertices[b])
+        found = self._numbers[row.reshape(-1), column.reshape(-1)]
+        out[:] = np.asarray(found).reshape(out.shape)
+
+
+def _narrow_order(near: sparse.csr_array) -> IntArray:
+    """Renumber vertices so that neighbours have near numbers."""
+    order = np.empty(near.shape[0], dtype=np.int32)
+    order[reverse_cuthill_mckee(near, symmetric_mode=True)] = np.arange(len(order), dtype=np.int32)
+    return order
+
+
+def _last_within_three(near: sparse.csr_array, order: IntArray) -> IntArray:
+    """Largest number of a vertex at most three edges away, for each vertex in the new order.
+
+    Two control points of a triangle have a path of three edges among its other control points.
+    """
+    last = order
+    for _ in range(3):
+        last = np.maximum.reduceat(last[near.indices], near.indptr[:-1])
+    result = np.empty_like(last)
+    result[order] = last
+    return result
+
+
+def _chosen(which: NDArray[np.bool_], *arrays: IntArray) -> tuple[IntArray, ...]:
+    return arrays if which.all() else tuple(array[which] for array in arrays)
+
+
+def _ascending(first: IntArray, second: IntArray) -> tuple[IntArray, IntArray]:
+    return np.minimum(first, second), np.maximum(first, second)
+
+
+def adopt_entries(
+    matrix: sparse.csr_array | sparse.csc_array,
+    values: RealArray,
+    indices: IntArray,
+    starts: IntArray,
+) -> None:
+    """Give an empty matrix its entries without a copy: the constructor copies parts of arrays."""
+    matrix.data, matrix.indices, matrix.indptr = values, indices, starts
+
+
+def scattered(places: IntArray, values: RealArray, size: int) -> RealArray:
+    """Add up values by their places, (size,): half the time of ``numpy.bincount``."""
+    column = sparse.csc_array((size, 1))
+    adopt_entries(column, values, places, np.array([0, len(values)], dtype=np.int32))
+    total: RealArray = column @ np.ones(1, values.dtype)
+    return total

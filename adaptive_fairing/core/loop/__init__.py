@@ -1,0 +1,1 @@
+"""The Loop basis on one triangle: box splines, subdivision, quadrature, patch classes."""

@@ -1,0 +1,1 @@
+"""The triangle mesh: connectivity, normals, density, cuts into a manifold, checks of input."""

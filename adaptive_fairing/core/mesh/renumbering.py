@@ -1,0 +1,51 @@
+"""Renumbering of vertices and triangles so that neighbours lie close together in memory."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from .input_checks import bounding_box
+
+
+class LocalOrder(NamedTuple):
+    """A renumbered mesh.
+
+    Attributes
+    ----------
+    vertices : (n,) int
+        Old index of each new vertex: ``new = old[vertices]`` and ``old[vertices] = new``.
+    triangles : (m, 3) int32
+        The triangles in new numbers and new order.
+    """
+
+    vertices: NDArray[np.intp]
+    triangles: NDArray[np.int32]
+
+
+def sweep_order(
+    positions: NDArray[np.float64], triangles: NDArray[np.int32] | NDArray[np.int64]
+) -> LocalOrder:
+    """Renumber vertices in a sweep along the longest axis, and sort triangles to match.
+
+    Matrix bandwidth and cache use come close to those of reverse Cuthill-McKee (the fronts are
+    plane sections), at the cost of a sort.
+    """
+    n_vertices = len(positions)
+    low, high = bounding_box(positions)
+    axis = int((high - low).argmax())
+    vertices = np.argsort(positions[:, axis], kind="stable")
+    new_number = np.empty(n_vertices, dtype=np.int32)
+    new_number[vertices] = np.arange(n_vertices, dtype=np.int32)
+    renumbered = new_number[triangles]
+    front = np.minimum(np.minimum(renumbered[:, 0], renumbered[:, 1]), renumbered[:, 2])
+    # Counting, as turning rows into columns does, beats comparing: a stable sort in linear time.
+    n_triangles = len(front)
+    ends = np.arange(n_triangles + 1, dtype=np.int32)
+    rows = sparse.csr_array(
+        (np.ones(n_triangles, dtype=np.int8), front, ends), shape=(n_triangles, n_vertices)
+    )
+    return LocalOrder(vertices, np.take(renumbered, rows.tocsc().indices, axis=0))

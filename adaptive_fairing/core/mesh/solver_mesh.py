@@ -1,0 +1,112 @@
+"""Between the caller's mesh and the one that is solved on: numbering, cuts, units.
+
+The solve works on vertices in an order that keeps neighbours close in memory, on a mesh that was
+cut apart where it is no oriented manifold, and in the paper's frame [-3, 3]³.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..errors import TopologyError
+from .input_checks import bounding_box
+from .manifold import cut_to_manifold
+from .renumbering import sweep_order
+from .topology import TriangleTopology
+
+FloatArray = NDArray[np.float64]
+
+FRAME_SIZE = 6.0  # the paper resizes the mesh into the box [-3, 3]³
+
+
+@dataclass(frozen=True)
+class SolverSurface:
+    """The manifold that is solved on: renumbered, and cut where the caller's mesh is not one.
+
+    Attributes
+    ----------
+    topology : TriangleTopology
+    vertex_of : (n,) int
+        The caller's vertex behind each of the solver's.
+    is_cut : (n,) bool
+        Vertices at a cut.
+    notes : tuple of str
+        What was cut or turned, with counts.
+    left_out : (k,) int
+        The caller's triangles that are not solved on.
+    """
+
+    topology: TriangleTopology
+    vertex_of: NDArray[np.intp]
+    is_cut: NDArray[np.bool_]
+    notes: tuple[str, ...] = ()
+    left_out: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+
+
+def solvable_surface(points: FloatArray, triangles: NDArray[np.int32]) -> SolverSurface:
+    """Renumber the caller's triangles; cut them only if they are no oriented manifold."""
+    try:
+        order = sweep_order(points, triangles)
+        topology = TriangleTopology(order.triangles, len(points))
+        return SolverSurface(topology, order.vertices, np.zeros(len(points), dtype=bool))
+    except TopologyError:
+        mesh = cut_to_manifold(triangles, len(points))
+    order = sweep_order(points[mesh.vertex_of], mesh.triangles)
+    topology = TriangleTopology(order.triangles, len(mesh.vertex_of))
+    return SolverSurface(
+        topology,
+        mesh.vertex_of[order.vertices],
+        mesh.is_held[order.vertices],
+        mesh.notes,
+        mesh.left_out,
+    )
+
+
+@dataclass(frozen=True)
+class SolverFrame:
+    """The solve's own coordinates, and the way back to the caller's."""
+
+    centre: FloatArray
+    scale: float
+    surface: SolverSurface
+
+    @classmethod
+    def of(cls, points: FloatArray, surface: SolverSurface, normalize: bool) -> SolverFrame:
+        """Fit the frame to the box of all vertices that have a triangle."""
+        low, high = bounding_box(points, surface.vertex_of[~surface.topology.is_loose])
+        size = float((high - low).max())
+        scale = FRAME_SIZE / size if normalize and size > 0 else 1.0
+        # Centred in any case: far from the origin the coordinates would lose digits.
+        return cls(low + (high - low) / 2, scale, surface)
+
+    def inward(self, points: FloatArray) -> FloatArray:
+        """Positions of the solver's vertices, (n, 3), in the solver's frame."""
+        return (points[self.surface.vertex_of] - self.centre) * self.scale
+
+    def outward(
+        self, current: FloatArray, points: FloatArray, is_held: NDArray[np.bool_]
+    ) -> FloatArray:
+        """Positions of the caller's vertices: those of `points`, bit by bit, where held."""
+        positions = points.copy()
+        moving = ~is_held
+        positions[self.surface.vertex_of[moving]] = current[moving] / self.scale + self.centre
+        return positions
+
+    def displaced(self, points: FloatArray, displacement: FloatArray) -> FloatArray:
+        """Positions of the caller's vertices moved by the solver's displacements (n, 3).
+
+        Where the displacement is 0 they are those of `points`, bit by bit.
+        """
+        positions = points.copy()
+        moves = displacement.any(axis=1)
+        positions[self.surface.vertex_of[moves]] += displacement[moves] / self.scale
+        return positions
+
+    def to_caller(self, values: FloatArray) -> FloatArray:
+        """Values (n,) of the solver's vertices as values of the caller's vertices."""
+        result = np.zeros(self.surface.vertex_of.max() + 1)
+        result[self.surface.vertex_of] = values
+        return result

@@ -1,0 +1,148 @@
+"""What is wrong with a mesh, told before or beside the solve: notes for the user, and culprits.
+
+The rules themselves are those of `manifold` and `geometry`; here they are only counted and located.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from ..fem.differential_geometry import THINNEST_ASPECT
+from ..mesh.solver_mesh import SolverSurface, solvable_surface
+from ..mesh.topology import checked_triangles
+from ..runtime.threads import ordered_map
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.intp]
+
+# Triangles that one thread looks at in one go.
+TRIANGLES_PER_PIECE = 32768
+
+
+@dataclass(frozen=True)
+class MeshProblems:
+    """Vertices of a mesh that the solve cannot treat as it treats others, ascending indices.
+
+    Attributes
+    ----------
+    not_finite : (k,) int
+        Coordinates that are no numbers: the mesh is refused.
+    held : (k,) int
+        Vertices where the mesh is cut for the solve; they do not move.
+    left_out : (k,) int
+        Corners of triangles that are left out: a vertex twice, or the same triangle twice.
+    thin : (k,) int
+        Corners of triangles without area, which get a bounded metric.
+    """
+
+    not_finite: IntArray
+    held: IntArray
+    left_out: IntArray
+    thin: IntArray
+
+    @property
+    def vertices(self) -> IntArray:
+        """All of them together."""
+        parts = (self.not_finite, self.held, self.left_out, self.thin)
+        return np.unique(np.concatenate(parts))
+
+
+def find_problems(vertices: ArrayLike, faces: ArrayLike) -> MeshProblems:
+    """Locate what `fair_steps` refuses, holds or bounds in a mesh.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float
+        Coordinates that are not finite are allowed here.
+    faces : (m, 3) int
+
+    Raises
+    ------
+    InputError
+        The arrays have the wrong shape or type, or indices are out of range.
+    """
+    points = np.asarray(vertices, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 3:
+        raise InputError(f"vertices must have shape (n, 3), not {points.shape}")
+    triangles = checked_triangles(faces, len(points))
+    is_finite = np.isfinite(points).all(axis=1)
+    measurable = triangles[is_finite[triangles].all(axis=1)]
+    surface = solvable_surface(np.where(is_finite[:, None], points, 0), triangles)
+    return MeshProblems(
+        not_finite=np.flatnonzero(~is_finite),
+        held=np.unique(surface.vertex_of[surface.is_cut]),
+        left_out=np.unique(triangles[surface.left_out]).astype(np.intp),
+        thin=np.unique(measurable[_is_thin(points, measurable)]).astype(np.intp),
+    )
+
+
+def surface_notes(points: FloatArray, surface: SolverSurface) -> tuple[str, ...]:
+    """Say what is wrong with a mesh and how it was made solvable, one line each.
+
+    Parameters
+    ----------
+    points : (n, 3)
+        Finite positions of the surface's vertices.
+    surface : SolverSurface
+    """
+    topology = surface.topology
+    notes = list(surface.notes)
+    n_thin = int(np.count_nonzero(_is_thin(points, topology.triangles)))
+    if n_thin:
+        notes.append(f"{n_thin} triangles have no area, or hardly any: bounded for the solve")
+    # Copies of one vertex, at cuts, lie together because they were made so.
+    n_touching = _count_repeated(points[topology.on_boundary & ~surface.is_cut])
+    if n_touching:
+        notes.append(
+            f"{n_touching} boundary vertices lie exactly on another one: the surfaces are not "
+            "joined there, merge vertices by distance to join them"
+        )
+    return tuple(notes)
+
+
+def _is_thin(points: FloatArray, triangles: NDArray[np.int32]) -> NDArray[np.bool_]:
+    """Tell which triangles the metric of `geometry.metric_at` would bound, were they flat."""
+    columns = np.ascontiguousarray(points.T)
+    firsts = range(0, len(triangles), TRIANGLES_PER_PIECE)
+
+    def of_piece(first: int) -> IntArray:
+        return first + _may_be_thin(columns, triangles[first : first + TRIANGLES_PER_PIECE])
+
+    suspects = np.concatenate([np.empty(0, dtype=np.intp), *ordered_map(of_piece, firsts)])
+    is_thin = np.zeros(len(triangles), dtype=bool)
+    is_thin[suspects] = _is_thin_at_any_size(points, triangles[suspects])
+    return is_thin
+
+
+def _may_be_thin(columns: FloatArray, triangles: NDArray[np.int32]) -> IntArray:
+    """Find triangles that are thin or nearly so, or so small or large that squares say nothing."""
+    a, b, c = (np.ascontiguousarray(corner) for corner in triangles.T)
+    with np.errstate(over="ignore", invalid="ignore"):
+        u, v = ([x[end] - x[a] for x in columns] for end in (b, c))
+        trace = sum(x * x for x in u) + sum(x * x for x in v)
+        normal = [u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2] for k in range(3)]
+        # Half as thin again; sums that are no numbers, or vanish, decide nothing.
+        clear = sum(x * x for x in normal) > (2 * THINNEST_ASPECT * trace) ** 2
+    return np.flatnonzero(~clear)
+
+
+def _is_thin_at_any_size(points: FloatArray, triangles: NDArray[np.int32]) -> NDArray[np.bool_]:
+    origin = points[triangles[:, 0]]
+    u, v = points[triangles[:, 1]] - origin, points[triangles[:, 2]] - origin
+    # Squares of coordinates of any size stay in range if the largest is 1.
+    size = np.maximum(np.abs(u).max(axis=1, initial=0), np.abs(v).max(axis=1, initial=0))
+    size = np.where(size > 0, size, 1)[:, None]
+    u, v = u / size, v / size
+    doubled_area = np.linalg.norm(np.cross(u, v), axis=1)
+    trace = np.einsum("td,td->t", u, u) + np.einsum("td,td->t", v, v)
+    is_thin: NDArray[np.bool_] = doubled_area <= THINNEST_ASPECT * trace
+    return is_thin
+
+
+def _count_repeated(points: FloatArray) -> int:
+    """Count the points beyond the first at each place."""
+    return len(points) - len(np.unique(points, axis=0)) if len(points) else 0

@@ -1,0 +1,120 @@
+"""What a solve computes from the triangles alone, kept for other positions of the same surface."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ..errors import InputError
+from ..fem.loop_space import LoopSpace
+from ..fem.memory_estimate import estimated_bytes, require_memory
+from ..loop.patches import PatchSet
+from ..loop.quadrature import quadrature_choice
+from ..mesh.input_checks import checked_vertices, require_surface
+from ..mesh.solver_mesh import SolverFrame, solvable_surface
+from ..mesh.topology import checked_triangles
+from ..settings import FairingSettings
+
+FloatArray = NDArray[np.float64]
+
+
+class PreparedMesh:
+    """Cuts, numbering, patches, tables and sparsity pattern of a mesh, for `fair_steps`.
+
+    They depend on the triangles; the order of the solver's vertices, hence the last bits of the
+    result, also on the positions that the mesh was prepared with.  Frames of a moving surface that
+    are all solved with the preparation of the first have results that do not depend on which of
+    them are solved where.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float
+        Positions to prepare with.
+    faces : (m, 3) int
+        As for `fair_steps`.
+    settings : FairingSettings
+        Decides the quadrature, and whether there is a scale at all.
+    scale : float, optional
+        Factor from every mesh into the solver's frame, such as `own_scale` of another preparation,
+        instead of one from each mesh's own box: one τ then means the same time, in the units of
+        the meshes, for all of them.
+
+    Attributes
+    ----------
+    triangles : (m, 3) int
+    surface : SolverSurface
+        The manifold that is solved on.
+    own_scale : float
+        Factor from the box of `vertices` into the solver's frame.
+
+    Raises
+    ------
+    InputError
+        As `fair_steps`.
+    """
+
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        settings: FairingSettings | None = None,
+        *,
+        scale: float | None = None,
+    ) -> None:
+        settings = settings or FairingSettings()
+        points = checked_vertices(vertices)
+        self.triangles = checked_triangles(np.array(faces), len(points))
+        require_surface(points, self.triangles)
+        self.quadrature_tolerance = settings.quadrature_tolerance
+        self._method = settings.method
+        self.surface = solvable_surface(points, self.triangles)
+        self.own_scale = SolverFrame.of(points, self.surface, settings.normalize).scale
+        self._scale = scale
+
+    @cached_property
+    def space(self) -> LoopSpace:
+        """Finite element space of the surface.
+
+        Raises
+        ------
+        MemoryNeededError
+            The solve cannot fit into memory.
+        """
+        patches = PatchSet(self.surface.topology)
+        require_memory(patches, quadrature_choice(self.quadrature_tolerance), self._method)
+        return LoopSpace(self.surface.topology, self.quadrature_tolerance, patches)
+
+    @property
+    def needed_bytes(self) -> int:
+        """Upper bound of the memory that a solve takes, this preparation included."""
+        patches = PatchSet(self.surface.topology)
+        return estimated_bytes(patches, quadrature_choice(self.quadrature_tolerance), self._method)
+
+    def serves(self, triangles: NDArray[np.int32], n_vertices: int) -> bool:
+        """Whether a mesh has the triangles that were prepared."""
+        is_same_size = n_vertices == self.surface.vertex_of.max() + 1
+        return is_same_size and np.array_equal(triangles, self.triangles)
+
+    def require(self, triangles: NDArray[np.int32], n_vertices: int, tolerance: float) -> None:
+        """Check that this is the preparation of a mesh.
+
+        Raises
+        ------
+        InputError
+            It was made for other triangles or another quadrature.
+        """
+        if not self.serves(triangles, n_vertices):
+            raise InputError("the prepared mesh has other triangles than the one to fair")
+        if tolerance != self.quadrature_tolerance:
+            raise InputError(
+                f"the mesh was prepared with quadrature_tolerance {self.quadrature_tolerance:g}, "
+                f"the settings have {tolerance:g}"
+            )
+
+    def frame(self, points: FloatArray, normalize: bool) -> SolverFrame:
+        """Solver's frame for positions of this surface, with their own centre."""
+        frame = SolverFrame.of(points, self.surface, normalize)
+        return frame if self._scale is None else replace(frame, scale=self._scale)

@@ -1,0 +1,1 @@
+"""How the numerics run: precision of numbers, threads."""

@@ -1,0 +1,89 @@
+"""The density as attributes of the mesh."""
+
+import numpy as np
+import pytest
+from support.meshes import icosphere
+from support.objects import add_object, add_rich_object, colors_by_vertex, numbers
+
+from adaptive_fairing.blender.data.attributes import write_color, write_density, write_scalar
+from adaptive_fairing.blender.data.color_map import colors_srgb, srgb_to_linear
+
+
+@pytest.fixture
+def mesh():
+    return add_object(*icosphere(1)).data
+
+
+@pytest.fixture
+def values(mesh):
+    return np.linspace(0.1, 0.9, len(mesh.vertices)).astype(np.float32)
+
+
+def test_numbers_are_stored_as_they_are(mesh, values):
+    write_scalar(mesh, "weight", values)
+    attribute = mesh.attributes["weight"]
+    assert (attribute.data_type, attribute.domain) == ("FLOAT", "POINT")
+    np.testing.assert_array_equal(numbers(mesh, "weight"), values)
+
+
+def test_colors_are_those_of_the_map(mesh, values):
+    write_color(mesh, "weight_color", values, low=0, high=2)
+    attribute = mesh.color_attributes["weight_color"]
+    assert (attribute.data_type, attribute.domain) == ("FLOAT_COLOR", "POINT")
+    stored = np.empty(4 * len(values), dtype=np.float32)
+    attribute.data.foreach_get("color", stored)
+    linear = srgb_to_linear(colors_srgb(values, 0, 2))
+    np.testing.assert_array_equal(stored.reshape(-1, 4)[:, :3], linear.astype(np.float32))
+    np.testing.assert_array_equal(stored.reshape(-1, 4)[:, 3], 1)
+    # What a screen shows, by Blender's own conversion, which is good to 1e-4.
+    shown = colors_by_vertex(mesh, "weight_color")[:, :3]
+    np.testing.assert_allclose(shown, colors_srgb(values, 0, 2), atol=1e-4)
+
+
+def test_the_colour_is_shown_at_once_but_renders_stay(mesh, values):
+    write_color(mesh, "paint", values)
+    mesh.color_attributes.render_color_index = 0
+    write_color(mesh, "weight_color", values)
+    assert mesh.color_attributes.active_color.name == "weight_color"
+    rendered = mesh.color_attributes[mesh.color_attributes.render_color_index]
+    assert rendered.name == "paint"
+
+
+def test_a_second_run_writes_over_the_first(mesh, values):
+    write_density(mesh, values)
+    names = [attribute.name for attribute in mesh.attributes]
+    write_density(mesh, 2 * values)
+    assert [attribute.name for attribute in mesh.attributes] == names
+    np.testing.assert_array_equal(numbers(mesh, "fairing_density"), 2 * values)
+
+
+@pytest.mark.parametrize(("kind", "domain"), [("INT", "POINT"), ("FLOAT", "CORNER")])
+def test_an_attribute_of_another_kind_gives_way(mesh, values, kind, domain):
+    mesh.attributes.new("fairing_density", kind, domain)
+    write_density(mesh, values)
+    np.testing.assert_array_equal(numbers(mesh, "fairing_density"), values)
+
+
+def test_other_attributes_stay(values):
+    mesh = add_rich_object().data
+    heat, paint = numbers(mesh, "heat"), colors_by_vertex(mesh, "Paint")
+    write_density(mesh, np.ones(len(mesh.vertices)))
+    np.testing.assert_array_equal(numbers(mesh, "heat"), heat)
+    np.testing.assert_array_equal(colors_by_vertex(mesh, "Paint"), paint)
+
+
+def test_one_number_per_vertex_is_demanded(mesh, values):
+    with pytest.raises(ValueError, match="values of shape"):
+        write_scalar(mesh, "weight", values[:-1])
+    assert "weight" not in mesh.attributes
+
+
+def test_a_few_extreme_densities_do_not_leave_the_rest_in_one_colour():
+    mesh = add_object(*icosphere(3)).data
+    density = np.linspace(1.0, 2.0, len(mesh.vertices))
+    density[-1] = 1000.0
+    write_density(mesh, density)
+    shown = colors_by_vertex(mesh, "fairing_density_color")[:, :3]
+    low, high = np.percentile(density, (1, 99))
+    assert high < 2
+    np.testing.assert_allclose(shown, colors_srgb(density, low, high), atol=2e-4)

@@ -1,0 +1,131 @@
+"""Frames in memory: one strength for all, what they share, and when a run of them ends."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.meshes import noisy_ball, random_closed
+from support.objects import add_object
+
+from adaptive_fairing.blender.data.mesh_arrays import MeshData, read_mesh
+from adaptive_fairing.blender.files.mesh_files import export_mesh, import_mesh
+from adaptive_fairing.blender.jobs.fairing_task import FairingTask
+from adaptive_fairing.blender.jobs.frame_sequence import Preparations, run_frames, same_strength
+from adaptive_fairing.core import FairingSettings, PreparedMesh, fair
+
+
+def surface(vertices, faces):
+    return MeshData(np.asarray(vertices, dtype=np.float64), np.asarray(faces, dtype=np.int32))
+
+
+class TestSameStrength:
+    def test_it_keeps_the_scale_of_the_first_frame(self):
+        vertices, faces = random_closed(1)
+        settings, scale = same_strength(surface(vertices, faces), FairingSettings())
+        assert settings == FairingSettings()
+        assert scale == pytest.approx(6 / np.ptp(vertices, axis=0).max())
+
+    def test_it_leaves_no_stopping_rule(self):
+        data = surface(*random_closed(1))
+        asked = FairingSettings(steps=20, stop_curvature=0.86)
+        settings, _ = same_strength(data, asked)
+        n_steps = len(fair(data.vertices, data.triangles, asked).steps)
+        assert 1 < n_steps < 20
+        assert settings == replace(asked, steps=n_steps, stop_curvature=None)
+
+
+class TestRunFrames:
+    def tasks(self, method, n_frames=3):
+        vertices, faces = noisy_ball()
+        settings = FairingSettings(method=method, steps=2)
+        return [
+            FairingTask(f"Frame {i}", vertices * [1 + 0.1 * i, 1, 1], faces, None, settings)
+            for i in range(n_frames)
+        ]
+
+    @pytest.mark.parametrize("method", ["adaptive_timestep", "auto"])
+    def test_of_each_frame_the_result_is_kept(self, method):
+        tasks = self.tasks(method)
+        for _ in run_frames(tasks, one_strength=False):
+            pass
+        for task in tasks:
+            (step,) = task.steps
+            mesh = PreparedMesh(tasks[0].vertices, task.triangles, task.settings)
+            alone = fair(task.vertices, task.triangles, task.settings, prepared=mesh)
+            assert np.array_equal(step.positions, alone.positions.astype(np.float32))
+            assert step.stop_reason == "steps"
+
+    def test_auto_mixes_all_frames_as_the_first(self):
+        tasks = self.tasks("auto", n_frames=2)
+        for _ in run_frames(tasks, one_strength=True):
+            pass
+        first, second = tasks
+        mesh = PreparedMesh(first.vertices, first.triangles, first.settings)
+        mesh = PreparedMesh(first.vertices, first.triangles, first.settings, scale=mesh.own_scale)
+        plan = fair(first.vertices, first.triangles, first.settings, prepared=mesh)
+        alone = fair(
+            second.vertices,
+            second.triangles,
+            second.settings,
+            prepared=mesh,
+            plan=plan.chosen.auto.plan,
+        )
+        assert np.array_equal(second.steps[0].positions, alone.positions.astype(np.float32))
+
+    def test_a_cancelled_run_begins_no_other_frame(self):
+        tasks = self.tasks("auto")
+        frames = run_frames(tasks, one_strength=False)
+        assert next(frames) is tasks[0]
+        for task in tasks:
+            task.is_cancelled = True
+        assert list(frames) == []
+        assert [len(task.steps) for task in tasks] == [1, 0, 0]
+        assert tasks[1].share == tasks[2].share == 0
+
+
+class TestPreparations:
+    @pytest.fixture
+    def place(self, tmp_path):
+        path = tmp_path / "a.ply"
+        export_mesh(add_object(*random_closed(1)), path, alone=True)
+        return path, None
+
+    def test_frames_with_the_same_triangles_share_one(self, place):
+        preparations = Preparations()
+        settings = FairingSettings()
+        data = read_mesh(import_mesh(place[0]).data)
+        preparations.turn_to(place, None, settings, scale=None, keep_axes=True)
+        first = preparations.of(data, settings, None)
+        moved = replace(data, vertices=data.vertices * [1, 2, 3])
+        preparations.turn_to(place, None, settings, scale=None, keep_axes=True)
+        assert preparations.of(moved, settings, None) is first
+        assert first.plan is None
+
+    def test_auto_takes_the_mixture_of_the_first_frame(self, place):
+        """With one strength for all; otherwise every frame finds its own."""
+        settings = FairingSettings(method="auto")
+        data = read_mesh(import_mesh(place[0]).data)
+        plan = fair(data.vertices, data.triangles, settings).chosen.auto.plan
+        one, own = Preparations(), Preparations()
+        one.turn_to(place, None, settings, scale=1.0, keep_axes=True)
+        own.turn_to(place, None, settings, scale=None, keep_axes=True)
+        assert np.array_equal(one.of(data, settings, 1.0).plan.mixtures, plan.mixtures)
+        assert own.of(data, settings, None).plan is None
+
+    def test_other_triangles_get_one_of_their_own(self, place):
+        preparations = Preparations()
+        settings = FairingSettings()
+        preparations.turn_to(place, None, settings, scale=None, keep_axes=True)
+        other = surface(*random_closed(2))
+        found = preparations.of(other, settings, None)
+        assert np.array_equal(found.mesh.triangles, other.triangles)
+        assert preparations.of(other, settings, None) is not found
+
+    def test_without_a_sequence_nothing_is_kept(self):
+        preparations = Preparations()
+        data = surface(*random_closed(2))
+        preparations.turn_to(None, None, FairingSettings(), scale=None, keep_axes=True)
+        first = preparations.of(data, FairingSettings(), None)
+        assert preparations.of(data, FairingSettings(), None) is not first

@@ -1,0 +1,102 @@
+"""The comparison: uniform and adaptive copies, side by side, with labels."""
+
+import bpy
+import numpy as np
+import pytest
+from support.meshes import graded_sphere
+from support.objects import add_object, key_positions
+
+from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
+from adaptive_fairing.core import FairingSettings, fair
+from adaptive_fairing.core.diffusion.smoothing_radius import equivalent_uniform_tau
+
+pytestmark = pytest.mark.usefixtures("addon")
+
+
+@pytest.fixture
+def obj():
+    vertices, faces = graded_sphere(2)
+    obj = add_object(vertices, faces, name="Ball")
+    obj.select_set(True)
+    obj.location = (1.0, 2.0, 3.0)
+    bpy.context.view_layer.update()
+    return obj
+
+
+def compare(**options):
+    return bpy.ops.object.adaptive_fairing_compare(**options)
+
+
+def test_both_copies_are_the_cores_results(obj):
+    data = read_mesh(obj.data)
+    assert compare(steps=2, tau=0.02) == {"FINISHED"}
+    adaptive = FairingSettings(steps=2, tau=0.02)
+    tau = float(f"{equivalent_uniform_tau(data.vertices, data.triangles, adaptive):.3g}")
+    uniform = FairingSettings(method="uniform", steps=2, tau=tau)
+    for name, settings in (("Ball uniform", uniform), ("Ball adaptive", adaptive)):
+        expected = fair(data.vertices, data.triangles, settings).positions
+        found = key_positions(bpy.data.objects[name], "Fairing 2")
+        assert np.array_equal(found, expected.astype(np.float32))
+
+
+def test_a_uniform_tau_can_be_given(obj):
+    compare(steps=1, uniform_tau=0.003)
+    assert bpy.data.objects["Ball uniform"].adaptive_fairing.tau == pytest.approx(0.003)
+
+
+def test_with_the_uniform_method_chosen_the_other_copy_is_adaptive(obj):
+    compare(steps=1, method="uniform")
+    assert bpy.data.objects["Ball adaptive"].adaptive_fairing.method == "adaptive_timestep"
+
+
+def test_the_source_is_untouched_and_the_copies_do_not_overlap(obj):
+    before = read_positions(obj.data)
+    compare(steps=1)
+    assert np.array_equal(read_positions(obj.data), before)
+    assert obj.data.shape_keys is None
+    assert obj.location.x == 1.0
+    bpy.context.view_layer.update()
+    row = [obj, bpy.data.objects["Ball uniform"], bpy.data.objects["Ball adaptive"]]
+    centres = np.array([each.matrix_world.translation for each in row])
+    assert (np.diff(centres[:, 0]) > obj.dimensions.x).all()
+    assert np.ptp(centres[:, 1:], axis=0) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_each_has_a_label_below_it(obj):
+    compare(steps=1)
+    labels = {each.name: each for each in bpy.data.objects if each.type == "FONT"}
+    assert set(labels) == {"Before", "Uniform", "Adaptive"}
+    assert labels["Before"].data.body == "Before"
+    assert labels["Adaptive"].data.body.startswith("Adaptive\nτ = 0.016\nH ")
+    for name, other in (("Before", "Ball"), ("Uniform", "Ball uniform")):
+        target = bpy.data.objects[other]
+        assert labels[name].location.x == pytest.approx(target.matrix_world.translation.x, abs=0.01)
+        assert labels[name].location.z < target.matrix_world.translation.z - 0.9
+
+
+def test_an_object_with_an_evolution_gets_a_copy_of_its_undeformed_shape(obj):
+    undeformed = read_positions(obj.data)
+    bpy.ops.object.adaptive_fairing(steps=1, tau=0.1)
+    compare(steps=1)
+    before = bpy.data.objects["Ball before"]
+    assert before.data.shape_keys is None
+    assert np.array_equal(read_positions(before.data), undeformed)
+    assert "Fairing 1" in obj.data.shape_keys.key_blocks
+
+
+def test_everything_is_in_one_collection(obj):
+    compare(steps=1)
+    collection = bpy.data.collections["Fairing Comparison"]
+    assert len(collection.objects) == 5
+    assert {each.name for each in bpy.context.selected_objects} == {"Ball uniform", "Ball adaptive"}
+
+
+def test_without_an_active_mesh_it_says_so():
+    with pytest.raises(RuntimeError, match="Select a mesh object"):
+        compare()
+
+
+def test_a_solver_that_fails_leaves_nothing_behind(obj):
+    with pytest.raises(RuntimeError, match="did not converge"):
+        compare(steps=1, cg_max_iterations=1, cg_tolerance=1e-12)
+    assert list(bpy.data.objects) == [obj]

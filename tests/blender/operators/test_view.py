@@ -1,0 +1,253 @@
+"""Colours: density, displacement, mean curvature, and the switch of the viewport."""
+
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+from support.meshes import ellipsoid, flat_hexagon, icosphere
+from support.objects import add_object, numbers, shown_positions
+
+from adaptive_fairing.blender.data.color_map import color_range
+from adaptive_fairing.blender.data.fields import field_values
+from adaptive_fairing.blender.data.shape_keys import write_absolute_keys
+from adaptive_fairing.blender.operators import viewport
+from adaptive_fairing.core import FairingSettings, InputError, fair
+
+pytestmark = pytest.mark.usefixtures("addon")
+
+
+def show(field):
+    return bpy.ops.object.adaptive_fairing_view(field=field)
+
+
+def add_selected(vertices, faces):
+    obj = add_object(vertices, faces)
+    obj.select_set(True)
+    return obj
+
+
+class TestCurvature:
+    def test_a_sphere_has_the_curvature_one_over_r(self):
+        vertices, faces = icosphere(3)
+        obj = add_selected(2.0 * vertices, faces)
+        show("CURVATURE")
+        found = numbers(obj.data, "fairing_mean_curvature")
+        assert found == pytest.approx(0.5, rel=0.03)
+
+    def test_a_sphere_turned_inside_out_has_the_opposite_sign(self):
+        vertices, faces = icosphere(2)
+        settings = FairingSettings()
+        out = field_values(add_object(vertices, faces), "CURVATURE", settings)
+        inward = field_values(add_object(vertices, faces[:, ::-1]), "CURVATURE", settings)
+        assert inward == pytest.approx(-out, rel=1e-9)
+
+    def test_the_estimate_converges_on_an_ellipsoid(self):
+        a, b = 1.0, 1.6
+        pole = b / a**2  # mean curvature at the tip (0, 0, b) of a spheroid of half-axes a, a, b
+        errors = []
+        for levels in (2, 3, 4):
+            vertices, faces = ellipsoid(levels, (a, a, b))
+            values = field_values(add_object(vertices, faces), "CURVATURE", FairingSettings())
+            errors.append(abs(values[vertices[:, 2].argmax()] - pole))
+        assert errors[2] < errors[0] / 4
+
+    def test_a_plane_has_none_and_its_boundary_no_value(self):
+        vertices, faces = flat_hexagon(4)
+        values = field_values(add_object(vertices, faces), "CURVATURE", FairingSettings())
+        radius = np.abs(vertices - vertices.mean(axis=0)).max()
+        inside = np.isfinite(values)
+        assert 0 < inside.sum() < len(values)
+        assert values[inside] == pytest.approx(0.0, abs=1e-9 / radius)
+
+
+class TestRemoved:
+    """Blown up or shrunk spheres, whose vertices have all moved along their normals."""
+
+    @pytest.fixture(params=[0.9, 1.1])
+    def factor(self, request):
+        return request.param
+
+    @pytest.fixture
+    def obj(self, factor):
+        vertices, faces = icosphere(3)
+        obj = add_selected(vertices, faces)
+        write_absolute_keys(obj, [factor * vertices])
+        show("REMOVED")
+        return obj
+
+    def test_it_is_the_way_along_the_normal_positive_where_a_bump_was_taken_off(self, obj, factor):
+        removed = numbers(obj.data, "fairing_removed")
+        assert removed == pytest.approx(1.0 - factor, abs=1e-4)
+
+    def test_bumps_are_red_and_dents_blue_and_zero_is_in_the_middle(self, obj, factor):
+        colors = np.array([each.color[:3] for each in active_color(obj).data])
+        assert active_color(obj).name == "fairing_removed_color"
+        assert (np.sign(colors[:, 0] - colors[:, 2]) == np.sign(1.0 - factor)).all()
+        low, high = obj.adaptive_fairing.view_range
+        assert low == -high
+        assert high == pytest.approx(0.1, abs=1e-4)
+
+    def test_moves_within_the_surface_remove_nothing(self):
+        vertices, faces = flat_hexagon(4)
+        obj = add_selected(vertices, faces)
+        write_absolute_keys(obj, [0.8 * vertices])
+        show("REMOVED")
+        assert numbers(obj.data, "fairing_removed") == pytest.approx(0.0, abs=1e-6)
+
+    def test_it_follows_the_slider_and_is_for_every_method(self):
+        obj = add_selected(*icosphere(2))
+        for method in ("uniform", "adaptive_tensor"):
+            bpy.ops.object.adaptive_fairing(method=method, steps=2, tau=0.01)
+            show("REMOVED")
+            whole = numbers(obj.data, "fairing_removed")
+            assert (whole > 0).all()
+            obj.adaptive_fairing.evolution = 0.0
+            show("REMOVED")
+            assert not numbers(obj.data, "fairing_removed").any()
+
+
+class TestFinalShapeOnly:
+    """No shape key holds the mesh before: only the run itself knows what it has changed."""
+
+    @pytest.fixture
+    def obj(self):
+        return add_selected(*icosphere(2))
+
+    def run(self):
+        bpy.ops.object.adaptive_fairing(steps=2, tau=0.01, output="FINAL_SHAPE")
+
+    @pytest.mark.parametrize("field", ["DISPLACEMENT", "REMOVED"])
+    def test_a_view_that_is_on_shows_what_the_run_has_changed(self, obj, field):
+        show(field)
+        self.run()
+        moved = icosphere(2)[0] - shown_positions(obj)
+        found = numbers(obj.data, f"fairing_{field.lower()}")
+        # A sphere shrinks along its normals, but for the unevenness of its mesh.
+        assert found == pytest.approx(np.linalg.norm(moved, axis=1), rel=1e-2)
+        assert found.min() > 0.0
+
+    @pytest.mark.parametrize("field", ["DISPLACEMENT", "REMOVED"])
+    def test_later_it_is_said_that_there_is_nothing_to_compare_with(self, obj, field):
+        self.run()
+        with pytest.raises(InputError, match="the shape before the smoothing was not kept"):
+            field_values(obj, field, FairingSettings())
+        assert show(field) == {"CANCELLED"}
+        assert obj.adaptive_fairing.view == ""
+
+    @pytest.mark.parametrize("field", ["DENSITY", "CURVATURE"])
+    def test_other_fields_need_nothing_to_compare_with(self, obj, field):
+        self.run()
+        assert show(field) == {"FINISHED"}
+
+
+def active_color(obj):
+    return obj.data.color_attributes.active_color
+
+
+class TestOtherFields:
+    def test_displacement_is_measured_from_the_undeformed_mesh_to_the_shown_one(self):
+        obj = add_selected(*icosphere(2))
+        bpy.ops.object.adaptive_fairing(steps=4, tau=0.05)
+        for evolution in (0.3, 1.0):
+            obj.adaptive_fairing.evolution = evolution
+            show("DISPLACEMENT")
+            moved = np.linalg.norm(shown_positions(obj) - icosphere(2)[0], axis=1)
+            assert numbers(obj.data, "fairing_displacement") == pytest.approx(moved, abs=2e-7)
+
+    def test_displacement_of_relative_keys(self):
+        obj = add_selected(*icosphere(2))
+        bpy.ops.object.adaptive_fairing(steps=2, tau=0.05, output="RELATIVE_KEYS")
+        blocks = obj.data.shape_keys.key_blocks
+        blocks["Fairing 1"].value, blocks["Fairing 2"].value = 0.25, 0.5
+        show("DISPLACEMENT")
+        moved = np.linalg.norm(shown_positions(obj) - icosphere(2)[0], axis=1)
+        assert numbers(obj.data, "fairing_displacement") == pytest.approx(moved, abs=2e-7)
+
+    @pytest.mark.parametrize("kind", ["edge_length", "area"])
+    def test_density_before_a_run_is_the_one_its_first_step_uses(self, kind):
+        vertices, faces = ellipsoid(2, (1.0, 2.0, 3.0))
+        bpy.context.scene.adaptive_fairing.density = kind
+        obj = add_selected(vertices, faces)
+        show("DENSITY")
+        expected = fair(np.float32(vertices), faces, FairingSettings(density=kind)).steps[0].density
+        assert numbers(obj.data, "fairing_density") == pytest.approx(expected, rel=1e-6)
+
+    def test_a_cut_in_the_surface_is_no_obstacle(self):
+        vertices, faces = icosphere(1)
+        obj = add_selected(
+            np.concatenate([vertices, [[2.0, 2, 2]]]), [*faces.tolist(), [*faces[0][:2], 42]]
+        )
+        assert show("DENSITY") == {"FINISHED"}
+        assert np.isfinite(numbers(obj.data, "fairing_density")).all()
+
+    def test_no_faces_is_said(self):
+        add_selected([[0, 0, 0], [1, 0, 0]], [])
+        assert show("DENSITY") == {"CANCELLED"}
+
+    def test_settings_without_sense_are_said(self):
+        add_selected(*icosphere(1))
+        bpy.context.scene.adaptive_fairing.tau = 0.0
+        with pytest.raises(RuntimeError, match="tau must be"):
+            show("DENSITY")
+
+
+class TestLegend:
+    def test_it_has_the_ends_of_the_colours(self):
+        obj = add_selected(*ellipsoid(3, (1.0, 2.0, 3.0)))
+        show("CURVATURE")
+        values = numbers(obj.data, "fairing_mean_curvature")
+        record = obj.adaptive_fairing
+        assert record.view == "CURVATURE"
+        assert list(record.view_range) == pytest.approx(color_range(values), rel=1e-6)
+        active = obj.data.color_attributes.active_color
+        assert active.name == "fairing_mean_curvature_color"
+
+    def test_a_few_wild_values_do_not_set_the_range(self):
+        values = np.linspace(0.0, 1.0, 1001)
+        values[0], values[1] = 1e6, np.nan
+        low, high = color_range(values)
+        assert 0.0 < low < 0.02
+        assert 0.98 < high < 1.01
+
+    def test_a_run_colours_the_new_shape_anew(self):
+        obj = add_selected(*ellipsoid(2, (1.0, 2.0, 3.0)))
+        show("DISPLACEMENT")
+        assert list(obj.adaptive_fairing.view_range) == [0.0, 0.0]
+        bpy.ops.object.adaptive_fairing(steps=2)
+        assert obj.adaptive_fairing.view == "DISPLACEMENT"
+        assert obj.adaptive_fairing.view_range[1] > 0.0
+        moved = np.linalg.norm(shown_positions(obj) - ellipsoid(2, (1.0, 2.0, 3.0))[0], axis=1)
+        assert numbers(obj.data, "fairing_displacement") == pytest.approx(moved, abs=1e-6)
+        active = obj.data.color_attributes.active_color
+        assert active.name == "fairing_displacement_color"
+
+    def test_the_end_of_the_view_clears_it(self):
+        obj = add_selected(*icosphere(1))
+        show("DENSITY")
+        bpy.ops.object.adaptive_fairing_view_end()
+        assert obj.adaptive_fairing.view == ""
+
+
+def test_edit_mode_is_left_and_entered_again():
+    obj = add_selected(*icosphere(1))
+    bpy.ops.object.mode_set(mode="EDIT")
+    show("DENSITY")
+    assert obj.mode == "EDIT"
+
+
+class TestViewport:
+    def test_the_shading_comes_back_as_it_was(self):
+        areas = bpy.data.screens["Layout"].areas
+        space = next(area.spaces.active for area in areas if area.type == "VIEW_3D")
+        space.shading.type, space.shading.light = "SOLID", "MATCAP"
+        space.shading.color_type = "OBJECT"
+        space.shading.type = "WIREFRAME"
+        context = SimpleNamespace(space_data=space)
+        viewport.show_colors(context)
+        viewport.show_colors(context)
+        assert (space.shading.type, space.shading.color_type) == ("SOLID", "VERTEX")
+        viewport.show_as_before(context)
+        assert space.shading.type == "WIREFRAME"
+        space.shading.type = "SOLID"
+        assert (space.shading.color_type, space.shading.light) == ("OBJECT", "MATCAP")

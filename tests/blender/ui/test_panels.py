@@ -1,0 +1,276 @@
+"""The panels: what they offer before, during and after a run, and when something is missing."""
+
+import math
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+from support.layouts import FakeContext, FakeLayout, draw
+from support.meshes import graded_sphere, icosphere, open_cylinder
+from support.objects import add_object
+
+from adaptive_fairing.blender.jobs.fairing_task import FairingTask, run_tasks
+from adaptive_fairing.blender.operators import mesh_scale, modal_run
+from adaptive_fairing.blender.ui import results_panel, sequence_panel, settings_panel
+from adaptive_fairing.core import FairingSettings
+
+pytestmark = pytest.mark.usefixtures("addon")
+
+PANELS = [
+    panel
+    for module in (settings_panel, sequence_panel, results_panel)
+    for name, panel in vars(module).items()
+    if name.startswith("VIEW3D_PT_adaptive") and panel.__module__ == module.__name__
+]
+
+
+@pytest.fixture
+def sphere():
+    vertices, faces = graded_sphere(2)
+    obj = add_object(vertices, faces)
+    obj.select_set(True)
+    return obj
+
+
+def button(drawn, name):
+    """Find the one button for an operator."""
+    (found,) = [each for each in drawn.operators if each["name"] == name]
+    return found
+
+
+@pytest.mark.parametrize("panel", PANELS, ids=lambda panel: panel.__name__)
+class TestEveryPanel:
+    def test_it_is_in_the_tab(self, panel):
+        assert (panel.bl_space_type, panel.bl_region_type) == ("VIEW_3D", "UI")
+        assert panel.bl_category == "Fairing"
+
+    def test_it_can_be_drawn_with_nothing_selected(self, panel):
+        draw(panel)
+
+    def test_it_can_be_drawn_with_a_light(self, panel):
+        light = bpy.data.objects.new("Light", bpy.data.lights.new("Light", "POINT"))
+        bpy.context.scene.collection.objects.link(light)
+        bpy.context.view_layer.objects.active = light
+        draw(panel)
+
+    @pytest.mark.parametrize("output", ["ABSOLUTE_KEYS", "RELATIVE_KEYS", "FINAL_SHAPE"])
+    def test_it_can_be_drawn_after_a_run(self, panel, sphere, output):
+        bpy.ops.object.adaptive_fairing(steps=2, output=output)
+        bpy.ops.object.adaptive_fairing_view(field="CURVATURE")
+        assert draw(panel) is not None
+
+    @pytest.mark.parametrize("mode", ["EDIT", "SCULPT", "VERTEX_PAINT"])
+    def test_it_can_be_drawn_in_other_modes(self, panel, sphere, mode):
+        bpy.ops.object.mode_set(mode=mode)
+        draw(panel)
+
+
+class TestBeforeTheRun:
+    def test_the_button_has_the_settings_of_the_panel(self, sphere):
+        settings = bpy.context.scene.adaptive_fairing
+        settings.method, settings.steps, settings.output = "adaptive_tensor", 7, "RELATIVE_KEYS"
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        fair = button(drawn, "object.adaptive_fairing")
+        assert (fair["method"], fair["steps"]) == ("adaptive_tensor", 7)
+        assert fair["output"] == "RELATIVE_KEYS"
+        for name in settings_panel.NAMES:
+            assert fair[name] == getattr(settings, name)
+
+    def test_the_button_counts_the_objects(self, sphere):
+        add_object(*icosphere(1), name="Second").select_set(True)
+        sphere.select_set(True)
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert button(drawn, "object.adaptive_fairing")["text"] == "Fair 2 Objects"
+
+    def test_no_result_is_shown(self, sphere):
+        assert draw(results_panel.VIEW3D_PT_adaptive_fairing_results) is None
+
+    def test_the_radii_are_those_of_tau_and_the_steps(self, sphere):
+        settings = bpy.context.scene.adaptive_fairing
+        scale = mesh_scale.measure(sphere, settings)
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        radii = [*scale.radii(0.016), *scale.radii(4 * 0.016)]
+        assert [f"{radius:.2f}" for radius in radii] == [
+            text for text in drawn.texts if text[:1].isdigit()
+        ]
+
+    def test_why_a_mesh_has_no_radius_is_shown(self):
+        wire = add_object([[0, 0, 0], [1, 0, 0]], [])
+        mesh_scale.measure(wire, bpy.context.scene.adaptive_fairing)
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert "the mesh has no triangles" in " ".join(drawn.texts)
+
+    def test_scipy_missing_is_shown_with_what_to_do(self, sphere, monkeypatch):
+        monkeypatch.setattr(settings_panel, "scipy_problem", lambda: "scipy is missing: get it")
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert "scipy is missing: get it" in " ".join(drawn.texts)
+
+
+def test_the_button_for_frames_has_the_scenes_range_and_the_panels_settings(sphere):
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 11, 20
+    scene.adaptive_fairing.tau = 0.25
+    scene.adaptive_fairing.same_strength = False
+    drawn = draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
+    found = button(drawn, "object.adaptive_fairing_sequence")
+    assert found["text"] == "Fair 10 Frames"
+    assert (found["frame_start"], found["frame_end"]) == (11, 20)
+    assert found["tau"] == 0.25
+    assert found["same_strength"] is False
+
+
+class TestDuringTheRun:
+    class StandingWorker:
+        is_stopping = False
+
+        def stop(self):
+            self.is_stopping = True
+
+        def join(self, timeout):
+            pass
+
+    @pytest.fixture
+    def current(self, sphere):
+        vertices, faces = icosphere(1)
+        task = FairingTask("Thing", vertices, faces, None, FairingSettings(steps=4))
+        current = modal_run.Progress([task], self.StandingWorker())
+        modal_run._progress[:] = [current]
+        yield current
+        modal_run.forget_run()
+
+    def test_it_starts_with_the_first_step(self, current):
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert drawn.progress == [(0.0, "Step 1 of 4")]
+        assert not [each for each in drawn.operators if each["name"] == "object.adaptive_fairing"]
+
+    def test_step_iterations_and_h_are_shown(self, current):
+        steps = run_tasks(current.tasks)
+        for _ in range(2):
+            next(steps)
+            current.step_done()
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        ((factor, text),) = drawn.progress
+        assert text == "Step 3 of 4"
+        assert 0.5 <= factor < 0.75
+        last = current.tasks[0].steps[-1]
+        expected = (
+            f"{last.solve.iterations} solver iterations  ·  H at {100 * last.curvature_ratio:.1f} %"
+        )
+        assert expected in drawn.texts
+
+    def test_progress_never_leaves_its_range(self, current):
+        for _ in run_tasks(current.tasks):
+            current.step_done()
+            assert 0.0 < current.factor <= 1.0
+        assert current.factor == 1.0
+
+    def test_within_a_step_progress_is_guessed_from_the_last_one(self, current):
+        current.step_done()
+        current.step_seconds = 1e9
+        assert current.factor == pytest.approx(0.25, abs=1e-6)
+        current.step_seconds = 1e-9
+        assert current.factor == pytest.approx((1 + 0.95) / 4)
+
+    def test_stop_asks_the_worker_and_says_so(self, current):
+        assert bpy.ops.object.adaptive_fairing_stop() == {"FINISHED"}
+        assert current.worker.is_stopping
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert button(drawn, "object.adaptive_fairing_stop")["text"] == "Stopping…"
+
+    def test_the_panel_for_frames_offers_to_stop_in_place_of_its_button(self, current):
+        drawn = draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
+        assert [each["name"] for each in drawn.operators] == ["object.adaptive_fairing_stop"]
+
+    def test_a_second_run_is_refused(self, current):
+        for run in (bpy.ops.object.adaptive_fairing, bpy.ops.object.adaptive_fairing_sequence):
+            with pytest.raises(RuntimeError, match="A run is going on"):
+                run()
+
+    def test_several_objects_are_named(self, current):
+        current.tasks.append(current.tasks[0])
+        assert current.describe_step() == "Thing: Step 1 of 4"
+
+
+class TestAfterTheRun:
+    def test_stop_can_be_pressed_during_a_run_only(self):
+        assert not bpy.ops.object.adaptive_fairing_stop.poll()
+
+    def test_numbers_of_the_run(self, sphere):
+        bpy.ops.object.adaptive_fairing(steps=3, tau=0.01)
+        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_results)
+        first, *_, last = sphere.adaptive_fairing.steps
+        text = "\n".join(drawn.texts)
+        assert "3  ·  τ = 0.01" in text
+        assert "All steps done" in text
+        assert f"{100 * (last.volume / first.volume - 1):+.2f} %" in text
+        assert f"Before  {first.curvature_energy:.4g}" in text
+        assert f"After  {last.curvature_energy:.4g}" in text
+        assert {"evolution", "eval_time"} <= set(drawn.properties)
+
+    @pytest.mark.parametrize(("system", "unit"), [("NONE", ""), ("METRIC", " m")])
+    def test_the_largest_move_is_a_length_of_the_world(self, sphere, system, unit):
+        bpy.context.scene.unit_settings.system = system
+        sphere.scale = (1000.0, 1000.0, 1000.0)
+        bpy.ops.object.adaptive_fairing(steps=1)
+        bpy.context.view_layer.update()
+        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_results)
+        length = 1000.0 * sphere.adaptive_fairing.steps[-1].displacement
+        assert 1.0 < length < 1000.0
+        assert f"{float(f'{length:.3g}'):g}{unit}" in drawn.texts
+
+    def test_an_open_surface_has_no_volume(self):
+        obj = add_object(*open_cylinder(12, 5))
+        obj.select_set(True)
+        bpy.ops.object.adaptive_fairing(steps=1)
+        assert math.isnan(obj.adaptive_fairing.steps[0].volume)
+        assert "–" in draw(results_panel.VIEW3D_PT_adaptive_fairing_results).texts
+
+    def test_without_keys_there_is_no_slider(self, sphere):
+        bpy.ops.object.adaptive_fairing(steps=1, output="FINAL_SHAPE")
+        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_results)
+        assert "evolution" not in drawn.properties
+
+    def test_what_was_done_to_the_mesh_is_told(self):
+        vertices, faces = icosphere(1)
+        vertices = np.concatenate([vertices, [[2.0, 2, 2]]])
+        add_object(vertices, [*faces.tolist(), [*faces[0][:2], 42]]).select_set(True)
+        bpy.ops.object.adaptive_fairing(steps=1)
+        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_results)
+        assert "more than two triangles" in " ".join(drawn.texts)
+
+    def test_the_legend_shows_both_ends(self, sphere):
+        bpy.ops.object.adaptive_fairing_view(field="DENSITY")
+        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_view)
+        low, high = sphere.adaptive_fairing.view_range
+        assert drawn.texts[0] == f"{high:.4g}"
+        assert drawn.texts[-1] == f"{low:.4g}"
+        pressed = [each["field"] for each in drawn.operators if each["depress"]]
+        assert pressed == ["DENSITY"]
+
+
+def test_the_redo_panel_offers_every_property_that_the_method_uses(sphere):
+    def offered(method):
+        stand = SimpleNamespace(bl_rna=bpy.context.scene.adaptive_fairing.bl_rna, method=method)
+        layout = FakeLayout()
+        settings_panel.draw_operator(layout, stand, sphere)
+        assert len(layout.drawn.properties) == len(set(layout.drawn.properties))
+        return set(layout.drawn.properties)
+
+    assert set(settings_panel.NAMES) - offered("uniform") == {"strength", "features"}
+    unused = {"tau", "steps", "density", "density_passes", "stop_curvature", "stop_rate"}
+    unused |= {"cg_tolerance", "cg_max_iterations", "normalize"}
+    assert set(settings_panel.NAMES) - offered("auto") == unused
+
+
+def test_menus_run_with_the_settings_of_the_scene(sphere):
+    from adaptive_fairing.blender.ui import menus
+
+    class Stand:
+        layout = FakeLayout()
+
+    bpy.context.scene.adaptive_fairing.steps = 9
+    menus.draw_object_menu(Stand(), FakeContext())
+    drawn = Stand.layout.drawn
+    assert button(drawn, "object.adaptive_fairing")["steps"] == 9
+    assert button(drawn, "object.adaptive_fairing_compare")["steps"] == 9

@@ -1,0 +1,77 @@
+"""Presets: those that come along, and the user's own."""
+
+from pathlib import Path
+
+import bpy
+import pytest
+
+from adaptive_fairing.blender.properties import SOLVER_NAMES, solver_settings
+from adaptive_fairing.blender.ui import presets
+from adaptive_fairing.core import FairingSettings
+
+pytestmark = pytest.mark.usefixtures("addon")
+
+SHIPPED = sorted(Path(presets._SHIPPED).glob("presets/adaptive_fairing/*.py"))
+
+
+@pytest.fixture(autouse=True)
+def _same_title():
+    """Blender renames the panel to the preset that was chosen last."""
+    panel = bpy.types.VIEW3D_PT_adaptive_fairing_presets
+    title = panel.bl_label
+    yield
+    panel.bl_label = title
+
+
+def execute(path):
+    return bpy.ops.script.execute_preset(
+        filepath=str(path), menu_idname="VIEW3D_PT_adaptive_fairing_presets"
+    )
+
+
+def test_blender_finds_the_folder():
+    assert str(SHIPPED[0].parent) in bpy.utils.preset_paths("adaptive_fairing")
+    assert len(SHIPPED) == 6
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+def test_a_preset_that_comes_along_sets_scheme_and_density_whatever_was_set(path):
+    found = []
+    for method, density, passes, steps in (
+        ("uniform", "area", 9, 1),
+        ("adaptive_tensor", "edge_length", 0, 7),
+    ):
+        settings = bpy.context.scene.adaptive_fairing
+        settings.method, settings.density, settings.density_passes = method, density, passes
+        settings.steps, settings.tau = steps, 0.3
+        assert execute(path) == {"FINISHED"}
+        found.append(solver_settings(settings))
+    assert found[0] == found[1]
+
+
+def test_the_papers_head_is_the_default():
+    (path,) = [path for path in SHIPPED if path.stem == "Paper_Head"]
+    execute(path)
+    assert solver_settings(bpy.context.scene.adaptive_fairing) == FairingSettings()
+
+
+def test_a_preset_of_ones_own_brings_every_setting_back(tmp_path, monkeypatch):
+    monkeypatch.setattr(
+        bpy.utils, "user_resource", lambda *_, path="", **__: _made(tmp_path / path)
+    )
+    settings = bpy.context.scene.adaptive_fairing
+    settings.method, settings.tau, settings.steps = "adaptive_tensor", 0.0107, 9
+    settings.boundary, settings.stop_rate = "free", 0.25
+    wanted = solver_settings(settings)
+    assert bpy.ops.object.adaptive_fairing_preset_add(name="Mine") == {"FINISHED"}
+    for name in SOLVER_NAMES:
+        settings.property_unset(name)
+    assert solver_settings(settings) == FairingSettings()
+    (path,) = tmp_path.rglob("Mine.py")
+    execute(path)
+    assert solver_settings(settings) == wanted
+
+
+def _made(path):
+    path.mkdir(parents=True, exist_ok=True)
+    return str(path)

@@ -1,0 +1,91 @@
+"""Detail of clean meshes is no noise: it fades in differences of higher order."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import FairingSettings, TriangleTopology, fair
+from adaptive_fairing.core.denoise.local_frame import LocalFrame
+from adaptive_fairing.core.denoise.noise.clean_detail import CleanDetail
+from adaptive_fairing.core.denoise.noise.level import beyond_clean, noise_level
+from adaptive_fairing.core.denoise.noise.order_decay import FADED, Fading
+from adaptive_fairing.core.denoise.noise.roughness import roughness
+
+SHAPES = {"graded": meshes.graded_sphere(4), "torus": meshes.torus(48, 24)}
+EVERY_SHAPE = pytest.mark.parametrize("shape", SHAPES)
+
+
+def frame_of(shape):
+    vertices, faces = SHAPES[shape]
+    topology = TriangleTopology(faces, len(vertices))
+    return topology, LocalFrame.of(topology, vertices, vertices)
+
+
+def with_detail(shape, amplitude, seed=0):
+    """Bumps of about two edges across, of some local edge lengths."""
+    _, frame = frame_of(shape)
+    bumps = np.random.default_rng(seed).normal(size=len(frame.spacing))
+    for _ in range(2):
+        bumps = (bumps + frame.mean @ bumps) / 2
+    bumps *= amplitude / bumps.std()
+    return SHAPES[shape][0] + frame.raised(bumps)
+
+
+def with_noise(shape, amplitude, seed=0):
+    _, frame = frame_of(shape)
+    noise = np.random.default_rng(seed).normal(size=len(frame.spacing))
+    return SHAPES[shape][0] + frame.raised(amplitude * noise)
+
+
+def levels(shape, points):
+    """Before and after detail was told from noise."""
+    topology, frame = frame_of(shape)
+    inside = np.ones(len(points), dtype=bool)
+    level = noise_level(roughness(points, frame), np.log(frame.spacing), inside)
+    detail = CleanDetail(topology, points, frame, Fading(points, frame))
+    return level, detail.without(level, inside)
+
+
+@EVERY_SHAPE
+@pytest.mark.parametrize("amplitude", [0.05, 0.07, 0.1, 0.2])
+@pytest.mark.parametrize("seed", range(4))
+def test_white_noise_stays_noise(shape, amplitude, seed):
+    level, kept = levels(shape, with_noise(shape, amplitude, seed))
+    assert np.array_equal(level, kept)
+    assert np.median(kept) == pytest.approx(amplitude, rel=0.2)
+
+
+@EVERY_SHAPE
+@pytest.mark.parametrize("seed", range(4))
+def test_bumps_wider_than_an_edge_are_detail(shape, seed):
+    level, kept = levels(shape, with_detail(shape, 0.15, seed))
+    assert beyond_clean(level).any()
+    assert not beyond_clean(kept).any()
+
+
+@EVERY_SHAPE
+def test_detail_comes_back_bit_by_bit_but_at_a_higher_strength(shape):
+    _, faces = SHAPES[shape]
+    points = with_detail(shape, 0.15)
+    as_it_is = fair(points, faces, FairingSettings(method="auto"))
+    assert np.array_equal(as_it_is.positions, points)
+    assert "as the detail of clean meshes is; nothing was changed" in as_it_is.notes[-1]
+    stronger = fair(points, faces, FairingSettings(method="auto", strength=2.0))
+    assert not np.array_equal(stronger.positions, points)
+    assert stronger.notes == ()
+
+
+def test_what_is_rough_and_fades_is_not_taken_for_detail():
+    """Contoured volumes: a noise that fades."""
+    level, kept = levels("torus", with_detail("torus", 0.8))
+    assert np.array_equal(level, kept)
+
+
+def test_few_vertices_of_white_noise_seem_to_fade_by_chance_and_are_not_taken_for_detail():
+    _, frame = frame_of("graded")
+    fading = Fading(with_noise("graded", 0.1), frame)
+    parts = np.array_split(np.arange(len(frame.spacing)), 40)
+    counted = [np.isin(np.arange(len(frame.spacing)), part) for part in parts]
+    kept = np.array([fading.of_mesh(part)[1] for part in counted])
+    assert np.count_nonzero(kept < FADED) >= 5
+    assert sum(fading.fades(part) for part in counted) <= 2

@@ -1,0 +1,88 @@
+"""Noise that is alike at neighbouring vertices is recognised, and taken for all that it is."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import FairingSettings, TriangleTopology, fair
+from adaptive_fairing.core.denoise.local_frame import LocalFrame
+from adaptive_fairing.core.denoise.noise.correlation import (
+    SHARES,
+    NoiseCorrelation,
+    noise_correlation,
+)
+from adaptive_fairing.core.denoise.noise.order_decay import Fading
+
+SHAPES = {
+    "sphere": meshes.icosphere(5),
+    "graded": meshes.graded_sphere(5),
+    "torus": meshes.torus(96, 48),
+}
+
+
+def frame_of(vertices, faces):
+    return LocalFrame.of(TriangleTopology(faces, len(vertices)), vertices, vertices)
+
+
+def noisy(vertices, faces, share, amplitude):
+    """Positions, and the noise along the normals in local edge lengths."""
+    frame = frame_of(vertices, faces)
+    white = np.random.default_rng(4).normal(size=len(vertices))
+    noise = NoiseCorrelation(share).applied(white, frame)
+    noise *= amplitude / noise.std()
+    return vertices + (noise * frame.spacing)[:, None] * frame.normals, noise
+
+
+def found(points, smooth, faces):
+    everywhere = np.ones(len(points), dtype=bool)
+    frame = frame_of(smooth, faces)
+    return noise_correlation(Fading(points, frame), frame, everywhere)
+
+
+@pytest.mark.parametrize("amplitude", [0.05, 0.1, 0.4])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_white_noise_is_found_white(shape, amplitude):
+    vertices, faces = SHAPES[shape]
+    points, _ = noisy(vertices, faces, 0, amplitude)
+    assert found(points, vertices, faces) == NoiseCorrelation()
+
+
+@pytest.mark.parametrize("share", [0.53, 0.55])
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_known_correlation_is_found(shape, share):
+    vertices, faces = SHAPES[shape]
+    points, _ = noisy(vertices, faces, share, 0.4)
+    correlation = found(points, vertices, faces)
+    assert correlation.share == pytest.approx(share, abs=0.03)
+    white = np.random.default_rng(9).normal(size=len(vertices))
+    like_it = NoiseCorrelation(share).applied(white, frame_of(vertices, faces))
+    assert correlation.deviation == pytest.approx(like_it.std(), rel=0.05)
+
+
+def test_more_fading_than_that_of_staircases_is_that_of_the_shape():
+    vertices, faces = SHAPES["sphere"]
+    points, _ = noisy(vertices, faces, 0.7, 0.6)
+    assert found(points, vertices, faces).share == SHARES[-1]
+
+
+def test_correlation_keeps_a_constant():
+    frame = frame_of(*SHAPES["sphere"])
+    constant = 1 / frame.spacing
+    assert NoiseCorrelation(0.6).applied(constant, frame) == pytest.approx(constant)
+
+
+def test_auto_finds_and_removes_correlated_noise():
+    vertices, faces = SHAPES["torus"]
+    points, noise = noisy(vertices, faces, 0.55, 0.35)
+    result = fair(points, faces, FairingSettings(method="auto"))
+    (chosen,) = (step.auto for step in result.steps if step.auto and step.auto.is_chosen)
+    assert chosen.noise == pytest.approx(0.35, rel=0.15)
+    frame = frame_of(vertices, faces)
+    left = frame.along_normal(result.positions - vertices)
+    assert np.sqrt(np.mean(left**2)) < 0.35 * noise.std()
+
+
+def test_fine_detail_that_fades_is_shape():
+    vertices, faces = SHAPES["torus"]
+    points, _ = noisy(vertices, faces, 0.65, 0.2)
+    assert found(points, vertices, faces) == NoiseCorrelation()

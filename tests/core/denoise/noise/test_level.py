@@ -1,0 +1,88 @@
+"""The noise of a mesh, estimated from the mesh alone."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import TriangleTopology
+from adaptive_fairing.core.denoise.local_frame import LocalFrame, spacing_of
+from adaptive_fairing.core.denoise.noise.level import CLEAN_ROUGHNESS, beyond_clean, noise_level
+from adaptive_fairing.core.denoise.noise.roughness import roughness
+
+SPHERE = meshes.graded_sphere(4)
+
+
+def estimated(vertices, faces, smooth):
+    topology = TriangleTopology(faces, len(vertices))
+    frame = LocalFrame.of(topology, smooth, smooth)
+    return level_of(vertices, frame, ~topology.on_boundary)
+
+
+def level_of(vertices, frame, is_counted):
+    size = frame.spread(np.log(frame.spacing), 3)
+    return noise_level(roughness(vertices, frame), size, is_counted)
+
+
+def noisy(amplitude, per_edge=True, seed=0):
+    """The graded sphere with noise along its normals; the spacing of the clean one."""
+    vertices, faces = SPHERE
+    spacing = spacing_of(TriangleTopology(faces, len(vertices)), vertices, 0)
+    unit = spacing if per_edge else np.full(len(vertices), np.median(spacing))
+    normals = vertices / np.linalg.norm(vertices, axis=1, keepdims=True)
+    noise = np.random.default_rng(seed).normal(size=len(vertices))
+    return vertices + (amplitude * unit * noise)[:, None] * normals, amplitude * unit / spacing
+
+
+@pytest.mark.parametrize("amplitude", [0.1, 0.2, 0.4])
+@pytest.mark.parametrize("per_edge", [True, False], ids=["per edge", "one amplitude"])
+def test_known_noise_is_found(amplitude, per_edge):
+    ratios = []
+    for seed in range(4):
+        points, true = noisy(amplitude, per_edge, seed)
+        ratios.append(estimated(points, SPHERE[1], SPHERE[0]) / true)
+    assert np.median(ratios) == pytest.approx(1, abs=0.06)
+    assert np.all(np.abs(np.array(ratios) - 1) < 0.35)
+
+
+def test_a_clean_surface_has_none_beyond_what_clean_meshes_have():
+    found = estimated(*SPHERE, SPHERE[0])
+    assert found.max() < CLEAN_ROUGHNESS
+    assert not beyond_clean(found).any()
+
+
+def test_a_feature_is_no_noise():
+    """A quarter of a sphere, wrinkled in the densest part alone."""
+    vertices, faces = SPHERE
+    densest = spacing_of(TriangleTopology(faces, len(vertices)), vertices, 0).argsort()
+    wrinkled = vertices.copy()
+    rough = densest[: len(vertices) // 4]
+    wrinkled[rough] *= 1 + 0.01 * np.random.default_rng(3).normal(size=(len(rough), 1))
+    assert estimated(wrinkled, faces, vertices).max() < CLEAN_ROUGHNESS
+
+
+def test_one_quiet_part_does_not_hide_the_noise_of_the_others():
+    """The coarsest fifth of a sphere, noisy everywhere else."""
+    vertices, faces = SPHERE
+    points, true = noisy(0.2)
+    coarsest = spacing_of(TriangleTopology(faces, len(vertices)), vertices, 0).argsort()[::-1]
+    quiet = coarsest[: len(vertices) // 5]
+    points[quiet] = vertices[quiet] + 0.4 * (points[quiet] - vertices[quiet])
+    loud = np.setdiff1d(np.arange(len(vertices)), quiet)
+    found = estimated(points, faces, vertices)[loud] / true[loud]
+    assert np.median(found) == pytest.approx(1, abs=0.1)
+
+
+def test_the_unit_does_not_matter():
+    points, _ = noisy(0.2)
+    found = estimated(points, SPHERE[1], SPHERE[0])
+    np.testing.assert_allclose(
+        estimated(1e-5 * points, SPHERE[1], 1e-5 * SPHERE[0]), found, rtol=1e-9
+    )
+
+
+def test_only_what_is_counted_is_judged():
+    points, _ = noisy(0.2)
+    topology = TriangleTopology(SPHERE[1], len(points))
+    frame = LocalFrame.of(topology, SPHERE[0], SPHERE[0])
+    nothing = level_of(points, frame, np.zeros(len(points), dtype=bool))
+    assert not nothing.any()

@@ -1,0 +1,82 @@
+"""Creases are no noise, even where they are everywhere."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import FairingSettings, TriangleTopology, fair
+from adaptive_fairing.core.denoise.local_frame import LocalFrame, spacing_of
+from adaptive_fairing.core.denoise.noise.level import CLEAN_ROUGHNESS, noise_level
+from adaptive_fairing.core.denoise.noise.line_roughness import LineRoughness
+from adaptive_fairing.core.denoise.noise.roughness import roughness
+
+
+def plane(n=48):
+    """Straight rows of triangles with edges of about 1, no two alike."""
+    vertices, faces = meshes.flat_grid(n, n)
+    return vertices + 0.15 * np.random.default_rng(0).normal(size=vertices.shape) * [1, 0, 0], faces
+
+
+def grating():
+    """A plane of rows at random heights: creases everywhere, each of them straight."""
+    vertices, faces = plane()
+    row = np.rint(vertices[:, 1] / np.sqrt(0.75)).astype(int)
+    height = 0.5 * np.random.default_rng(3).normal(size=row.max() + 1)
+    return vertices + height[row][:, None] * [0, 0, 1], vertices, faces
+
+
+def levels(points, smooth, faces):
+    """Of both measures, inside."""
+    topology = TriangleTopology(faces, len(points))
+    frame = LocalFrame.of(topology, smooth, smooth)
+    inside = ~topology.on_boundary
+    size = frame.spread(np.log(frame.spacing), 3)
+    return (
+        np.median(noise_level(roughness(points, frame), size, inside)[inside]),
+        LineRoughness(topology, points, frame).level(inside),
+    )
+
+
+@pytest.mark.parametrize("amplitude", [0.05, 0.1, 0.2, 0.4])
+def test_known_noise_is_found(amplitude):
+    vertices, faces = plane()
+    spacing = spacing_of(TriangleTopology(faces, len(vertices)), vertices, 0)
+    noise = amplitude * spacing * np.random.default_rng(1).normal(size=len(vertices))
+    _, along_lines = levels(vertices + noise[:, None] * [0, 0, 1], vertices, faces)
+    assert along_lines == pytest.approx(amplitude, rel=0.1)
+
+
+def test_a_grating_is_smooth_along_its_folds():
+    points, flat, faces = grating()
+    level, along_lines = levels(points, flat, faces)
+    assert level > 2 * CLEAN_ROUGHNESS
+    assert along_lines < CLEAN_ROUGHNESS / 4
+
+
+def test_noise_on_a_grating_is_noise():
+    """One line in three is free of creases: what is found is more than there is, not less."""
+    points, flat, faces = grating()
+    spacing = spacing_of(TriangleTopology(faces, len(points)), flat, 0)
+    noise = 0.2 * spacing * np.random.default_rng(2).normal(size=len(points))
+    _, along_lines = levels(points + noise[:, None] * [0, 0, 1], flat, faces)
+    assert 0.19 < along_lines < 0.4
+
+
+def test_auto_leaves_a_clean_grating_alone():
+    points, _, faces = grating()
+    result = fair(points, faces, FairingSettings(method="auto", boundary="free"))
+    assert np.array_equal(result.positions, points)
+    assert "no noise found" in result.notes[-1]
+
+
+def test_rough_corners_all_over_a_smooth_grating_are_no_clean_shape():
+    """The terraces of contoured voxels: smooth along some line, but for many corners."""
+    points, flat, faces = grating()
+    spacing = spacing_of(TriangleTopology(faces, len(points)), flat, 0)
+    is_corner = np.random.default_rng(5).random(len(points)) < 0.2
+    steps = np.where(is_corner, 0.5 * spacing, 0)
+    stepped = points + steps[:, None] * [0, 0, 1]
+    _, along_lines = levels(stepped, flat, faces)
+    assert along_lines < CLEAN_ROUGHNESS
+    result = fair(stepped, faces, FairingSettings(method="auto", boundary="free"))
+    assert not np.array_equal(result.positions, stepped)

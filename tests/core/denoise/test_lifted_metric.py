@@ -1,0 +1,83 @@
+"""The metric that `auto` diffuses in: mesh, surface and bending."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import LoopSpace, TriangleTopology
+from adaptive_fairing.core.denoise.lifted_metric import LiftedMetric
+
+BUMPY = meshes.random_closed(2)
+
+
+def matrices(metric, vertices, faces, spacing=None):
+    space = LoopSpace(TriangleTopology(faces, len(vertices)))
+    spacing = np.ones(len(vertices)) if spacing is None else spacing
+    return [matrix.full() for matrix in metric.matrices(space, vertices, spacing)]
+
+
+def largest_difference(a, b):
+    return abs(a - b).max() / abs(b).max()
+
+
+def test_lengths_from_the_surface_alone_give_the_matrices_of_the_paper():
+    vertices, faces = BUMPY
+    space = LoopSpace(TriangleTopology(faces, len(vertices)))
+    mass, stiffness = matrices(LiftedMetric(surface_share=1), vertices, faces)
+    assert largest_difference(mass, space.mass_matrix(vertices)) < 1e-14
+    assert largest_difference(stiffness, space.stiffness_matrix(vertices)) < 1e-14
+
+
+def test_lengths_from_the_mesh_alone_do_not_see_the_surface():
+    vertices, faces = BUMPY
+    moved = vertices + np.random.default_rng(0).normal(size=vertices.shape)
+    before, after = (matrices(LiftedMetric(), points, faces) for points in (vertices, moved))
+    for a, b in zip(before, after, strict=True):
+        assert (a != b).nnz == 0
+
+
+def test_a_triangle_of_the_mesh_is_equilateral_with_unit_edges():
+    vertices, faces = BUMPY
+    mass, stiffness = matrices(LiftedMetric(), vertices, faces)
+    assert mass.sum() == pytest.approx(len(faces) * np.sqrt(3) / 4, rel=1e-12)
+    assert abs(stiffness.sum(axis=1)).max() < 1e-12 * abs(stiffness).max()
+
+
+@pytest.mark.parametrize("metric", [LiftedMetric(1, 0.3), LiftedMetric(0, 0.1)])
+def test_size_and_place_do_not_matter(metric):
+    vertices, faces = BUMPY
+    spacing = np.random.default_rng(1).uniform(0.5, 2, len(vertices))
+    turn, _ = np.linalg.qr(np.random.default_rng(2).normal(size=(3, 3)))
+    turn *= np.sign(np.linalg.det(turn))
+    moved = 7.5 * vertices @ turn.T + [3, -2, 1]
+    before = matrices(metric, vertices, faces, spacing)
+    after = matrices(metric, moved, faces, 7.5 * spacing)
+    for a, b in zip(before, after, strict=True):
+        assert largest_difference(a, b) < 1e-9
+
+
+def test_on_a_sphere_bending_enlarges_all_lengths_alike():
+    """III = g / r², and the stiffness matrix in two dimensions does not depend on the scale."""
+    radius, angle = 2.0, 0.25
+    vertices, faces = meshes.icosphere(4)
+    flat_mass, flat_stiffness = matrices(LiftedMetric(1), radius * vertices, faces)
+    mass, stiffness = matrices(LiftedMetric(1, angle), radius * vertices, faces)
+    factor = 1 + 1 / (angle * radius) ** 2
+    # As integrals: at the twelve vertices of valence 5 themselves the curvature is not that of a
+    # sphere.
+    x = vertices[:, 0]
+    assert x @ (mass @ x) == pytest.approx(factor * (x @ (flat_mass @ x)), rel=5e-3)
+    assert x @ (stiffness @ x) == pytest.approx(x @ (flat_stiffness @ x), rel=5e-3)
+
+
+def test_along_a_cylinder_distances_stay_and_around_it_they_grow():
+    """∫ ∇f · ∇f for f = z and f = x: only the second one crosses the bending."""
+    vertices, faces = meshes.open_cylinder(48, 24)
+    angle = 0.5
+    factor = np.sqrt(1 + 1 / angle**2)
+    flat_mass, flat = matrices(LiftedMetric(1), vertices, faces)
+    mass, lifted = matrices(LiftedMetric(1, angle), vertices, faces)
+    x, _, z = vertices.T
+    assert mass.sum() == pytest.approx(factor * flat_mass.sum(), rel=0.01)
+    assert z @ (lifted @ z) == pytest.approx(factor * (z @ (flat @ z)), rel=0.01)
+    assert x @ (lifted @ x) == pytest.approx((x @ (flat @ x)) / factor, rel=0.01)

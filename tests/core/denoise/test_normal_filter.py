@@ -1,0 +1,125 @@
+"""Normals are smoothed within the sides of creases, and surfaces fitted to them."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import LoopSpace, TriangleTopology
+from adaptive_fairing.core.denoise.filter_bank import FilterBank, NormalFamily
+from adaptive_fairing.core.denoise.normal_filter import (
+    Smoothing,
+    smoothed_normals,
+    triangles_around,
+    turns_between,
+)
+from adaptive_fairing.core.mesh.normals import triangle_normals, unit_vectors
+
+ANGLE = np.radians(60)
+
+
+def roof(n=24, noise=0.0, seed=0):
+    """Two planes that meet at a right angle along a row of a grid, and the faces of each."""
+    flat, faces = meshes.flat_grid(n, n)
+    across = flat[:, 1] - np.median(flat[:, 1])
+    vertices = flat - [0, 0, 1] * np.abs(across)[:, None]
+    vertices[:, 2] += noise * np.random.default_rng(seed).normal(size=len(vertices))
+    sides = across[faces]
+    return vertices, faces, sides.max(axis=1) <= 0, sides.min(axis=1) >= 0
+
+
+def normals_of(vertices, faces):
+    return unit_vectors(triangle_normals(vertices, faces))
+
+
+def test_triangles_around_are_those_within_two_edges():
+    vertices, faces = meshes.flat_grid(5, 5)
+    topology = TriangleTopology(faces, len(vertices))
+    edges = [{tuple(sorted((f[k], f[k - 1]))) for k in range(3)} for f in faces.tolist()]
+    touch = [
+        {j for j, other in enumerate(edges) if other & own} - {i} for i, own in enumerate(edges)
+    ]
+    for index, around in enumerate(triangles_around(topology)):
+        beyond = set().union(*(touch[j] for j in touch[index]))
+        assert set(around.tolist()) - {-1} == (touch[index] | beyond) - {index}
+
+
+def test_turns_take_one_normal_to_the_other_by_the_shortest_way():
+    before, after = unit_vectors(
+        np.random.default_rng(0).normal(size=(2, 50, 3)).reshape(-1, 3)
+    ).reshape(2, 50, 3)
+    is_near = np.einsum("fd,fd->f", before, after) > -0.8
+    before, after = before[is_near], after[is_near]
+    turns = turns_between(before, after)
+    np.testing.assert_allclose(np.einsum("fde,fe->fd", turns, before), after, atol=1e-12)
+    np.testing.assert_allclose(
+        turns @ turns.swapaxes(1, 2), np.tile(np.eye(3), (len(turns), 1, 1)), atol=1e-12
+    )
+    np.testing.assert_allclose(np.linalg.det(turns), 1)
+    axis = np.cross(before, after)
+    np.testing.assert_allclose(np.einsum("fde,fe->fd", turns, axis), axis, atol=1e-12)
+
+
+def test_a_triangle_without_area_is_not_turned():
+    nothing = np.zeros((1, 3))
+    (smooth,) = smoothed_normals(nothing, np.array([[-1]], dtype=np.int32), Smoothing(ANGLE, (1,)))
+    assert not smooth.any()
+    for after in (smooth, np.array([[0.0, 0.0, 1.0]])):
+        assert np.array_equal(turns_between(nothing, after), [np.eye(3)])
+
+
+def test_normals_that_are_alike_stay():
+    vertices, faces = meshes.flat_grid(6, 6)
+    normals = normals_of(vertices, faces)
+    around = triangles_around(TriangleTopology(faces, len(vertices)))
+    (smooth,) = smoothed_normals(normals, around, Smoothing(ANGLE, (5,)))
+    np.testing.assert_allclose(smooth, normals, atol=1e-12)
+
+
+def test_normals_are_given_after_each_number_of_passes():
+    vertices, faces, *_ = roof(noise=0.1)
+    normals = normals_of(vertices, faces)
+    around = triangles_around(TriangleTopology(faces, len(vertices)))
+    both = list(smoothed_normals(normals, around, Smoothing(ANGLE, (2, 5))))
+    for smooth, passes in zip(both, (2, 5), strict=True):
+        (alone,) = smoothed_normals(normals, around, Smoothing(ANGLE, (passes,)))
+        assert np.array_equal(smooth, alone)
+
+
+def test_noise_goes_and_the_ridge_of_a_roof_stays():
+    vertices, faces, left, right = roof(noise=0.1)
+    clean, *_ = roof()
+    normals, true = normals_of(vertices, faces), normals_of(clean, faces)
+    around = triangles_around(TriangleTopology(faces, len(vertices)))
+    (smooth,) = smoothed_normals(normals, around, Smoothing(ANGLE, (8,)))
+    for side in (left, right):
+        before = np.linalg.norm(normals[side] - true[side], axis=1).mean()
+        assert np.linalg.norm(smooth[side] - true[side], axis=1).mean() < 0.4 * before
+        # No normal has gone over to the other side, at 90 degrees.
+        assert np.einsum("fd,fd->f", smooth[side], true[side]).min() > np.cos(np.radians(40))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_fit_turns_a_noisy_roof_to_the_clean_one(seed):
+    vertices, faces, left, right = roof(noise=0.05, seed=seed)
+    true = normals_of(roof()[0], faces)
+    space = LoopSpace(TriangleTopology(faces, len(vertices)))
+    bank = FilterBank(space, vertices, lambda report: None)
+    family = NormalFamily((Smoothing(ANGLE, (1, 3, 8)),))
+    surfaces = [vertices, *bank.filtered(vertices, vertices, [family])]
+    assert len(surfaces) == 1 + family.n_filters
+
+    def error(points):
+        found = normals_of(points, faces)[left | right]
+        return np.linalg.norm(found - true[left | right], axis=1).mean()
+
+    errors = np.array([error(points) for points in surfaces])
+    assert (np.diff(errors) < 0).all()
+    assert errors[-1] < 0.4 * errors[0]
+
+
+def test_a_fit_leaves_a_clean_roof_as_it_is():
+    vertices, faces, *_ = roof()
+    space = LoopSpace(TriangleTopology(faces, len(vertices)))
+    bank = FilterBank(space, vertices, lambda report: None)
+    (fit,) = bank.filtered(vertices, vertices, [NormalFamily((Smoothing(ANGLE, (8,)),))])
+    np.testing.assert_allclose(fit, vertices, atol=1e-9)

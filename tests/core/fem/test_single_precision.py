@@ -1,0 +1,171 @@
+"""Large meshes are faired in single precision: as exact as the quadrature, and only where it is."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import FairingSettings, LoopSpace, TriangleTopology, fair
+from adaptive_fairing.core.diffusion import steps
+from adaptive_fairing.core.linalg.conjugate_gradients import conjugate_gradients
+
+METHODS = ["uniform", "adaptive_timestep", "adaptive_tensor"]
+
+
+def random_system(in_single, positions=lambda vertices: vertices, **fields):
+    """The system of a mesh with valences 3 to 10, rare and frequent classes."""
+    vertices, faces = meshes.random_closed(4, meshes.icosphere(2))
+    space = LoopSpace(TriangleTopology(faces, len(vertices)))
+    random = np.random.default_rng(0)
+    fields = {name: scale * random.uniform(1, 2, len(vertices)) for name, scale in fields.items()}
+    return space.step_system(positions(vertices), **fields, in_single=in_single)
+
+
+def largest(difference, entries):
+    return np.abs(difference).max() / np.abs(entries).max()
+
+
+def entries(system):
+    return system.matrix.full().toarray()
+
+
+def in_a_far_corner(vertices):
+    return 0.05 * vertices + 2.9
+
+
+@pytest.mark.parametrize("positions", [np.array, in_a_far_corner])
+@pytest.mark.parametrize("field", ["timestep", "diffusivity"])
+def test_the_system_is_that_of_double_precision_but_for_rounding(field, positions):
+    single, double = (
+        random_system(in_single, positions, **{field: 0.002}) for in_single in (True, False)
+    )
+    assert single.matrix.is_single
+    assert not double.matrix.is_single
+    assert 0 < largest(entries(single) - entries(double), entries(double)) < 2e-6
+    assert largest(single.load - double.load, double.load) < 5e-6
+    assert largest(single.lumped_mass - double.lumped_mass, double.lumped_mass) < 2e-6
+    for name in ("curvature_energy", "area", "volume"):
+        value, expected = getattr(single.measures, name), getattr(double.measures, name)
+        assert value == pytest.approx(expected, rel=1e-5), name
+
+
+def squeezed(vertices):
+    return vertices * (1, 1, 1e-4)
+
+
+def with_a_tiny_part(vertices):
+    vertices = vertices.copy()
+    vertices[np.linalg.norm(vertices - vertices[0], axis=1) < 0.6] *= 1e-5
+    return vertices
+
+
+def microscopic(vertices):
+    return 1e-8 * vertices
+
+
+@pytest.mark.parametrize(
+    ("positions", "timestep"),
+    [
+        (squeezed, 0.002),
+        (np.zeros_like, 0.002),
+        (with_a_tiny_part, 1e-14),
+        (microscopic, 1e-20),
+        (np.array, 1e4),
+    ],
+    ids=["thin", "a point", "tiny", "microscopic", "long time"],
+)
+def test_what_single_precision_does_not_resolve_is_computed_in_double(positions, timestep):
+    system = random_system(True, positions, timestep=timestep)
+    expected = random_system(False, positions, timestep=timestep)
+    assert not system.matrix.is_single
+    np.testing.assert_array_equal(entries(system), entries(expected))
+    np.testing.assert_array_equal(system.load, expected.load)
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-9])
+def test_solves_go_on_in_double_precision_where_it_takes_that(tolerance):
+    system = random_system(True, timestep=0.002)
+    n = len(system.load)
+    increment, report = conjugate_gradients(
+        system.matrix,
+        system.load,
+        np.zeros((n, 3)),
+        is_held=np.zeros(n, dtype=bool),
+        tolerance=tolerance,
+        max_iterations=500,
+    )
+    assert report.converged
+    matrix = entries(system)
+    inverse = 1 / np.diag(matrix)[:, None]
+    residual = system.load - matrix @ increment
+    relative = np.sqrt(np.sum(inverse * residual**2) / np.sum(inverse * system.load**2))
+    assert relative <= tolerance * 1.01
+    assert report.residual == pytest.approx(relative, rel=0.02)
+
+
+@pytest.fixture(scope="module")
+def ball():
+    vertices, faces = meshes.noisy_ball(5, 0.005)
+    assert len(faces) >= steps.SINGLE_TRIANGLES
+    return vertices, faces
+
+
+@pytest.fixture
+def tried(monkeypatch):
+    """Whether single precision was to be tried, system by system."""
+    wishes = []
+    step_system = LoopSpace.step_system
+
+    def recorded(*arguments, in_single, **fields):
+        wishes.append(in_single)
+        return step_system(*arguments, in_single=in_single, **fields)
+
+    monkeypatch.setattr(LoopSpace, "step_system", recorded)
+    return wishes
+
+
+def in_double(monkeypatch, mesh, settings):
+    with monkeypatch.context() as patch:
+        patch.setattr(steps, "SINGLE_TRIANGLES", np.inf)
+        return fair(*mesh, settings)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("tau", [1e-3, 0.016])
+def test_steps_of_a_large_mesh_are_those_of_double_precision(ball, method, tau, monkeypatch):
+    settings = FairingSettings(method=method, tau=tau / 10 if method == "uniform" else tau)
+    result, expected = fair(*ball, settings), in_double(monkeypatch, ball, settings)
+    moved = np.abs(expected.positions - ball[0]).max()
+    assert 0 < np.abs(result.positions - expected.positions).max() < 1e-5 * moved
+    for step, exact in zip(result.steps, expected.steps, strict=True):
+        assert step.solve.iterations == pytest.approx(exact.solve.iterations, abs=1)
+        assert step.curvature_energy == pytest.approx(exact.curvature_energy, rel=1e-6)
+        assert step.area == pytest.approx(exact.area, rel=1e-7)
+        assert step.volume == pytest.approx(exact.volume, rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        FairingSettings(quadrature_tolerance=1e-5, steps=1),
+        FairingSettings(normalize=False, steps=1),
+        FairingSettings(tau=1e20, steps=1),
+    ],
+    ids=["tight tolerance", "own units", "huge time"],
+)
+def test_large_meshes_in_double_precision_on_request_or_where_it_takes_that(
+    ball, settings, monkeypatch, tried
+):
+    expected = in_double(monkeypatch, ball, settings)
+    np.testing.assert_array_equal(fair(*ball, settings).positions, expected.positions)
+    assert tried == [False, False]
+
+
+def test_single_precision_is_not_tried_again_where_it_did_not_serve(ball, tried):
+    vertices, faces = ball
+    fair(squeezed(vertices), faces, FairingSettings(tau=1e-4, steps=3))
+    assert tried == [True, False, False]
+
+
+def test_the_last_bit_is_the_same_from_run_to_run(ball):
+    first, second = (fair(*ball, FairingSettings(steps=2)).positions for _ in range(2))
+    np.testing.assert_array_equal(first, second)

@@ -1,0 +1,73 @@
+"""Triangles of rare classes are integrated in stacks: the same integrals as class by class."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import LoopSpace, TriangleTopology
+from adaptive_fairing.core.fem import table_cache
+from adaptive_fairing.core.fem.class_tables import SUM, ClassTables
+from adaptive_fairing.core.fem.stacked_tables import RareTables
+from adaptive_fairing.core.loop.basis import basis_table
+from adaptive_fairing.core.loop.patch_class import Corner
+from adaptive_fairing.core.loop.quadrature import quadrature_choice
+
+# All with 24 points, and 10, 13 and 15 control points.
+CLASSES = [(3, 6, 7), (3, 8, 8), (3, 9, 9)]
+
+
+def test_stack_integrates_as_the_tables_of_its_classes():
+    choice = quadrature_choice(1e-3)
+    tables = [basis_table(tuple(Corner(valence) for valence in each), choice) for each in CLASSES]
+    n_points, n_control_points = 24, 15
+    assert {len(table.weights) for table in tables} == {n_points}
+    stack = RareTables(tables, n_control_points)
+    random = np.random.default_rng(1)
+    control = random.normal(size=(3, n_control_points, 3))
+    fluxes = random.normal(size=(3, 2, n_points, 3))
+    coefficients = random.normal(size=(4, n_points, 3))
+
+    jets = np.empty((3, 6 * n_points, 3))
+    sums = np.empty((3, n_control_points, 3))
+    local = np.empty((len(stack.pairs[0]), 3))
+    stack.evaluate(control, 6, out=jets)
+    stack.flux_sums(fluxes, out=sums)
+    stack.local_matrices(coefficients, SUM, out=local)
+
+    for k, table in enumerate(tables):
+        alone = ClassTables(table, 1000)
+        used = alone.n_control_points
+        own = slice(k, k + 1)
+        expected_jets = np.empty((3, 6 * n_points, 1))
+        expected_sums = np.empty((3, used, 1))
+        expected_local = np.empty((len(alone.pairs[0]), 1))
+        alone.evaluate(control[:, :used, own], 6, out=expected_jets)
+        alone.flux_sums(fluxes[..., own], out=expected_sums)
+        alone.local_matrices(coefficients[..., own], SUM, out=expected_local)
+
+        np.testing.assert_allclose(jets[..., own], expected_jets, atol=1e-12)
+        np.testing.assert_allclose(sums[:, :used, own], expected_sums, atol=1e-12)
+        assert not sums[:, used:, own].any()
+        is_used = stack.pairs[1] < used
+        np.testing.assert_allclose(local[is_used, own], expected_local, atol=1e-12)
+        assert not local[~is_used, own].any()
+
+
+@pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
+def test_matrices_do_not_depend_on_what_is_stacked(tolerance, monkeypatch):
+    vertices, faces = meshes.random_closed(4)
+    topology = TriangleTopology(faces, len(vertices))
+
+    def everything(few):
+        monkeypatch.setattr(table_cache, "FEW_TRIANGLES", few)
+        space = LoopSpace(topology, tolerance)
+        system = space.step_system(vertices, timestep=np.linspace(1, 2, len(vertices)))
+        measures = system.measures
+        return (
+            system.matrix.full().toarray(),
+            system.load,
+            np.array([measures.curvature_energy, measures.area, measures.volume]),
+        )
+
+    for alone, stacked in zip(everything(0), everything(1000), strict=True):
+        np.testing.assert_allclose(stacked, alone, rtol=1e-11, atol=1e-13 * np.abs(alone).max())

@@ -1,0 +1,145 @@
+"""Files that are whole or absent."""
+
+import errno
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from adaptive_fairing.files.atomic_files import (
+    replaced_file,
+    replaced_files,
+    require_space,
+    writable_place,
+)
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture
+def old(tmp_path):
+    path = tmp_path / "name.txt"
+    path.write_text("old")
+    return path
+
+
+@pytest.mark.parametrize("replaced", [replaced_file, replaced_files])
+def test_the_file_changes_only_at_the_end(old, replaced):
+    with replaced(old) as draft:
+        assert draft.suffix == ".txt"
+        draft.write_text("new")
+        assert old.read_text() == "old"
+    assert old.read_text() == "new"
+    assert list(old.parent.iterdir()) == [old]
+
+
+@pytest.mark.parametrize("replaced", [replaced_file, replaced_files])
+@pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
+def test_an_error_leaves_the_old_file_and_no_draft(old, replaced, error):
+    with pytest.raises(error), replaced(old) as draft:
+        draft.write_text("half")
+        raise error
+    assert old.read_text() == "old"
+    assert list(old.parent.iterdir()) == [old]
+
+
+@pytest.mark.parametrize("replaced", [replaced_file, replaced_files])
+def test_errors_of_the_system_name_the_file_and_the_reason(old, replaced):
+    with pytest.raises(OSError) as caught, replaced(old):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "draft")
+    assert str(caught.value) == f"cannot write {old}: No space left on device"
+
+
+@pytest.mark.parametrize("replaced", [replaced_file, replaced_files])
+def test_the_content_is_what_was_written(old, replaced):
+    content = bytes(range(256)) * 1000
+    with replaced(old) as draft:
+        draft.write_bytes(content)
+    assert old.read_bytes() == content
+
+
+@pytest.mark.parametrize("replaced", [replaced_file, replaced_files])
+def test_an_empty_draft_is_a_failure(old, replaced):
+    with pytest.raises(OSError, match="No space left"), replaced(old) as draft:
+        draft.touch()
+    assert old.read_text() == "old"
+
+
+def test_companions_keep_their_names_and_folders(old):
+    with replaced_files(old) as draft:
+        assert draft.name == old.name
+        draft.write_text("new")
+        (draft.parent / "more").mkdir()
+        (draft.parent / "more" / "companion.bin").write_text("also")
+    assert (old.parent / "more" / "companion.bin").read_text() == "also"
+    assert sorted(path.name for path in old.parent.iterdir()) == ["more", "name.txt"]
+
+
+def test_a_symbolic_link_stays_one(old):
+    link = old.with_name("link.txt")
+    link.symlink_to(old)
+    with replaced_file(link) as draft:
+        draft.write_text("new")
+    assert link.is_symlink()
+    assert old.read_text() == "new"
+
+
+def test_the_new_file_has_the_usual_permissions(old):
+    ordinary = old.with_name("ordinary")
+    ordinary.write_text("x")
+    with replaced_file(old) as draft:
+        draft.write_text("new")
+    assert old.stat().st_mode == ordinary.stat().st_mode
+
+
+@pytest.mark.parametrize(
+    ("place", "message"),
+    [
+        (".", "it is a folder, add a file name"),
+        ("no/file.txt", "its folder does not exist, make it first"),
+        (os.devnull, "it is not a regular file"),
+    ],
+)
+def test_places_that_cannot_be_written_are_named(tmp_path, place, message):
+    with pytest.raises(OSError, match=message):
+        writable_place(tmp_path / place)
+
+
+WRITE_CARELESSLY = """
+import os, resource, sys
+from pathlib import Path
+from adaptive_fairing.files.atomic_files import replaced_file, require_space
+resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+try:
+    if sys.argv[2] == "ahead":
+        require_space(Path(sys.argv[1]).parent, 5000)
+    else:
+        with replaced_file(sys.argv[1]) as draft:
+            file = os.open(draft, os.O_WRONLY | os.O_CREAT)
+            os.write(file, bytes(5000))  # writes 4096 bytes, and nobody looks
+            os.close(file)
+except OSError as error:
+    print(error)
+"""
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limit for file sizes")
+@pytest.mark.parametrize("when", ["ahead", "after"])
+def test_a_file_that_was_cut_off_is_noticed(old, when):
+    result = subprocess.run(
+        [sys.executable, "-c", WRITE_CARELESSLY, str(old), when],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert "File too large" in result.stdout
+    assert old.read_text() == "old"
+    assert list(old.parent.iterdir()) == [old]
+
+
+def test_space_that_is_there_is_given_back(tmp_path):
+    require_space(tmp_path, 3 << 20)
+    assert list(tmp_path.iterdir()) == []
