@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 
 import adaptive_fairing.core
-from adaptive_fairing.core import FairingSettings, fair, fair_steps
+from adaptive_fairing.core import DenoiseSettings, FairingSettings, denoise, fair_steps
 from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale, suggest_tau
 
 from .geometry import Faces, FloatArray
@@ -33,7 +33,7 @@ class AutoRun:
 def auto(vertices: FloatArray, faces: Faces) -> AutoRun:
     """Denoise with method "auto"; the rim of an open mesh moves, as it does with the peers."""
     start = time.perf_counter()
-    result = fair(vertices, faces, FairingSettings(method="auto", boundary="free"))
+    result = denoise(vertices, faces, DenoiseSettings(boundary="free"))
     return AutoRun(result.positions, time.perf_counter() - start)
 
 
