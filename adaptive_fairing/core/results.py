@@ -5,15 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from .denoise.plan import AutoEstimate
 from .fem.differential_geometry import SurfaceMeasures
 from .linalg.conjugate_gradients import SolveReport
+from .runtime.arrays import FloatArray
 from .settings import FairingSettings
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

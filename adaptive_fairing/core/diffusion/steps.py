@@ -22,7 +22,7 @@ from ..mesh.topology import checked_triangles
 from ..problem.diagnosis import surface_notes
 from ..problem.prepared_mesh import PreparedMesh
 from ..results import FairingResult, FairingStep, energy_ratio
-from ..runtime.precision import SINGLE_TIMES, SINGLE_TOLERANCE, SINGLE_TRIANGLES
+from ..runtime.precision import SINGLE
 from ..settings import FairingSettings
 
 FloatArray = NDArray[np.float64]
@@ -270,7 +270,6 @@ def _system(
     field = settings.tau * weights
     if settings.method != "uniform":
         field *= density
-    in_single = in_single and SINGLE_TIMES[0] < field.max() < SINGLE_TIMES[1]
     if settings.method == "adaptive_tensor":
         return density, space.step_system(current, diffusivity=field, in_single=in_single)
     return density, space.step_system(current, timestep=_positive(field), in_single=in_single)
@@ -278,10 +277,8 @@ def _system(
 
 def _serves_single(space: LoopSpace, settings: FairingSettings) -> bool:
     """Whether single precision is enough for a mesh, if its surfaces and times allow it."""
-    return (
-        settings.normalize
-        and settings.quadrature_tolerance >= SINGLE_TOLERANCE
-        and len(space.topology.triangles) >= SINGLE_TRIANGLES
+    return SINGLE.serves_mesh(
+        space.topology.n_triangles, settings.quadrature_tolerance, settings.normalize
     )
 
 

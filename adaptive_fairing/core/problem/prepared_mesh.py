@@ -6,7 +6,7 @@ from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..fem.loop_space import LoopSpace
@@ -16,9 +16,8 @@ from ..loop.quadrature import quadrature_choice
 from ..mesh.input_checks import checked_vertices, require_surface
 from ..mesh.solver_mesh import SolverFrame, solvable_surface
 from ..mesh.topology import checked_triangles
+from ..runtime.arrays import FloatArray, IntArray
 from ..settings import FairingSettings
-
-FloatArray = NDArray[np.float64]
 
 
 class PreparedMesh:
@@ -93,12 +92,12 @@ class PreparedMesh:
         patches = PatchSet(self.surface.topology)
         return estimated_bytes(patches, quadrature_choice(self.quadrature_tolerance), self._method)
 
-    def serves(self, triangles: NDArray[np.int32], n_vertices: int) -> bool:
+    def serves(self, triangles: IntArray, n_vertices: int) -> bool:
         """Whether a mesh has the triangles that were prepared."""
         is_same_size = n_vertices == self.surface.vertex_of.max() + 1
         return is_same_size and np.array_equal(triangles, self.triangles)
 
-    def require(self, triangles: NDArray[np.int32], n_vertices: int, tolerance: float) -> None:
+    def require(self, triangles: IntArray, n_vertices: int, tolerance: float) -> None:
         """Check that this is the preparation of a mesh.
 
         Raises
