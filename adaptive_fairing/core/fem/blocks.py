@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..loop.patches import Segment
+from ..runtime.arrays import IntArray
 from ..runtime.precision import Precision
 from .class_tables import ClassTables
 from .table_cache import Piece, SpaceTables, Tables
@@ -78,7 +79,7 @@ class Block:
         Quadrature weights, and the first of the triangles that have them.
     """
 
-    def __init__(self, pieces: list[Piece], control_points: NDArray[np.int32]) -> None:
+    def __init__(self, pieces: list[Piece], control_points: IntArray) -> None:
         self.n_points = pieces[0].tables.n_points
         self.control_points = control_points
         self.triangles = np.concatenate([p.triangles for p in pieces]).astype(np.int32)

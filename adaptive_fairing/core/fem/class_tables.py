@@ -8,10 +8,10 @@ from __future__ import annotations
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..loop.basis import BasisTable
-from ..runtime.precision import Precision, RealArray
+from ..runtime.arrays import IndexArray, RealArray
+from ..runtime.precision import Precision
 
 # A table of products is made up to this many numbers (32 MB) and this many for each triangle that
 # uses it: poles of high valence have tens of thousands of pairs of control points, many points,
@@ -140,7 +140,7 @@ class ClassTables:
 
 
 @lru_cache(maxsize=256)
-def upper_pairs(n: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def upper_pairs(n: int) -> tuple[IndexArray, IndexArray]:
     """Pairs (a, b), a ≤ b < n, row by row."""
     pairs = np.triu_indices(n)
     for numbers in pairs:
@@ -152,7 +152,7 @@ def sum_products(
     first_order: RealArray,
     coefficients: RealArray,
     terms: slice,
-    pairs: tuple[NDArray[np.intp], NDArray[np.intp]],
+    pairs: tuple[IndexArray, IndexArray],
     out: RealArray,
 ) -> None:
     """Integrate products of basis functions over n triangles without a table of products.

@@ -7,12 +7,11 @@ basis functions times the (4 q, n) coefficients.  Local matrices are scattered c
 
 from __future__ import annotations
 
-from contextlib import suppress
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import sparse
 
 from ..errors import InputError
@@ -21,7 +20,8 @@ from ..linalg.symmetric_pattern import SymmetricPattern, scattered
 from ..loop.patches import PatchSet
 from ..loop.quadrature import quadrature_choice
 from ..mesh.topology import TriangleTopology
-from ..runtime.precision import LEAST_MASS_IN_SINGLE, Precision, RealArray, SinglePrecisionError
+from ..runtime.arrays import FloatArray, RealArray
+from ..runtime.precision import SINGLE, Precision
 from ..runtime.threads import Workspace, ordered_map
 from .blocks import Chunk
 from .class_tables import MASS, STIFFNESS, SUM
@@ -30,8 +30,6 @@ from .forms import Form, ScalarForm, gradient_fluxes
 from .scatter import ChunkEntries
 from .surface_evaluation import Window, evaluate, integrate_measures
 from .table_cache import SpaceTables
-
-FloatArray = NDArray[np.float64]
 
 _workspace = Workspace()
 
@@ -113,7 +111,7 @@ class LoopSpace:
         Source: M of (3.4) and (3.9).
         """
         form = ScalarForm(inverse_mass=timestep is not None)
-        return self._assemble(form, positions, timestep, MASS).matrices[0].full()
+        return self._assemble(form, self._columns(positions, timestep), MASS).matrices[0].full()
 
     def stiffness_matrix(
         self, positions: ArrayLike, diffusivity: ArrayLike | None = None
@@ -135,7 +133,8 @@ class LoopSpace:
         Source: L of (3.4) and (3.9).
         """
         form = ScalarForm(scaled_stiffness=diffusivity is not None)
-        return self._assemble(form, positions, diffusivity, STIFFNESS).matrices[0].full()
+        columns = self._columns(positions, diffusivity)
+        return self._assemble(form, columns, STIFFNESS).matrices[0].full()
 
     def step_system(
         self,
@@ -154,7 +153,7 @@ class LoopSpace:
         timestep, diffusivity : (n_vertices,), optional
             Either may vary over the surface, not both.
         in_single : bool
-            Compute in single precision where the surface allows it; for positions in [-3, 3]^3.
+            Use single precision as far as it is enough; for positions in [-3, 3]³.
 
         Source: (3.3) with (3.4) (`timestep`) or (3.9) (`diffusivity`), less M X(0) on both sides.
         """
@@ -165,19 +164,20 @@ class LoopSpace:
             scaled_stiffness=diffusivity is not None,
             measured=True,
         )
-        field = timestep if diffusivity is None else diffusivity
-        if in_single:
-            with suppress(SinglePrecisionError):
-                system = self._step_system(form, positions, field, np.float32)
-                if (system.lumped_mass >= LEAST_MASS_IN_SINGLE * system.matrix.diagonal()).all():
-                    return system
-        return self._step_system(form, positions, field, np.float64)
+        columns = self._columns(positions, timestep if diffusivity is None else diffusivity)
+        if in_single and SINGLE.serves_times(columns[3]):
+            system = self._step_system(form, columns, np.float32)
+            used = ~self.topology.is_loose
+            if SINGLE.serves_masses(system.lumped_mass[used], system.matrix.diagonal()[used]):
+                return system
+        return self._step_system(form, columns, np.float64)
 
     def mass_and_stiffness(
         self, form: Form, positions: ArrayLike, field: ArrayLike | None = None
     ) -> tuple[SymmetricMatrix, SymmetricMatrix]:
         """Assemble the two parts of a form, see `Form`, on the surface of `positions`."""
-        mass, stiffness = self._assemble(form, positions, field, MASS, STIFFNESS).matrices
+        columns = self._columns(positions, field)
+        mass, stiffness = self._assemble(form, columns, MASS, STIFFNESS).matrices
         return mass, stiffness
 
     def turning_load(self, positions: ArrayLike, turns: FloatArray) -> FloatArray:
@@ -232,49 +232,50 @@ class LoopSpace:
         `in_single` as for `step_system`.
         """
         columns = self._columns(positions, None)
-        if in_single:
-            with suppress(SinglePrecisionError):
-                return self._measures(columns, np.float32)
-        return self._measures(columns, np.float64)
 
-    def _measures(self, columns: FloatArray, precision: Precision) -> SurfaceMeasures:
-        def of_chunk(chunk: Chunk) -> FloatArray:
+        def of_chunk(chunk: Chunk, precision: Precision) -> FloatArray:
             window = Window.of_chunk(chunk, columns, precision)
             totals = np.zeros(3)
             for block in chunk.blocks:
-                totals += integrate_measures(block, evaluate(block, window, curved=True))
+                surface = evaluate(block, window, curved=True)
+                if not window.resolves(surface.metric):
+                    return of_chunk(chunk, np.float64)
+                totals += integrate_measures(block, surface)
             return totals
 
-        return self._as_measures(sum(ordered_map(of_chunk, self._chunks), np.zeros(3)))
+        first_choice = np.float32 if in_single else np.float64
+        parts = ordered_map(lambda chunk: of_chunk(chunk, first_choice), self._chunks)
+        return self._as_measures(sum(parts, np.zeros(3)))
 
-    def _step_system(
-        self, form: Form, positions: ArrayLike, field: ArrayLike | None, precision: Precision
-    ) -> StepSystem:
-        (matrix,), load, measures = self._assemble(form, positions, field, SUM, precision=precision)
-        # Those of M + L: L has none.
+    def _step_system(self, form: Form, columns: FloatArray, precision: Precision) -> StepSystem:
+        (matrix,), load, measures = self._assemble(form, columns, SUM, precision=precision)
+        # The rows of L add up to 0: the row sums of M + L are those of M.
         lumped_mass = matrix.product(np.ones((1, len(load))))[0]
         return StepSystem(matrix, load, lumped_mass, measures)
 
     def _assemble(
         self,
         form: Form,
-        positions: ArrayLike,
-        field: ArrayLike | None,
+        columns: FloatArray,
         *terms: slice,
         precision: Precision = np.float64,
     ) -> _Assembled:
-        """Assemble a matrix for each of the `terms` of a form; MASS, STIFFNESS or SUM."""
-        columns = self._columns(positions, field)
+        """Assemble a matrix for each of the `terms` of a form; MASS, STIFFNESS or SUM.
+
+        Chunks that `precision` does not resolve are integrated in double precision.
+        """
+        # Made before the workers start: making them is work for the same workers.
+        all_entries = self._entries
         uppers = [np.zeros(self.pattern.n_upper, precision) for _ in terms]
         load = np.zeros((3, self.topology.n_vertices))
         totals = np.zeros(3)
 
         def contribution(index: int) -> _Contribution:
-            chunk, entries = self._chunks[index], self._entries[index]
+            chunk, entries = self._chunks[index], all_entries[index]
             return _integrate(chunk, entries, columns, form, terms, precision)
 
         parts = ordered_map(contribution, range(len(self._chunks)))
-        for chunk, entries, part in zip(self._chunks, self._entries, parts, strict=True):
+        for chunk, entries, part in zip(self._chunks, all_entries, parts, strict=True):
             for upper, own in zip(uppers, part.entries, strict=True):
                 upper[entries.low : entries.high] += own
             if form.measured:
@@ -340,6 +341,8 @@ def _integrate(
     n_done = n_loaded = 0
     for block in chunk.blocks:
         surface = evaluate(block, window, form.curved)
+        if not window.resolves(surface.metric):
+            return _integrate(chunk, entries, columns, form, terms, np.float64)
         flat_coefficients = form.coefficients(surface)
         coefficients = flat_coefficients.reshape(4, block.n_points, -1)
         for part in block.parts:

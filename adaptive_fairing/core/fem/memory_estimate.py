@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import FairingError
 from ..loop.basis import table_depth
@@ -16,6 +15,7 @@ from ..loop.fitted_quadrature import POINTS, is_fitted
 from ..loop.patch_class import PatchClass, is_regular_patch
 from ..loop.patches import PatchSet, chunk_size
 from ..loop.quadrature import QuadratureChoice
+from ..runtime.arrays import LongArray
 from ..runtime.threads import n_threads
 from .class_tables import product_table_pays
 from .table_cache import FEW_TRIANGLES, LARGEST_STACKED
@@ -118,14 +118,12 @@ def estimated_bytes(
     )
 
 
-def _stacked_bytes(n_numbers: NDArray[np.int64], patches: PatchSet) -> NDArray[np.int64]:
+def _stacked_bytes(n_numbers: LongArray, patches: PatchSet) -> LongArray:
     """Bound the tables of single triangles, by class: `n_numbers` at points for each function."""
     n_triangles = patches.topology.n_triangles
     n_chunks = -(-n_triangles // max(chunk_size(n_triangles), 1))
     n_stacked = np.minimum(patches.class_sizes, FEW_TRIANGLES * n_chunks)
-    bound: NDArray[np.int64] = np.where(
-        6 * n_numbers <= LARGEST_STACKED, 8 * 6 * n_numbers * n_stacked, 0
-    )
+    bound: LongArray = np.where(6 * n_numbers <= LARGEST_STACKED, 8 * 6 * n_numbers * n_stacked, 0)
     return bound
 
 

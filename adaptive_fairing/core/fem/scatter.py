@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..linalg.symmetric_pattern import Pairs, SymmetricPattern
+from ..runtime.arrays import IndexArray, IntArray
 from .blocks import Chunk
 
 
@@ -38,7 +38,7 @@ class ChunkEntries:
         self.doubled = np.concatenate(doubled)
 
 
-def _doubled(vertices: NDArray[np.int32], pairs: Pairs) -> NDArray[np.intp]:
+def _doubled(vertices: IntArray, pairs: Pairs) -> IndexArray:
     """Which entries (a, b), a ≠ b, of local matrices (p, n), in one row, have one vertex twice.
 
     Parameters

@@ -12,7 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from ..loop.basis import BasisTable
-from ..runtime.precision import Precision, RealArray
+from ..runtime.arrays import RealArray
+from ..runtime.precision import Precision
 from .class_tables import sum_products, upper_pairs
 
 

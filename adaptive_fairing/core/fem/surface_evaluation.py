@@ -5,20 +5,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..runtime.precision import (
-    SHORTEST_IN_SINGLE,
-    SMALLEST_IN_SINGLE,
-    Precision,
-    RealArray,
-    SinglePrecisionError,
-)
+from ..runtime.arrays import FloatArray, RealArray
+from ..runtime.precision import SINGLE, Precision
 from ..runtime.threads import Workspace
 from .blocks import Block, Chunk
 from .differential_geometry import Metric, mean_curvature, metric_at
-
-FloatArray = NDArray[np.float64]
 
 _workspace = Workspace()
 
@@ -31,13 +23,13 @@ class Window(NamedTuple):
     columns : (4, n)
         From the chunk's lowest vertex on, coordinates as seen from the origin.
     origin : (3,)
-    least_edge : float
-        Shortest tangents that single precision resolves; 0 in double precision.
+    extent : float
+        Largest side of the box around the vertices.
     """
 
     columns: RealArray
     origin: RealArray
-    least_edge: float = 0.0
+    extent: float = 0.0
 
     @classmethod
     def of_chunk(cls, chunk: Chunk, columns: FloatArray, precision: Precision) -> Window:
@@ -50,8 +42,13 @@ class Window(NamedTuple):
         middle = (low + high) / 2
         shifted = own.astype(precision)
         np.subtract(own[:3], middle[:, None], out=shifted[:3], casting="same_kind")
-        least_edge = max(SMALLEST_IN_SINGLE * float((high - low).max()), SHORTEST_IN_SINGLE)
-        return cls(shifted, middle.astype(precision), least_edge)
+        return cls(shifted, middle.astype(precision), float((high - low).max()))
+
+    def resolves(self, metric: Metric) -> bool:
+        """Whether the precision is enough for a surface with this metric."""
+        if self.columns.dtype == np.float64:
+            return True
+        return SINGLE.serves_metric(metric.g11, metric.g22, metric.area_element, self.extent)
 
 
 class SurfaceBlock(NamedTuple):
@@ -89,13 +86,8 @@ def evaluate(block: Block, window: Window, curved: bool) -> SurfaceBlock:
         Of the block's chunk.
     curved : bool
         Whether second derivatives are wanted.
-
-    Raises
-    ------
-    SinglePrecisionError
-        If a patch is too thin or too small for single precision.
     """
-    columns, origin, least_edge = window
+    columns, origin, _ = window
     precision = columns.dtype.type
     control = _workspace.array("control", 4, len(block.control_points), precision=precision)
     indices = block.control_points.astype(np.intp)  # once, not for every column
@@ -119,8 +111,6 @@ def evaluate(block: Block, window: Window, curved: bool) -> SurfaceBlock:
     by_derivative = jets.reshape(3, n_derivatives, -1).swapaxes(0, 1)
     tangents, second_derivatives = by_derivative[1:3], by_derivative[3:] if curved else None
     metric = metric_at(tangents)
-    if metric.g11.min() < least_edge**2:
-        raise SinglePrecisionError
     return SurfaceBlock(
         field.reshape(-1), positions.reshape(3, -1), tangents, metric, second_derivatives
     )

@@ -7,12 +7,12 @@ from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..loop.basis import basis_table
 from ..loop.patch_class import PatchClass
 from ..loop.patches import PatchSet, Segment
 from ..loop.quadrature import QuadratureChoice
+from ..runtime.arrays import IndexArray, IntArray
 from .class_tables import LARGEST_PRODUCT, ClassTables
 from .stacked_tables import RareTables
 
@@ -44,8 +44,8 @@ class Piece(NamedTuple):
     """
 
     tables: Tables
-    triangles: NDArray[np.intp]
-    control_points: NDArray[np.int32]
+    triangles: IndexArray
+    control_points: IntArray
 
     def part(self, first: int, last: int) -> Piece:
         """Return the triangles `first` to `last` - 1: of rare tables none but all."""

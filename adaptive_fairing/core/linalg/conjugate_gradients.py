@@ -5,21 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import SolverError
-from ..runtime.precision import RealArray
+from ..runtime.arrays import BoolArray, FloatArray, RealArray
+from ..runtime.precision import SINGLE
 from ..runtime.threads import ordered_map
 from .symmetric_matrix import SymmetricMatrix
-
-FloatArray = NDArray[np.float64]
 
 # Rounding alone leaves a residual of some machine epsilons of the terms that cancel in A x; asking
 # for less would never end.
 ATTAINABLE = 64  # machine epsilons
-
-# Single precision serves while the residual need not fall below this share of the first one.
-SINGLE_REDUCTION = 1e-4
 
 # Unknowns per column that one thread updates in one go.
 UNKNOWNS_PER_PIECE = 32768
@@ -49,7 +44,7 @@ def conjugate_gradients(
     right_side: FloatArray,
     start: FloatArray,
     *,
-    is_held: NDArray[np.bool_],
+    is_held: BoolArray,
     tolerance: float,
     max_iterations: int,
     relative_to: FloatArray | None = None,
@@ -99,7 +94,8 @@ def conjugate_gradients(
     right_columns = np.ascontiguousarray(right_side.T)
     reference = _size(right_columns if relative_to is None else relative_to.T, inverse)
     residual = right_columns - matrix.product(columns)
-    if matrix.is_single and tolerance * reference < SINGLE_REDUCTION * _size(residual, inverse):
+    first_size = _size(residual, inverse)
+    if matrix.is_single and not SINGLE.serves_solve(first_size, tolerance * reference):
         matrix, inverse = matrix.doubled(), inverse.astype(np.float64)
         residual = right_columns - matrix.product(columns)
     attainable = ATTAINABLE * np.finfo(inverse.dtype).eps

@@ -3,14 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
-from ..runtime.precision import RealArray
+from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.threads import ordered_map
 from .symmetric_pattern import Strip, SymmetricPattern, adopt_entries
-
-FloatArray = NDArray[np.float64]
 
 
 class SymmetricMatrix:

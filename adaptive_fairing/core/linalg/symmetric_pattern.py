@@ -10,15 +10,13 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from ..runtime.precision import RealArray
+from ..runtime.arrays import BoolArray, IndexArray, IntArray, RealArray
 from ..runtime.threads import ordered_map
 
-IntArray = NDArray[np.int32]
-Pairs = tuple[NDArray[np.intp], NDArray[np.intp]]
+Pairs = tuple[IndexArray, IndexArray]
 
 # Rows of a strip: its entries should stay in the cache while several columns are multiplied.
 ROWS_PER_STRIP = 16384
@@ -229,7 +227,7 @@ def _last_within_three(near: sparse.csr_array, order: IntArray) -> IntArray:
     return result
 
 
-def _chosen(which: NDArray[np.bool_], *arrays: IntArray) -> tuple[IntArray, ...]:
+def _chosen(which: BoolArray, *arrays: IntArray) -> tuple[IntArray, ...]:
     return arrays if which.all() else tuple(array[which] for array in arrays)
 
 

@@ -10,11 +10,9 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import SettingsError
-
-FloatArray = NDArray[np.float64]
+from ..runtime.arrays import FloatArray
 
 # Coarsest tolerance that each choice is good for: the measured error of the entries of M and L
 # against the subdivided reference, in units of the largest entry, on noisy meshes of valences 3

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import sparse
 
 from ..errors import SettingsError
+from ..runtime.arrays import FloatArray
 from ..runtime.threads import ordered_map
 from .limit_surface import limit_weights
 from .normals import triangle_normals
 from .topology import TriangleTopology
-
-FloatArray = NDArray[np.float64]
 
 DENSITY_KINDS = ("edge_length", "area")
 
