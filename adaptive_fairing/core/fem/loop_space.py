@@ -261,7 +261,7 @@ class LoopSpace:
 
         Chunks that `precision` does not resolve are integrated in double precision.
         """
-        # Made before the workers start: making them is work for the same workers.
+        # Made here, by all threads, and not by each of them when it needs them.
         all_entries = self._entries
         uppers = [np.zeros(self.pattern.n_upper, precision) for _ in terms]
         load = np.zeros((3, self.topology.n_vertices))
