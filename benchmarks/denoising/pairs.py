@@ -14,18 +14,24 @@ import numpy as np
 from .geometry import Faces, FloatArray
 from .noise import KINDS, add_noise
 
-STAIRCASE = "staircase"
+STAIRCASE, CAMERA, SCANNER = "staircase", "camera", "scanner"
 CLEAN = "none"
 
 AMPLITUDES = {
     "normal": (0.05, 0.1, 0.2, 0.4),
-    "uniform": (0.2,),
+    "uniform": (0.1, 0.2, 0.3, 0.5, 0.7),
     "isotropic": (0.2,),
-    "correlated": (0.2,),
+    "impulsive": (0.3,),
+    "heavy-tailed": (0.3,),
+    "correlated-2": (0.2,),
+    "correlated-4": (0.3,),
+    "correlated-6": (0.4,),
+    CAMERA: (2.0,),
+    SCANNER: (0.3,),
     STAIRCASE: (0.0,),
     CLEAN: (0.0,),
 }
-"""Strengths of every kind of noise, over the local edge length."""
+"""Strengths of every kind of noise, in edges (see `noise`) or distances of rays (see `scans`)."""
 
 ALL_NOISE = tuple(
     f"{kind}:{amplitude:g}" if amplitude else kind
@@ -121,8 +127,14 @@ def _made(name: str, noise: str) -> Pair | None:
         return Pair(name, shape.kind, group, noise, *staircase(*_shape(name), shape.voxels))
     clean, faces = _shape(name)
     noisy = clean
+    seed = int.from_bytes(hashlib.sha256(f"{name} {noise}".encode()).digest()[:4], "big")
+    if kind in (CAMERA, SCANNER):
+        from . import scans
+
+        scan = scans.depth_camera if kind == CAMERA else scans.range_scanner
+        found = scan(clean, faces, float(amplitude), np.random.default_rng(seed))
+        return Pair(name, shape.kind, group, noise, *found)
     if kind != CLEAN:
-        seed = int.from_bytes(hashlib.sha256(f"{name} {noise}".encode()).digest()[:4], "big")
         noisy = add_noise(clean, faces, kind, float(amplitude), seed)
     return Pair(name, shape.kind, group, noise, clean, noisy, faces)
 
@@ -146,6 +158,6 @@ def noise_name(text: str) -> str:
     kind, _, amplitude = text.partition(":")
     if kind in (STAIRCASE, CLEAN) and not amplitude:
         return text
-    if kind in KINDS and float(amplitude) > 0:
+    if kind in (*KINDS, CAMERA, SCANNER) and float(amplitude) > 0:
         return text
     raise ValueError(f"{text}: not one of {', '.join(ALL_NOISE)}")

@@ -71,6 +71,9 @@ TUNING: Mapping[str, Shape] = {
     "gyroid": Shape("open, saddles", implicit.gyroid, 0),
     "four_lumps": Shape("pieces", lambda: parametric.pieces(9, (500, 1_200, 2_800, 6_000))),
     "poles_72": Shape("poles", lambda: parametric.pole_sphere(72, 48, 0.06)),
+    "bracket_even": Shape("cad, even", lambda: machined.even(machined.bracket, 0.09)),
+    "gear_even": Shape("cad, even", lambda: machined.even(machined.gear, 0.06)),
+    "steps_even": Shape("cad, even", lambda: machined.even(machined.steps, 0.08)),
 }
 """What the parameters of method "auto" may be tuned on; from the foot on only since it had been
 measured on them without."""
