@@ -36,7 +36,7 @@ def picture(entry: Entry, peers: Sequence[Peer], folder: Path) -> Path:
     pair = entry.pair
     best = best_peer(entry, [peer.name for peer in peers])
     peer = next(peer for peer in peers if peer.name == best.peer)
-    ours = auto(pair.noisy, pair.faces).positions
+    ours = auto(pair.noisy, pair.faces)
     theirs = peer.result(pair.noisy, pair.faces, best.parameter)
     vertex = _most_different(Reference(pair.clean, pair.faces), ours, theirs)
     normal = vertex_normals(pair.clean, pair.faces)[vertex]

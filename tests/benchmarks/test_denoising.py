@@ -177,7 +177,7 @@ def test_a_swollen_sphere_is_measured_exactly():
     assert found["mean"] == pytest.approx(np.sqrt(np.mean(expected**2)), rel=1e-9)
     assert found["moved"] == pytest.approx(found["mean"], rel=1e-9)
     assert found["volume"] == pytest.approx(1.01**3 - 1, rel=1e-9)
-    assert found["normals"] == pytest.approx(0, abs=1e-5)
+    assert found["angle"] == pytest.approx(0, abs=1e-5)
     assert found["flips"] == 0
 
 
@@ -213,7 +213,7 @@ def test_turned_faces_are_counted():
     vertices, faces = flat_grid(6, 6)
     found = score(vertices, faces, vertices * [-1, 1, 1])
     assert found["flips"] == len(faces)
-    assert found["normals"] == pytest.approx(180)
+    assert found["angle"] == pytest.approx(180)
 
 
 def test_density_classes_are_equal_shares_from_dense_to_coarse(ball):
@@ -295,7 +295,7 @@ def test_the_result_at_a_point_of_the_grid_is_the_one_that_was_scored(pair):
     peer = Peer("shrinking", (), "share", (0.5, 1.0, 1.2), Shrinking(), {"a": {}, "b": {}})
     positions = peer.result(pair.noisy, pair.faces, "share 1, b")
     expected = contest.peer_scores(pair, peer)["share 1, b"]
-    assert score(pair.clean, pair.faces, positions) == expected
+    assert score(pair.clean, pair.faces, positions).items() <= expected.items()
     with pytest.raises(KeyError, match="no share 2"):
         peer.result(pair.noisy, pair.faces, "share 2")
 
@@ -326,7 +326,7 @@ def entry(own: float, first: list[float], second: list[float], **others) -> cont
     }
     nothing = np.empty((0, 3))
     mesh = pairs.Pair("mesh", "test", "test", "normal:0.1", nothing, nothing, nothing)
-    return contest.Entry(mesh, made_up(0.2), made_up(own, **others), 1.0, scores)
+    return contest.Entry(mesh, made_up(0.2), made_up(own, **others), scores)
 
 
 def test_the_verdict_takes_the_best_parameter_per_mesh_and_one_for_all():
