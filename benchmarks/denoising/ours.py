@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 import adaptive_fairing.core
-from adaptive_fairing.core import FairingSettings, fair, fair_steps
+from adaptive_fairing.core import DenoiseSettings, FairingSettings, denoise, fair_steps
 from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale, suggest_tau
 
 from .geometry import Faces, FloatArray
@@ -23,7 +23,7 @@ RADII = spread(0.2, 4, 16)
 
 def auto(vertices: FloatArray, faces: Faces) -> FloatArray:
     """Denoise with method "auto"; the rim of an open mesh moves, as it does with the peers."""
-    return fair(vertices, faces, FairingSettings(method="auto", boundary="free")).positions
+    return denoise(vertices, faces, DenoiseSettings(boundary="free")).positions
 
 
 def paper_scheme(

@@ -161,7 +161,7 @@ def test_the_edge_operator_vanishes_on_flat_pairs_alone():
     weights = edge_weights(flat @ turn)
     np.testing.assert_allclose(weights.sum(axis=1), 0, atol=1e-12)
     np.testing.assert_allclose(np.einsum("kc,kcd->kd", weights, flat @ turn), 0, atol=1e-12)
-    bent = flat + [[0, 0, 0], [0, 0, 0.1], [0, 0, 0], [0, 0, 0.1]]
+    bent = flat + np.array([[0, 0, 0], [0, 0, 0.1], [0, 0, 0], [0, 0, 0.1]])
     assert np.linalg.norm(np.einsum("kc,kcd->kd", edge_weights(bent), bent), axis=1).min() > 0.05
 
 

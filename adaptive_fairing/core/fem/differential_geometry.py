@@ -132,3 +132,8 @@ def _product(a: RealArray, b: RealArray) -> RealArray:
     """Scalar products of vectors at points, (3, n_points) each."""
     products: RealArray = np.einsum("dp,dp->p", a, b)
     return products
+
+
+def energy_ratio(energy: float, initial: float) -> float:
+    """H(t)/H(0); a surface that was flat from the start has nothing left to lose."""
+    return energy / initial if initial > 0 else 0.0
