@@ -26,8 +26,7 @@ from .pictures import picture
 from .verdict import clean_criterion, criteria, grouped, research_criteria, standing
 
 GROUPS = {
-    "held-out": tuple(shapes.HELD_OUT),
-    "tuning": tuple(shapes.TUNING),
+    **{name: tuple(members) for name, members in shapes.GROUPS.items()},
     "all": tuple(shapes.SHAPES),
     "none": (),
 }

@@ -117,7 +117,7 @@ def _made(name: str, noise: str) -> Pair | None:
     from . import shapes  # takes seconds: Blender and pymeshlab
 
     shape = shapes.SHAPES[name]
-    group = "tuning" if name in shapes.TUNING else "held-out"
+    group = next(group for group, members in shapes.GROUPS.items() if name in members)
     kind, _, amplitude = noise.partition(":")
     if kind == STAIRCASE:
         if not shape.voxels:
