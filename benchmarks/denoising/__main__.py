@@ -4,6 +4,7 @@
     python -m benchmarks.denoising --shapes gear foot --noise normal:0.1 correlated:0.2
     python -m benchmarks.denoising --pairs FOLDER --output FOLDER --pictures
     python -m benchmarks.denoising --noise all --peers research   by kind of noise
+    python -m benchmarks.denoising --group none --cases --peers research --output FOLDER --pictures
 
 Prints tables in Markdown. What auto may be tuned on is the group "tuning" alone.
 """
@@ -20,7 +21,7 @@ from tqdm import tqdm
 from . import shapes, tables
 from .contest import Entry, contest
 from .ours import PAPER_SCHEMES, core_digest
-from .pairs import ALL_NOISE, CLEAN, MAIN_NOISE, Pair, in_folder, made, noise_name
+from .pairs import ALL_NOISE, CASES, CLEAN, MAIN_NOISE, Pair, in_folder, made, noise_name
 from .peers import IN_USE, PEERS, RESEARCH, Peer
 from .pictures import picture
 from .verdict import clean_criterion, criteria, grouped, research_criteria, standing
@@ -102,6 +103,9 @@ def _noisy(entries: Sequence[Entry]) -> list[Entry]:
 
 
 def _chosen(options: argparse.Namespace) -> Iterator[Pair]:
+    if options.cases:
+        for name, noise in CASES:
+            yield from made([name], [noise])
     names = options.shapes if options.shapes is not None else GROUPS[options.group]
     yield from made(names, ALL_NOISE if "all" in options.noise else options.noise)
     for folder in options.pairs:
@@ -132,12 +136,16 @@ def _parser() -> argparse.ArgumentParser:
         help=f"in edges: {', '.join(ALL_NOISE)}, or all of them (default {MAIN_NOISE} {CLEAN})",
     )
     parser.add_argument(
+        "--cases", action="store_true", help="eight pairs of new shapes as well, for pictures"
+    )
+    parser.add_argument(
         "--pairs",
         nargs="+",
         type=Path,
         default=[],
         metavar="FOLDER",
-        help="folders of NAME.clean.EXT and NAME.noisy.EXT as well",
+        help="folders of NAME.clean.EXT and NAME.noisy.EXT, or NAME.scan.EXT and "
+        "NAME.reference.EXT, as well",
     )
     parser.add_argument(
         "--peers",

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -42,7 +41,17 @@ ALL_NOISE = tuple(
 
 MAIN_NOISE = "normal:0.2"
 
-PAIR_NAME = re.compile(r"(?P<name>.+)\.(clean|noisy)$")
+CASES = (
+    ("block", "uniform:0.3"),
+    ("heat_sink", "uniform:0.2"),
+    ("die", "impulsive:0.3"),
+    ("hand", "heavy-tailed:0.3"),
+    ("wall", "camera:2"),
+    ("fish", "scanner:0.3"),
+    ("brain", "correlated-4:0.3"),
+    ("mushroom", "normal:0.2"),
+)
+"""Eight pictures of the new shapes."""
 
 
 @dataclass(frozen=True)
@@ -96,21 +105,28 @@ def made(names: list[str], noises: list[str]) -> Iterator[Pair]:
 
 
 def in_folder(folder: Path) -> Iterator[Pair]:
-    """Read every NAME.clean.EXT and NAME.noisy.EXT of a folder, in alphabetical order.
+    """Read the pairs of a folder, in alphabetical order.
 
-    The clean mesh is a pair without noise as well.
+    NAME.clean.EXT and NAME.noisy.EXT have the same triangles; the clean mesh is a pair without
+    noise as well. NAME.scan.EXT is a real scan and NAME.reference.EXT the surface, of any
+    triangles: clean are its points nearest to the vertices of the scan.
     """
-    for clean_path in sorted(folder.iterdir()):
-        match = PAIR_NAME.match(clean_path.stem)
-        if not match or not clean_path.stem.endswith(".clean"):
-            continue
-        noisy_path = clean_path.with_name(f"{match['name']}.noisy{clean_path.suffix}")
-        clean, faces = _read(clean_path)
-        noisy, other_faces = _read(noisy_path)
-        if not np.array_equal(faces, other_faces):
-            raise ValueError(f"{noisy_path} has other faces than {clean_path}")
-        yield Pair(match["name"], "given", folder.name, "file", clean, noisy, faces)
-        yield Pair(match["name"], "given", folder.name, CLEAN, clean, clean, faces)
+    import igl
+
+    for path in sorted(folder.iterdir()):
+        name, _, role = path.stem.rpartition(".")
+        if role == "clean":
+            noisy_path = path.with_name(f"{name}.noisy{path.suffix}")
+            (clean, faces), (noisy, other_faces) = _read(path), _read(noisy_path)
+            if not np.array_equal(faces, other_faces):
+                raise ValueError(f"{noisy_path} has other faces than {path}")
+            yield Pair(name, "given", folder.name, "file", clean, noisy, faces)
+            yield Pair(name, "given", folder.name, CLEAN, clean, clean, faces)
+        elif role == "scan":
+            noisy, faces = _read(path)
+            surface = _read(path.with_name(f"{name}.reference{path.suffix}"))
+            clean = igl.point_mesh_squared_distance(noisy, surface[0], surface[1].astype(int))[2]
+            yield Pair(name, "real", folder.name, "scan", clean, noisy, faces)
 
 
 def _made(name: str, noise: str) -> Pair | None:
