@@ -16,6 +16,7 @@ from .mesh.topology import TriangleTopology
 from .problem.prepared_mesh import PreparedMesh
 from .results import FairingResult, FairingStep
 from .settings import FairingSettings
+from .surface.limit_surface import LimitSurface
 
 __all__ = [
     "AutoEstimate",
@@ -25,6 +26,7 @@ __all__ = [
     "FairingSettings",
     "FairingStep",
     "InputError",
+    "LimitSurface",
     "LoopSpace",
     "MemoryNeededError",
     "PreparedMesh",
