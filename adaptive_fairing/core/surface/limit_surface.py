@@ -155,12 +155,17 @@ class LimitSurface:
         self.levels = RefinementLevels(topology, creases, corners)
         self.positions = _control_points(positions, topology.n_vertices)
 
+    @classmethod
+    def from_levels(cls, levels: RefinementLevels, positions: ArrayLike) -> LimitSurface:
+        """Make a surface of given refinement levels, which it shares with others."""
+        result = object.__new__(cls)
+        result.levels = levels
+        result.positions = _control_points(positions, levels.mesh(0).n_vertices)
+        return result
+
     def moved(self, positions: ArrayLike) -> LimitSurface:
         """Make the surface of other positions, which shares all matrices with this one."""
-        result = object.__new__(LimitSurface)
-        result.levels = self.levels
-        result.positions = _control_points(positions, len(self.positions))
-        return result
+        return LimitSurface.from_levels(self.levels, positions)
 
     def refinement_matrix(self, level: int) -> sparse.csr_array:
         """Step from the control points of level `level - 1` to those of `level`, from 1 on."""

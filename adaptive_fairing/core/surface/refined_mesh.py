@@ -231,8 +231,7 @@ def unrefined_mesh(
 
 def _edge_numbers(edges: IntArray, pairs: NDArray[np.int64], n_vertices: int) -> NDArray[np.intp]:
     """Find pairs of vertices among the edges."""
-    keys = edges.min(axis=1).astype(np.int64) * n_vertices + edges.max(axis=1)
-    wanted = pairs.min(axis=1).astype(np.int64) * n_vertices + pairs.max(axis=1)
+    keys, wanted = edge_keys(edges, n_vertices), edge_keys(pairs, n_vertices)
     order = np.argsort(keys)
     place = np.searchsorted(keys, wanted, sorter=order)
     numbers = order[np.minimum(place, len(keys) - 1)] if len(keys) else place
@@ -241,3 +240,10 @@ def _edge_numbers(edges: IntArray, pairs: NDArray[np.int64], n_vertices: int) ->
         missing = pairs[~found]
         raise InputError(f"{len(missing)} creases are no edges of the mesh: {listed(missing)}")
     return numbers
+
+
+def edge_keys(ends: IntArray | NDArray[np.int64], n_vertices: int) -> NDArray[np.int64]:
+    """Make one number of every vertex pair (e, 2), whatever the order of the two."""
+    low, high = np.minimum(ends[:, 0], ends[:, 1]), np.maximum(ends[:, 0], ends[:, 1])
+    keys: NDArray[np.int64] = low.astype(np.int64) * n_vertices + high
+    return keys
