@@ -35,7 +35,7 @@ BEND = 1.0  # of one end against the other, in radians
 SEED = 20260009
 
 CASES = {
-    "fixed τ, mean edge": ["--tau", "0.004"],
+    "fixed τ, mean edge": ["--method", "timestep", "--tau", "0.004"],
     "until 60 % of the curvature is left": [
         "--method", "timestep", "--tau", "0.001", "--steps", "12", "--stop-curvature", "0.6",
     ],
