@@ -201,9 +201,9 @@ def run_plan(
     if not is_complete(account["meshes"]):
         return account, _what_is_missing(account)
     if plan.keyed is not None:
-        from ..silence import silent_stdout
+        from ..silence import silent_output
 
-        with silent_stdout():
+        with silent_output():
             from ..blender.jobs.keyed_object import write_keyed_file
 
         write_keyed_file(plan.items, arguments.object, plan.keyed)

@@ -241,10 +241,10 @@ def _run(arguments: argparse.Namespace) -> int:
     except SettingsError as error:
         return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
 
-    from ..silence import silent_stdout
+    from ..silence import silent_output
     from .progress import share_progress, step_progress
 
-    with silent_stdout():  # Blender logs from its very first moment
+    with silent_output():  # Blender logs from its very first moment
         from ..blender.jobs.file_job import FairingJob, run_job
 
     job = FairingJob(
@@ -288,9 +288,9 @@ def _run_batch(arguments: argparse.Namespace, worker_command: Sequence[str]) -> 
 
 
 def _serve() -> int:
-    from ..silence import silent_stdout
+    from ..silence import silent_output
 
-    with silent_stdout():
+    with silent_output():
         from ..blender.jobs.batch_worker import serve
 
     serve()
