@@ -146,7 +146,6 @@ def run_plan(
     arguments: argparse.Namespace,
     settings: FairingSettings,
     worker_command: Sequence[str],
-    program: str,
 ) -> tuple[dict[str, Any], str | None]:
     """Run the batch.
 
@@ -187,9 +186,7 @@ def run_plan(
     else:
         progress = MeshProgress(
             len(plan.items),
-            program,
             show_bar=not arguments.quiet and sys.stderr.isatty(),
-            show_errors=True,
             farm_lines=arguments.flamenco,
         )
         try:
