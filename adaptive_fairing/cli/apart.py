@@ -77,11 +77,11 @@ def keep_to_own_messages() -> None:
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 1)
         os.dup2(nowhere.fileno(), 2)
-    sys.stderr = os.fdopen(own, "w", buffering=1, errors="backslashreplace")
+    sys.stderr = os.fdopen(own, "w", buffering=1)
 
 
 def prepare_standard_streams() -> None:
-    """Open what the caller has closed of the three standard streams; let them take any name."""
+    """Open what the caller has closed of the three standard streams, to nowhere."""
     for number in range(3):
         try:
             os.fstat(number)
@@ -90,4 +90,3 @@ def prepare_standard_streams() -> None:
     for name, number in (("stdout", 1), ("stderr", 2)):
         if getattr(sys, name) is None:
             setattr(sys, name, os.fdopen(number, "w", closefd=False))
-        getattr(sys, name).reconfigure(errors="backslashreplace")

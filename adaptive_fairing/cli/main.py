@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from .. import defaults
+from ..batch.conflicts import Pair, require_no_conflict
 from ..batch.inputs import ArgumentsError
 from ..batch.summary import chosen_record
 from ..files.formats import BLEND, SUFFIXES, is_supported
@@ -134,6 +135,14 @@ def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
     for path in (arguments.input, arguments.output):
         if not is_supported(path):
             parser.error(f"{path}: unknown kind of file; use one of {' '.join(SUFFIXES)}")
+    try:
+        require_no_conflict(
+            [Pair(arguments.input, arguments.output)],
+            reports=[arguments.report] if arguments.report is not None else [],
+            may_overwrite=arguments.overwrite_inputs,
+        )
+    except ArgumentsError as error:
+        parser.error(str(error))
     return arguments
 
 
@@ -238,6 +247,9 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--report", type=Path, metavar="FILE.json", help="write settings and measures as JSON"
+    )
+    parser.add_argument(
+        "--overwrite-inputs", action="store_true", help="let a result replace its own input"
     )
     parser.add_argument("--quiet", action="store_true", help="show errors only")
     batch.add_options(parser)

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import contextlib
 import sys
+from typing import TextIO
 
 PROGRAM = "adaptive-fairing"
 
 
 def say(text: str) -> None:
-    """Write a message, whatever line ends it holds, and whether or not somebody listens."""
-    with contextlib.suppress(OSError):
-        print(f"{PROGRAM}: {one_line(text)}", file=sys.stderr, flush=True)
+    """Write a message to standard error, whether or not somebody listens."""
+    write_line(f"{PROGRAM}: {text}", sys.stderr)
 
 
-def one_line(text: str) -> str:
-    """Put a text, such as a message of a library or the name of a file, into one line."""
-    return " ".join(text.split())
+def write_line(text: str, stream: TextIO) -> None:
+    """Write a text as one line, whatever line ends and letters are in it."""
+    encoding = stream.encoding or "utf-8"
+    line = " ".join(text.split()).encode(encoding, "backslashreplace").decode(encoding)
+    with contextlib.suppress(OSError):  # nobody listens any more
+        print(line, file=stream, flush=True)

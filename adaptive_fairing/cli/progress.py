@@ -5,12 +5,12 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import Any
 
 from ..batch.summary import FAILED
 from ..core import FairingStep
-from .messages import one_line, say
+from .messages import say, write_line
 
 try:
     from tqdm import tqdm
@@ -109,9 +109,8 @@ class MeshProgress:
             self._bar.update()
         if self._farm_lines:
             elapsed = time.perf_counter() - self._started
-            line = one_line(f"Time: {elapsed:.1f} s | {entry['output']}: {entry['status']}")
-            with suppress(OSError):
-                print(line, flush=True)
+            line = f"Time: {elapsed:.1f} s | {entry['output']}: {entry['status']}"
+            write_line(line, sys.stdout)
 
     def close(self) -> None:
         """Take the bar away."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -49,9 +50,8 @@ def import_mesh(
     InputError
         Coordinates that are not finite numbers, faces whose vertices do not exist.
     """
-    path = Path(path).resolve()
-    if not path.is_file():
-        raise FileError(f"cannot read {path}: there is no such file")
+    path = Path(os.path.abspath(path))
+    _require_readable(path)
     if suffix_of(path) == BLEND:
         _call(path, "wm.open_mainfile", {"filepath": str(path), "use_scripts": False})
     else:
@@ -138,6 +138,15 @@ def empty_scene() -> None:
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
 
 
+def _require_readable(path: Path) -> None:
+    try:
+        path.open("rb").close()
+    except FileNotFoundError as error:
+        raise FileError(f"cannot read {path}: there is no such file") from error
+    except OSError as error:
+        raise FileError(f"cannot read {path}: {error.strerror}") from error
+
+
 def _import_into_empty_scene(path: Path, *, split: bool, keep_axes: bool) -> None:
     contents = inspect(path)
     file_format = MESH_FORMATS[suffix_of(path)]
@@ -200,10 +209,17 @@ def _call(path: Path, name: str, options: Mapping[str, Any]) -> None:
         with silent_output():
             outcome = operator(**known_options(operator, dict(options)))
     except RuntimeError as error:
-        reason = " ".join(str(error).removeprefix("Error: ").split())
-        raise FileError(f"cannot {verb} {path}: {reason}") from error
+        raise FileError(f"cannot {verb} {path}: {_reason(str(error))}") from error
     if outcome != {"FINISHED"}:
         raise FileError(f"cannot {verb} {path}: Blender gave up without a reason")
+
+
+def _reason(text: str) -> str:
+    """Take the reason from the message of an operator, of a traceback its last line."""
+    lines = [line.strip() for line in text.removeprefix("Error: ").splitlines() if line.strip()]
+    if any("Traceback (most recent call last)" in line for line in lines):
+        lines = [line for line in lines if not line.startswith("Location:")][-1:]
+    return " ".join(lines)
 
 
 def _operator(name: str) -> Callable[..., set[str]]:
