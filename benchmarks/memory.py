@@ -19,19 +19,17 @@ for folder in (ROOT / "tests", ROOT):
 
 from support import bad_meshes, meshes  # noqa: E402  the search path has to be set before
 
-from adaptive_fairing.core import FairingSettings, fair_steps  # noqa: E402
-from adaptive_fairing.core.fem.memory_estimate import estimated_bytes  # noqa: E402
-from adaptive_fairing.core.loop.patches import PatchSet  # noqa: E402
-from adaptive_fairing.core.loop.quadrature import quadrature_choice  # noqa: E402
-from adaptive_fairing.core.mesh.solver_mesh import solvable_surface  # noqa: E402
+from adaptive_fairing.core import FairingSettings, PreparedMesh, denoise, fair  # noqa: E402
+from adaptive_fairing.core.problem.prepared_mesh import DEFAULT_TOLERANCE  # noqa: E402
 
+# Meshes with the tolerance of the paper's integrals, or None to denoise them.
 CASES = {
     "sphere 5": (lambda: meshes.icosphere(5), 1e-3),
     "sphere 6": (lambda: meshes.icosphere(6), 1e-3),
     "sphere 7": (lambda: meshes.icosphere(7), 1e-3),
     "sphere 5, tight": (lambda: meshes.icosphere(5), 1e-6),
-    "sphere 5, auto": (lambda: meshes.noisy_ball(5, 0.003), 1e-3, "auto"),
-    "sphere 6, auto": (lambda: meshes.noisy_ball(6, 0.001), 1e-3, "auto"),
+    "sphere 5, denoise": (lambda: meshes.noisy_ball(5, 0.003), None),
+    "sphere 6, denoise": (lambda: meshes.noisy_ball(6, 0.001), None),
     "irregular": (lambda: meshes.random_closed(1), 1e-3),
     "irregular, tight": (lambda: meshes.random_closed(1), 1e-6),
     "grid": (lambda: meshes.flat_grid(200, 200), 1e-3),
@@ -64,15 +62,16 @@ def main() -> int:
 
 def measure(name: str) -> dict[str, float]:
     """Solve a case in this process; give the estimate and the rise of the peak memory."""
-    make, tolerance, *method = CASES[name]
+    make, tolerance = CASES[name]
     vertices, faces = make()
     before = _peak()
-    settings = FairingSettings(*method, steps=2, quadrature_tolerance=tolerance)
-    for _ in fair_steps(vertices, faces, settings):
-        pass
+    if tolerance is None:
+        denoise(vertices, faces)
+    else:
+        fair(vertices, faces, FairingSettings(steps=2, quadrature_tolerance=tolerance))
     measured = _peak() - before
-    patches = PatchSet(solvable_surface(vertices, faces).topology)
-    estimate = estimated_bytes(patches, quadrature_choice(tolerance), settings.method)
+    prepared = PreparedMesh(vertices, faces, quadrature_tolerance=tolerance or DEFAULT_TOLERANCE)
+    estimate = prepared.needed_bytes("denoise" if tolerance is None else "fair")
     return {"triangles": len(faces), "estimate": estimate, "measured": measured}
 
 

@@ -1,10 +1,16 @@
 """Numeric core of Adaptive Fairing: numpy and scipy only, never bpy.
 
-Geometric diffusion of surface meshes in the finite element space of Loop's subdivision basis,
-after C. Bajaj and G. Xu, *Adaptive Fairing of Surface Meshes by Geometric Diffusion*.
+Two algorithms work in the finite element space of Loop's subdivision basis. `denoise` estimates the
+noise of a mesh and removes it. `fair` is geometric diffusion after C. Bajaj and G. Xu, *Adaptive
+Fairing of Surface Meshes by Geometric Diffusion*.
 """
 
-from .denoise.plan import AutoEstimate, AutoPlan
+from .denoise.denoise import denoise
+from .denoise.plan import DenoisePlan
+from .denoise.result import DenoiseResult
+from .denoise.settings import DenoiseSettings
+from .diffusion.results import FairingResult, FairingStep
+from .diffusion.settings import FairingSettings
 from .diffusion.steps import fair, fair_steps
 from .errors import FairingError, InputError, SettingsError, SolverError, TopologyError
 from .fem.differential_geometry import SurfaceMeasures
@@ -14,17 +20,18 @@ from .linalg.conjugate_gradients import SolveReport
 from .mesh.density import mesh_density
 from .mesh.topology import TriangleTopology
 from .problem.prepared_mesh import PreparedMesh
-from .results import FairingResult, FairingStep
-from .settings import FairingSettings
+from .surface.limit_surface import LimitSurface
 
 __all__ = [
-    "AutoEstimate",
-    "AutoPlan",
+    "DenoisePlan",
+    "DenoiseResult",
+    "DenoiseSettings",
     "FairingError",
     "FairingResult",
     "FairingSettings",
     "FairingStep",
     "InputError",
+    "LimitSurface",
     "LoopSpace",
     "MemoryNeededError",
     "PreparedMesh",
@@ -34,6 +41,7 @@ __all__ = [
     "SurfaceMeasures",
     "TopologyError",
     "TriangleTopology",
+    "denoise",
     "fair",
     "fair_steps",
     "mesh_density",

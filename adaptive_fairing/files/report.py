@@ -10,24 +10,48 @@ import json
 import math
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..core.denoise.plan import AutoEstimate
-from ..core.fem.differential_geometry import SurfaceMeasures
-from ..core.results import FairingStep
-from ..core.settings import FairingSettings
+from ..core import (
+    DenoiseResult,
+    DenoiseSettings,
+    FairingSettings,
+    FairingStep,
+    SolveReport,
+    SurfaceMeasures,
+)
+from ..core.fem.differential_geometry import energy_ratio
 from .atomic_files import replaced_file
 
 Json = dict[str, Any]
 
 
+def settings_record(settings: DenoiseSettings | FairingSettings) -> Json:
+    """Write the settings of either algorithm, so that `settings_of_record` can read them."""
+    is_denoise = isinstance(settings, DenoiseSettings)
+    return {"algorithm": "denoise" if is_denoise else "fair", **asdict(settings)}
+
+
+def settings_of_record(record: Mapping[str, Any]) -> DenoiseSettings | FairingSettings:
+    """Read a `settings_record`.
+
+    Raises
+    ------
+    SettingsError
+        A value makes no sense.
+    """
+    values = {name: value for name, value in record.items() if name != "algorithm"}
+    is_denoise = record["algorithm"] == "denoise"
+    return DenoiseSettings(**values) if is_denoise else FairingSettings(**values)
+
+
 def step_record(step: FairingStep, start: ArrayLike, seconds: float) -> Json:
-    """Describe one step.
+    """Describe one step of the paper's diffusion.
 
     Parameters
     ----------
@@ -38,40 +62,72 @@ def step_record(step: FairingStep, start: ArrayLike, seconds: float) -> Json:
     seconds
         Time that the step took; the first step includes the set-up of the solver.
     """
-    displacement = np.linalg.norm(step.positions - np.asarray(start), axis=1)
     return {
         "step": step.index,
         "time": step.time,
         "seconds": seconds,
-        "cg_iterations": step.solve.iterations,
-        "cg_residual": step.solve.residual,
-        "converged": step.solve.converged,
+        **_solve_record(step.solve),
         "curvature_energy": step.curvature_energy,
         "curvature_ratio": step.curvature_ratio,
         "area": step.area,
         "volume": step.volume,
-        "largest_displacement": displacement.max(initial=0.0),
-        "mean_displacement": displacement.mean() if len(displacement) else 0.0,
-        "auto": None if step.auto is None else _estimate_record(step.auto),
+        **_displacement_record(step.positions, start),
     }
 
 
-def _estimate_record(estimate: AutoEstimate) -> Json:
-    """All of an estimate but the plan, which is as large as the mesh."""
+def denoise_record(result: DenoiseResult, seconds: float) -> Json:
+    """Describe a run of `denoise`: what was found, and one entry for every strength."""
     return {
-        field.name: getattr(estimate, field.name)
-        for field in fields(estimate)
-        if field.name != "plan"
+        "seconds": seconds,
+        "is_changed": result.is_changed,
+        "noise": result.noise_level,
+        "noise_length": result.noise_length,
+        "radius": result.radius,
+        "sharp_part": result.sharp_part,
+        "crease_part": result.crease_part,
+        "is_sharp": result.is_sharp,
+        **_solve_record(result.solve),
+        "chosen": result.chosen,
+        "strengths": [
+            {
+                "strength": strength,
+                **asdict(measures),
+                "curvature_ratio": energy_ratio(
+                    measures.curvature_energy, result.initial.curvature_energy
+                ),
+                **_displacement_record(shape, result.start),
+            }
+            for strength, measures, shape in zip(
+                result.strengths, result.measures, result.shapes, strict=True
+            )
+        ],
+    }
+
+
+def _solve_record(solve: SolveReport) -> Json:
+    return {
+        "cg_iterations": solve.iterations,
+        "cg_residual": solve.residual,
+        "converged": solve.converged,
+    }
+
+
+def _displacement_record(positions: ArrayLike, start: ArrayLike) -> Json:
+    displacement = np.linalg.norm(np.asarray(positions) - np.asarray(start), axis=1)
+    return {
+        "largest_displacement": displacement.max(initial=0.0),
+        "mean_displacement": displacement.mean() if len(displacement) else 0.0,
     }
 
 
 def build_report(
     *,
-    settings: FairingSettings,
+    settings: FairingSettings | DenoiseSettings,
     program: Mapping[str, Any],
     files: Mapping[str, Any],
     mesh: Mapping[str, Any],
     initial: SurfaceMeasures | None,
+    denoise: Json | None,
     steps: Sequence[Json],
     stop_reason: str | None,
     notes: Sequence[str],
@@ -91,8 +147,10 @@ def build_report(
         Counts of the mesh; empty if it could not be read.
     initial
         Measures of the input surface; None if the run did not reach its first step.
+    denoise
+        A `denoise_record`, if that was run.
     steps
-        One `step_record` each.
+        A `step_record` for each step of the paper's diffusion.
     stop_reason
         Why the run ended, as in `FairingStep`; None if an error ended it.
     notes
@@ -103,9 +161,11 @@ def build_report(
     return {
         "program": dict(program),
         **files,
+        "algorithm": "denoise" if isinstance(settings, DenoiseSettings) else "fair",
         "settings": asdict(settings),
         "mesh": dict(mesh),
         "initial": None if initial is None else asdict(initial),
+        "denoise": denoise,
         "steps": list(steps),
         "stop_reason": stop_reason,
         "notes": list(notes),

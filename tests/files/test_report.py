@@ -6,10 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.meshes import bumpy_disc
+from support.meshes import bumpy_disc, noisy_ball
 
-from adaptive_fairing.core import FairingSettings, fair
-from adaptive_fairing.files.report import build_report, step_record, strict, write_report
+from adaptive_fairing.core import DenoiseSettings, FairingSettings, denoise, fair
+from adaptive_fairing.files.report import (
+    build_report,
+    denoise_record,
+    step_record,
+    strict,
+    write_report,
+)
 
 
 def test_what_json_cannot_hold_becomes_what_it_can():
@@ -62,13 +68,30 @@ def test_displacements_are_measured_from_the_input():
     assert record["time"] == 3 * 0.016
 
 
-def test_a_run_that_never_started_is_reported_too():
+def test_denoising_is_recorded_with_every_strength():
+    vertices, faces = noisy_ball(3, 0.01)
+    result = denoise(vertices, faces)
+    record = denoise_record(result, 1.5)
+    assert record["noise"] == result.noise_level > 0
+    assert [each["strength"] for each in record["strengths"]] == [0.5, 0.75, 1.0, 1.5, 2.0]
+    chosen = record["strengths"][record["chosen"]]
+    moved = np.linalg.norm(result.positions - vertices, axis=1)
+    assert chosen["largest_displacement"] == moved.max() > 0
+    assert chosen["area"] == result.measures[result.chosen].area
+    json.dumps(strict(record), allow_nan=False)
+
+
+@pytest.mark.parametrize(
+    ("settings", "algorithm"), [(FairingSettings(), "fair"), (DenoiseSettings(), "denoise")]
+)
+def test_a_run_that_never_started_is_reported_too(settings, algorithm):
     report = build_report(
-        settings=FairingSettings(),
+        settings=settings,
         program={"name": "x"},
         files={"input": "in", "output": "out", "object": None},
         mesh={},
         initial=None,
+        denoise=None,
         steps=[],
         stop_reason=None,
         notes=[],
@@ -76,5 +99,6 @@ def test_a_run_that_never_started_is_reported_too():
     )
     assert report["error"] == "no such file"
     assert report["initial"] is None
-    assert report["settings"]["steps"] == 4
+    assert report["algorithm"] == algorithm
+    assert report["settings"]["boundary"] == "fixed"
     json.dumps(strict(report), allow_nan=False)

@@ -1,264 +1,168 @@
-"""Fairing without a parameter: the noise is estimated, and filters are mixed for the least risk.
-
-1.  Noise level of each connected part, by density (`noise_level`).
-2.  Filters in metrics of the slightly smoothed surface (`filter_bank`), and the mixture of them
-    with the least estimated distance to the surface without noise (`unbiased_risk`).
-3.  The same again with metrics of that mixture, which knows the creases, once more with a
-    smaller angle, and fits of the mixture of all that to its smoothed normals; the last mixture is
-    of all filters of all rounds.
-
-How much of the noise a filter removes is measured by filtering a second time with a little noise
-of our own added: the metrics follow the noise too, which no formula for a linear filter sees.
-"""
+"""Denoising without a parameter: the door to the automatic method."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
-from ..errors import InputError
-from ..fem.loop_space import LoopSpace
+from ..errors import InputError, SolverError
 from ..linalg.conjugate_gradients import SolveReport
-from .filter_bank import SOLVES_PER_METRIC, FilterBank, FilterFamily, NormalFamily
-from .filter_rounds import FAMILIES, USABLE, rounds_for
-from .local_frame import LocalFrame
-from .mesh_parts import MeshParts
-from .noise.correlation import NoiseCorrelation, noise_correlation
-from .noise.level import beyond_clean
-from .noise.order_decay import Fading
-from .plan import STRENGTHS, AutoEstimate, AutoPlan, crease_share_of, estimate_of
-from .tangential_limit import Sliding
+from ..mesh.normals import triangle_normals, unit_vectors
+from ..mesh.topology import TriangleTopology
+from ..problem.prepared_mesh import PreparedMesh
+from ..problem.problem import CallerMesh, SolverProblem
+from ..runtime.arrays import BoolArray, FloatArray
+from .filter_rounds import KEEPS_CREASES
+from .local_frame import spacing_of
+from .mixing import mixed_surfaces
+from .plan import STRENGTHS, DenoisePlan
+from .result import DenoiseResult
+from .settings import DenoiseSettings
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-
-# Least risk at the estimated noise leaves a little more of it than looks and measures best, because
-# the estimate is a lower bound; found on meshes with known noise.
-NOISE_FACTOR = 1.1
-
-# Solves for the first surface and all filters, as far as the progress goes.
-EXPECTED_SOLVES = SOLVES_PER_METRIC + sum(family.n_solves for family in FAMILIES)
-
-PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large against rounding
-PROBE_SEED = 0
-# A probe that folds a triangle over changes the filtered surface by leaps; such outliers of its
-# response, which is about 1 at most, are cut off.
-LARGEST_RESPONSE = 3.0
+# An edge is a crease if the normals beside it differ by this many radians. Smooth meshes have fewer
+# creases than this part of their edges.
+CREASE_ANGLE = 0.6
+SMOOTH_CREASE_PART = 0.02
 
 
-@dataclass(frozen=True)
-class AutoOutcome:
-    """Surfaces for all strengths, ascending.
-
-    Attributes
-    ----------
-    positions : list of (n, 3)
-    estimates : list of AutoEstimate
-    solve : SolveReport
-        Iterations of all solves together, and the worst of their residuals.
-    notes : tuple of str
-        Why nothing was done, if so.
-    """
-
-    positions: list[FloatArray]
-    estimates: list[AutoEstimate]
-    solve: SolveReport
-    notes: tuple[str, ...]
-
-
-def auto_surfaces(
-    space: LoopSpace,
-    positions: FloatArray,
-    is_still: BoolArray,
+def denoise(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    settings: DenoiseSettings | None = None,
     *,
-    strength: float = 1.0,
-    features: str = "auto",
-    plan: AutoPlan | None = None,
+    weights: ArrayLike | None = None,
+    prepared: PreparedMesh | None = None,
+    plan: DenoisePlan | None = None,
     progress: Callable[[float], None] | None = None,
-) -> AutoOutcome:
-    """Fair a mesh for several strengths.
+) -> DenoiseResult:
+    """Remove noise from a triangle mesh; estimate from the mesh how much noise there is.
+
+    Nothing handed over is changed.
 
     Parameters
     ----------
-    space : LoopSpace
-    positions : (n, 3)
-    is_still : (n,) bool
-        Vertices that noise and risk are not judged from, besides those of the boundary.
-    strength : float
-        Factor of the estimated noise.
-    features : "auto", "sharp" or "smooth"
-        Which filters may be used: all, only those that keep creases, or only those that round
-        them.
-    plan : AutoPlan, optional
-        Of another frame of this surface: nothing is estimated then.
+    vertices : (n, 3) float
+        Positions. Vertices without a triangle stay where they are.
+    faces : (m, 3) int
+        Triangles of one or several pieces, open or closed. Where they are not an oriented
+        manifold, the solve cuts them apart and holds the vertices there, see `manifold`.
+    settings : DenoiseSettings, optional
+    weights : (n,) float, optional
+        Factor in [0, 1] of the displacement of a vertex; a vertex of weight 0 stays exactly where
+        it is.
+    prepared : PreparedMesh, optional
+        What an earlier run on a mesh with the same triangles can hand on.
+    plan : DenoisePlan, optional
+        Of another frame of this surface (`DenoiseResult.plan`), made with the same `prepared`:
+        nothing is estimated, the filters are mixed as there.
     progress : callable, optional
-        Called with the share of the work that is done; may raise to end it.
+        Called with the part of the work that is done, in (0, 1]; may raise to end the run.
 
     Raises
     ------
     InputError
-        A plan of a mesh of another size.
+        Arrays of the wrong shape or type, coordinates that are not finite, indices or weights out
+        of range, no triangle at all; a preparation or a plan for something else.
+    MemoryNeededError
+        The mesh cannot fit into memory.
+    SolverError
+        A linear system is not positive definite, not finite, or was not solved.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from adaptive_fairing.core import denoise
+    >>> x, y = np.meshgrid(np.arange(30.0), np.arange(30.0))
+    >>> height = np.random.default_rng(0).normal(0, 0.2, x.size)
+    >>> plane = np.column_stack([x.ravel(), y.ravel(), height])
+    >>> corner = np.arange(870)[np.arange(870) % 30 < 29]
+    >>> left = np.column_stack([corner, corner + 1, corner + 30])
+    >>> result = denoise(plane, np.vstack([left, left[:, ::-1] + [1, 30, 1]]))
+    >>> bool(result.positions[:, 2].std() < height.std())
+    True
     """
-    solves = _Solves(EXPECTED_SOLVES * (2 if plan is None else 1), progress)
-    bank = FilterBank(space, positions, solves.count)
-    track = _Track(bank, positions)
-    frame = LocalFrame.of(space.topology, track.surface, track.surface)
-    notes: tuple[str, ...] = ()
-    if plan is None:
-        parts = MeshParts(space.topology, frame, is_still)
-        fading = Fading(positions, frame)
-        noise, notes = parts.noise(positions, fading, strength)
-        if beyond_clean(max(STRENGTHS) * strength * noise).any():
-            correlation = noise_correlation(fading, frame, parts.is_counted & (noise > 0))
-            plan = _planned(bank, track, frame, parts, noise, correlation, strength, features)
-        else:
-            plan = _idle_plan(noise)
-    elif plan.mixtures.shape[2] != len(positions):
+    settings = settings or DenoiseSettings()
+    mesh = CallerMesh.checked(vertices, faces, weights)
+    if prepared is None:
+        prepared = PreparedMesh(mesh.points, mesh.triangles)
+    else:
+        prepared.require(mesh.triangles, len(mesh.points))
+    surface = prepared.surface
+    problem = SolverProblem.posed(mesh, prepared, "denoise", boundary=settings.boundary)
+    if plan is not None and len(plan.noise) != len(problem.start):
         raise InputError(
-            f"the plan is of a mesh of {plan.mixtures.shape[2]} vertices, not {len(positions)}"
+            f"the plan is of a mesh of {len(plan.noise)} vertices, not {len(problem.start)}"
         )
-    elif plan.mixtures.any():
-        first, *others = rounds_for(strength * plan.noise)
-        track.filter(first)
-        for families, pilot in zip(others, plan.pilots, strict=True):
-            track.surface = track.mixed(pilot)
-            track.filter(families)
-    results = [track.mixed(shares) for shares in plan.mixtures]
-    if plan.mixtures.any():
-        sliding = Sliding(space.topology, positions, frame)
-        results = [sliding.limited(result) for result in results]
-    estimates = [
-        estimate_of(
-            plan,
-            index,
-            frame,
-            crease_share_of(space.topology, result),
-            strength=strength,
-            features=features,
-        )
-        for index, result in enumerate(results)
-    ]
+    outcome = mixed_surfaces(
+        problem.space,
+        problem.start,
+        surface.is_cut,
+        strength=settings.strength,
+        features=settings.features,
+        plan=plan,
+        progress=progress,
+    )
+    _require_converged(outcome.solve)
+    frame, topology = problem.frame, problem.space.topology
+    moves = [problem.weights[:, None] * (faired - problem.start) for faired in outcome.positions]
+    for move in moves:
+        move[problem.is_held] = 0
+    surfaces = (problem.start, *(problem.start + move for move in moves))
+    initial, *measures = (problem.space.measures(each).scaled(1 / frame.scale) for each in surfaces)
+    plan, noise = outcome.plan, outcome.plan.noise
+    crease_part = _crease_part(topology, outcome.positions[STRENGTHS.index(1.0)])
+    result = DenoiseResult(
+        strengths=settings.strength * np.array(STRENGTHS),
+        shapes=np.stack([frame.displaced(mesh.points, move) for move in moves]),
+        start=mesh.points,
+        noise=frame.to_caller(noise),
+        noise_level=_median_where(noise > 0, noise),
+        noise_length=_median_where(noise > 0, noise * spacing_of(topology, problem.start, 0))
+        / frame.scale,
+        radius=plan.radius,
+        sharp_part=_sharp_part(plan),
+        crease_part=crease_part,
+        is_sharp=(
+            crease_part > SMOOTH_CREASE_PART
+            if settings.features == "auto"
+            else settings.features == "sharp"
+        ),
+        initial=initial,
+        measures=tuple(measures),
+        solve=outcome.solve,
+        notes=problem.notes + outcome.notes,
+        settings=settings,
+        plan=plan,
+    )
     if progress is not None:
         progress(1.0)
-    return AutoOutcome(results, estimates, solves.report(), notes)
+    return result
 
 
-def _planned(
-    bank: FilterBank,
-    track: _Track,
-    frame: LocalFrame,
-    parts: MeshParts,
-    noise: FloatArray,
-    correlation: NoiseCorrelation,
-    strength: float,
-    features: str,
-) -> AutoPlan:
-    """Filter in all rounds, and choose the shares in each."""
-    seen, noise = noise, noise / correlation.seen * correlation.deviation
-    # The divergence weighted with the correlation of the noise comes from probes that have it too.
-    sign = np.random.default_rng(PROBE_SEED).choice([-1.0, 1.0], len(noise))
-    probe = PROBE_SIZE * correlation.applied(sign, frame)
-    shadow = _Track(bank, track.positions + frame.raised(probe))
-
-    def measured() -> tuple[FloatArray, FloatArray]:
-        removed = track.removed(frame)
-        return removed, _divergence(removed, shadow.removed(frame), probe)
-
-    def variance(factor: float) -> FloatArray:
-        return np.square(NOISE_FACTOR * beyond_clean(factor * strength * seen) / correlation.seen)
-
-    first, *others = rounds_for(strength * noise)
-    pilots = []
-    for one in (track, shadow):
-        one.filter(first)
-    for families in others:
-        pilots.append(parts.best_shares(*measured(), variance(1.0)))
-        for one in (track, shadow):
-            one.surface = one.mixed(pilots[-1])
-            one.filter(families)
-    removed, divergence = measured()
-    usable = USABLE[features]
-    mixtures = np.zeros((len(STRENGTHS), *removed.shape))
-    for shares, factor in zip(mixtures, STRENGTHS, strict=True):
-        shares[usable] = parts.best_shares(removed[usable], divergence[usable], variance(factor))
-    removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
-    kept = 1 - removed_noise.mean(axis=1) / correlation.deviation**2
-    return AutoPlan(noise, tuple(pilots), mixtures, kept)
+def _require_converged(solve: SolveReport) -> None:
+    if not solve.converged:
+        raise SolverError(
+            f"a linear system was not solved: residual {solve.residual:.3g} after "
+            f"{solve.iterations} iterations in all; repair or remesh thin triangles"
+        )
 
 
-def _idle_plan(noise: FloatArray) -> AutoPlan:
-    """Leave everything as it is."""
-    nothing = np.zeros((len(STRENGTHS), 0, len(noise)))
-    return AutoPlan(noise, (), nothing, np.ones(len(STRENGTHS)))
+def _median_where(judged: BoolArray, values: FloatArray) -> float:
+    return float(np.median(values[judged])) if judged.any() else 0.0
 
 
-def _divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
-    """How much of its own noise each filter removes at each vertex, (k, n); for white noise 0 to 1.
-
-    From what the filters remove of the positions, and of them with the probes (n,) added.  The
-    neighbours' probes mix in, but cancel in sums over many vertices.
-
-    Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
-    """
-    divergence = shadow - removed
-    divergence *= probe / PROBE_SIZE**2
-    return np.clip(divergence, 1 - LARGEST_RESPONSE, 1 + LARGEST_RESPONSE, out=divergence)
+def _sharp_part(plan: DenoisePlan) -> float:
+    """Part of the filters' coefficients at strength 1 that belongs to filters that keep creases."""
+    coefficients = plan.mixtures[STRENGTHS.index(1.0)]
+    total = float(coefficients.sum())
+    return float(coefficients[KEEPS_CREASES].sum()) / total if total > 0 else 0.0
 
 
-class _Track:
-    """Positions on their way through the filters, with what each filter takes away.
-
-    What is taken away is kept in single precision, which is plenty for it, to save memory.
-    """
-
-    def __init__(self, bank: FilterBank, positions: FloatArray) -> None:
-        self.positions = positions
-        self.surface = bank.first_surface(positions)
-        self.taken: list[NDArray[np.float32]] = []
-        self._bank = bank
-
-    def filter(self, families: list[FilterFamily | NormalFamily]) -> None:
-        """Add filters in metrics of the present surface, or fits to its normals."""
-        for filtered in self._bank.filtered(self.positions, self.surface, families):
-            self.taken.append((self.positions - filtered).astype(np.float32))
-
-    def removed(self, frame: LocalFrame) -> FloatArray:
-        """Measure the normal part of what each filter takes away, in local edge lengths, (k, n)."""
-        removed = np.empty((len(self.taken), len(self.positions)))
-        for row, taken in zip(removed, self.taken, strict=True):
-            row[:] = frame.along_normal(taken.astype(np.float64))
-        return removed
-
-    def mixed(self, shares: FloatArray) -> FloatArray:
-        """Mix the filters with shares (k, n) at each vertex."""
-        result = self.positions.copy()
-        for share, taken in zip(shares, self.taken, strict=True):
-            if share.any():
-                result -= share[:, None] * taken
-        return result
-
-
-class _Solves:
-    """Count of the linear solves: the progress, and what is to be reported of them."""
-
-    def __init__(self, n_expected: int, progress: Callable[[float], None] | None) -> None:
-        self._n_expected, self._progress = n_expected, progress
-        self._n_done = self._iterations = 0
-        self._residual = 0.0
-        self._converged = True
-
-    def count(self, report: SolveReport) -> None:
-        """Note that a solve is done."""
-        self._n_done += 1
-        self._iterations += report.iterations
-        self._residual = max(self._residual, report.residual)
-        self._converged &= report.converged
-        if self._progress is not None:
-            self._progress(min(self._n_done / self._n_expected, 1.0))
-
-    def report(self) -> SolveReport:
-        """All solves together."""
-        return SolveReport(self._iterations, self._residual, self._converged)
+def _crease_part(topology: TriangleTopology, positions: FloatArray) -> float:
+    """Part of the inner edges of a mesh that are creases."""
+    normal = unit_vectors(triangle_normals(positions, topology.triangles))
+    side = np.flatnonzero(topology.twin >= 0)
+    cosine = np.einsum("ed,ed->e", normal[side // 3], normal[topology.twin[side] // 3])
+    return float(np.mean(cosine < np.cos(CREASE_ANGLE))) if len(side) else 0.0

@@ -19,7 +19,7 @@ from ..errors import InputError
 from ..mesh.density import mesh_density
 from ..mesh.solver_mesh import SolverFrame, solvable_surface
 from ..mesh.topology import TriangleTopology, checked_triangles
-from ..settings import FairingSettings
+from .settings import FairingSettings
 
 FloatArray = NDArray[np.float64]
 

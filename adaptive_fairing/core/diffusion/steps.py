@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ..denoise.denoise import auto_surfaces
-from ..denoise.plan import AutoPlan
 from ..errors import SolverError
-from ..fem.differential_geometry import SurfaceMeasures
+from ..fem.differential_geometry import SurfaceMeasures, energy_ratio
 from ..fem.loop_space import LoopSpace, StepSystem
 from ..linalg.conjugate_gradients import SolveReport, conjugate_gradients
 from ..mesh.density import mesh_density
-from ..mesh.input_checks import checked_vertices, checked_weights, require_surface
-from ..mesh.solver_mesh import SolverFrame, SolverSurface
-from ..mesh.topology import checked_triangles
-from ..problem.diagnosis import surface_notes
 from ..problem.prepared_mesh import PreparedMesh
-from ..results import FairingResult, FairingStep, energy_ratio
-from ..runtime.precision import SINGLE_TIMES, SINGLE_TOLERANCE, SINGLE_TRIANGLES
-from ..settings import FairingSettings
-
-FloatArray = NDArray[np.float64]
+from ..problem.problem import CallerMesh, SolverProblem
+from ..runtime.arrays import FloatArray
+from ..runtime.precision import SINGLE
+from .results import FairingResult, FairingStep
+from .settings import FairingSettings
 
 # Diffusion lowers the curvature energy until a triangle, a tip or a thin part shrinks to nothing,
 # where curvature has no bound: a rise by this factor over the least so far is taken as its sign.
@@ -42,21 +34,10 @@ def fair(
     *,
     weights: ArrayLike | None = None,
     prepared: PreparedMesh | None = None,
-    plan: AutoPlan | None = None,
-    progress: Callable[[float], None] | None = None,
 ) -> FairingResult:
     """Run all steps of `fair_steps`, which has the parameters and errors."""
     settings = settings or FairingSettings()
-    run = fair_steps(
-        vertices,
-        faces,
-        settings,
-        weights=weights,
-        prepared=prepared,
-        plan=plan,
-        progress=progress,
-    )
-    steps = tuple(run)
+    steps = tuple(fair_steps(vertices, faces, settings, weights=weights, prepared=prepared))
     last = steps[-1]
     return FairingResult(steps, last.stop_reason or "steps", settings, last.initial)
 
@@ -68,10 +49,8 @@ def fair_steps(
     *,
     weights: ArrayLike | None = None,
     prepared: PreparedMesh | None = None,
-    plan: AutoPlan | None = None,
-    progress: Callable[[float], None] | None = None,
 ) -> Iterator[FairingStep]:
-    """Fair a triangle mesh; yield the surface after every step, or for every strength of "auto".
+    """Fair a triangle mesh by diffusion; yield the surface after every step.
 
     The arrays are checked at the call; the work, including the one-time set-up, is done as the
     steps are asked for.  Nothing handed over is changed.
@@ -85,15 +64,10 @@ def fair_steps(
         manifold, the solve cuts them apart and holds the vertices there, see `manifold`.
     settings : FairingSettings
     weights : (n,) float, optional
-        Share of the local timestep (or diffusivity, or with "auto" the displacement) that a vertex
-        gets, in [0, 1]; a vertex of weight 0 stays exactly where it is.
+        Factor in [0, 1] of the local timestep (or diffusivity) at a vertex; a vertex of weight 0
+        stays exactly where it is.
     prepared : PreparedMesh, optional
         What an earlier solve of a mesh with the same triangles can hand on.
-    plan : AutoPlan, optional
-        How "auto" mixed its filters on another frame of this surface (`FairingStep.auto.plan`),
-        to mix them alike on this one; needs the same `prepared`.
-    progress : callable, optional
-        Called with the share of the run that is done, in (0, 1]; may raise to end the run.
 
     Raises
     ------
@@ -109,62 +83,25 @@ def fair_steps(
     Source: section 3.4 of the paper.
     """
     settings = settings or FairingSettings()
-    points = checked_vertices(vertices)
-    shares = checked_weights(weights, len(points))
-    # Copies: the caller may change the arrays between two steps.
-    triangles = checked_triangles(np.array(faces), len(points))
-    require_surface(points, triangles)
+    mesh = CallerMesh.checked(vertices, faces, weights)
     if prepared is not None:
-        prepared.require(triangles, len(points), settings.quadrature_tolerance)
-    problem = _Problem(points, triangles, settings, shares, prepared)
-    if settings.method == "auto":
-        return _auto_steps(problem, plan, progress)
-    return _diffusion_steps(problem, progress)
+        prepared.require(mesh.triangles, len(mesh.points), settings.quadrature_tolerance)
+    return _steps(mesh, settings, prepared)
 
 
-@dataclass(frozen=True)
-class _Problem:
-    """Arguments of `fair_steps`, checked, and what both kinds of runs make of them first."""
-
-    points: FloatArray
-    triangles: NDArray[np.int32]
-    settings: FairingSettings
-    shares: FloatArray
-    prepared: PreparedMesh | None
-
-    def posed(self) -> _Posed:
-        """Go over to the solver's mesh."""
-        settings = self.settings
-        prepared = self.prepared or PreparedMesh(self.points, self.triangles, settings)
-        surface, topology = prepared.surface, prepared.surface.topology
-        frame = prepared.frame(self.points, settings.normalize)
-        weights = self.shares[surface.vertex_of]
-        is_held = (weights == 0) | topology.is_loose | surface.is_cut
-        if settings.boundary == "fixed":
-            is_held |= topology.on_boundary
-        start = frame.inward(self.points)
-        return _Posed(
-            prepared.space, surface, frame, start, weights, is_held, surface_notes(start, surface)
-        )
-
-
-class _Posed(NamedTuple):
-    """The problem on the solver's mesh; arrays (n, ...) in the order of its vertices."""
-
-    space: LoopSpace
-    surface: SolverSurface
-    frame: SolverFrame
-    start: FloatArray
-    weights: FloatArray
-    is_held: NDArray[np.bool_]
-    notes: tuple[str, ...]
-
-
-def _diffusion_steps(
-    problem: _Problem, progress: Callable[[float], None] | None
+def _steps(
+    mesh: CallerMesh, settings: FairingSettings, prepared: PreparedMesh | None
 ) -> Iterator[FairingStep]:
-    settings = problem.settings
-    space, _, frame, current, weights, is_held, notes = problem.posed()
+    normalize = settings.normalize
+    prepared = prepared or PreparedMesh(
+        mesh.points,
+        mesh.triangles,
+        quadrature_tolerance=settings.quadrature_tolerance,
+        normalize=normalize,
+    )
+    space, frame, current, weights, is_held, notes = SolverProblem.posed(
+        mesh, prepared, "fair", boundary=settings.boundary, normalize=normalize
+    )
     increment = np.zeros_like(current)
     density, system = _system(space, current, settings, weights, _serves_single(space, settings))
     initial = previous = system.measures
@@ -197,12 +134,10 @@ def _diffusion_steps(
         reason = _stop_reason(index, settings, solve, initial, previous, measures)
         least_energy = min(least_energy, measures.curvature_energy)
         outer = measures.scaled(1 / frame.scale)
-        if progress is not None:
-            progress(1.0 if reason else index / settings.steps)
         yield FairingStep(
             index=index,
             time=index * settings.tau,
-            positions=frame.outward(current, problem.points, is_held),
+            positions=frame.outward(current, mesh.points, is_held),
             density=frame.to_caller(used_density),
             curvature_energy=outer.curvature_energy,
             area=outer.area,
@@ -217,47 +152,6 @@ def _diffusion_steps(
         previous = measures
 
 
-def _auto_steps(
-    problem: _Problem, plan: AutoPlan | None, progress: Callable[[float], None] | None
-) -> Iterator[FairingStep]:
-    settings = problem.settings
-    space, surface, frame, start, weights, is_held, notes = problem.posed()
-    outcome = auto_surfaces(
-        space,
-        start,
-        surface.is_cut,
-        strength=settings.strength,
-        features=settings.features,
-        plan=plan,
-        progress=progress,
-    )
-    density = mesh_density(space.topology, start, settings.density, settings.density_passes)
-    in_single = _serves_single(space, settings)
-    initial = space.measures(start, in_single).scaled(1 / frame.scale)
-    n_strengths = len(outcome.positions)
-    for index, (faired, estimate) in enumerate(
-        zip(outcome.positions, outcome.estimates, strict=True), start=1
-    ):
-        displacement = weights[:, None] * (faired - start)
-        displacement[is_held] = 0
-        measures = space.measures(start + displacement, in_single).scaled(1 / frame.scale)
-        reason = None if outcome.solve.converged else "not_converged"
-        yield FairingStep(
-            index=index,
-            time=float("nan"),
-            positions=frame.displaced(problem.points, displacement),
-            density=frame.to_caller(density),
-            curvature_energy=measures.curvature_energy,
-            area=measures.area,
-            volume=measures.volume,
-            solve=outcome.solve,
-            initial=initial,
-            stop_reason=reason or ("steps" if index == n_strengths else None),
-            auto=replace(estimate, noise_length=estimate.noise_length / frame.scale),
-            notes=notes + outcome.notes,
-        )
-
-
 def _system(
     space: LoopSpace,
     current: FloatArray,
@@ -270,7 +164,6 @@ def _system(
     field = settings.tau * weights
     if settings.method != "uniform":
         field *= density
-    in_single = in_single and SINGLE_TIMES[0] < field.max() < SINGLE_TIMES[1]
     if settings.method == "adaptive_tensor":
         return density, space.step_system(current, diffusivity=field, in_single=in_single)
     return density, space.step_system(current, timestep=_positive(field), in_single=in_single)
@@ -278,10 +171,8 @@ def _system(
 
 def _serves_single(space: LoopSpace, settings: FairingSettings) -> bool:
     """Whether single precision is enough for a mesh, if its surfaces and times allow it."""
-    return (
-        settings.normalize
-        and settings.quadrature_tolerance >= SINGLE_TOLERANCE
-        and len(space.topology.triangles) >= SINGLE_TRIANGLES
+    return SINGLE.serves_mesh(
+        space.topology.n_triangles, settings.quadrature_tolerance, settings.normalize
     )
 
 

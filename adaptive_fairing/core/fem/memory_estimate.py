@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 import sys
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import FairingError
 from ..loop.basis import table_depth
@@ -15,9 +15,12 @@ from ..loop.fitted_quadrature import POINTS, is_fitted
 from ..loop.patch_class import PatchClass, is_regular_patch
 from ..loop.patches import PatchSet, chunk_size
 from ..loop.quadrature import QuadratureChoice
+from ..runtime.arrays import LongArray
 from ..runtime.threads import n_threads
-from .class_tables import product_table_pays
-from .table_cache import FEW_TRIANGLES, LARGEST_STACKED
+from .patch_tables import product_table_pays
+from .table_cache import FEW_TRIANGLES, LARGEST_RARE
+
+Algorithm = Literal["fair", "denoise"]
 
 # Bytes, fitted to the measured peak of runs on regular, irregular, cut and pole meshes of 200 to
 # 1,000,000 triangles (benchmarks/memory.py prints estimate and measurement side by side).
@@ -26,7 +29,7 @@ BYTES_PER_TRIANGLE = 650  # topology, patches, sparsity pattern, matrix, vectors
 BYTES_PER_LOCAL_ENTRY = 4  # place in the matrix of an entry of a triangle's local matrix
 BYTES_PER_ENTRY_IN_WORK = 16  # the same while its chunk is assembled, and places are looked up
 BYTES_PER_TABLE_NUMBER = 16  # basis functions at quadrature points: in the table and its parts
-AUTO_BYTES_PER_TRIANGLE = 3000  # filtered surfaces of "auto", their mixtures and responses
+DENOISE_BYTES_PER_TRIANGLE = 3000  # filtered surfaces, their mixtures and responses
 
 # Neighbours beyond which a vertex is worth naming: its memory grows with their cube.
 NOTABLE_VALENCE = 300
@@ -48,7 +51,7 @@ class MemoryNeededError(FairingError):
 
 
 def require_memory(
-    patches: PatchSet, choice: QuadratureChoice, method: str = "adaptive_timestep"
+    patches: PatchSet, choice: QuadratureChoice, algorithm: Algorithm = "fair"
 ) -> None:
     """Refuse a mesh whose solve cannot fit into memory.
 
@@ -60,7 +63,7 @@ def require_memory(
     available = available_bytes()
     if available is None:
         return
-    needed = estimated_bytes(patches, choice, method)
+    needed = estimated_bytes(patches, choice, algorithm)
     if needed <= available:
         return
     topology = patches.topology
@@ -77,7 +80,7 @@ def require_memory(
 
 
 def estimated_bytes(
-    patches: PatchSet, choice: QuadratureChoice, method: str = "adaptive_timestep"
+    patches: PatchSet, choice: QuadratureChoice, algorithm: Algorithm = "fair"
 ) -> int:
     """Estimate the peak memory of a solve: an upper bound, at most about twice what is used.
 
@@ -87,8 +90,8 @@ def estimated_bytes(
         Of the mesh that is solved on.
     choice : QuadratureChoice
         Decides the size of the tables.
-    method : str
-        As in `FairingSettings`; "auto" takes more than the others.
+    algorithm : "fair" or "denoise"
+        The second takes more.
     """
     n_triangles = patches.topology.n_triangles
     n_control = patches.n_control_points.astype(np.int64)
@@ -102,27 +105,25 @@ def estimated_bytes(
     of_class = zip(n_products, patches.class_sizes, strict=True)
     products = 8 * n_products[[product_table_pays(*each) for each in of_class]]
     tables = 8 * BYTES_PER_TABLE_NUMBER * n_points * n_control
-    stacked = _stacked_bytes(n_points * n_control, patches)
-    auto_bytes = AUTO_BYTES_PER_TRIANGLE if method == "auto" else 0
+    rare = _rare_bytes(n_points * n_control, patches)
+    denoise_bytes = DENOISE_BYTES_PER_TRIANGLE if algorithm == "denoise" else 0
     return int(
         FIXED_BYTES
-        + (BYTES_PER_TRIANGLE + auto_bytes) * n_triangles
+        + (BYTES_PER_TRIANGLE + denoise_bytes) * n_triangles
         + BYTES_PER_LOCAL_ENTRY * local.sum()
         + BYTES_PER_ENTRY_IN_WORK * in_work
         + products.sum()
         + tables.sum()
-        + stacked.sum()
+        + rare.sum()
     )
 
 
-def _stacked_bytes(n_numbers: NDArray[np.int64], patches: PatchSet) -> NDArray[np.int64]:
+def _rare_bytes(n_numbers: LongArray, patches: PatchSet) -> LongArray:
     """Bound the tables of single triangles, by class: `n_numbers` at points for each function."""
     n_triangles = patches.topology.n_triangles
     n_chunks = -(-n_triangles // max(chunk_size(n_triangles), 1))
-    n_stacked = np.minimum(patches.class_sizes, FEW_TRIANGLES * n_chunks)
-    bound: NDArray[np.int64] = np.where(
-        6 * n_numbers <= LARGEST_STACKED, 8 * 6 * n_numbers * n_stacked, 0
-    )
+    n_rare = np.minimum(patches.class_sizes, FEW_TRIANGLES * n_chunks)
+    bound: LongArray = np.where(6 * n_numbers <= LARGEST_RARE, 8 * 6 * n_numbers * n_rare, 0)
     return bound
 
 

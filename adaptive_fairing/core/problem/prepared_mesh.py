@@ -3,26 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..fem.loop_space import LoopSpace
-from ..fem.memory_estimate import estimated_bytes, require_memory
+from ..fem.memory_estimate import Algorithm, estimated_bytes, require_memory
 from ..loop.patches import PatchSet
 from ..loop.quadrature import quadrature_choice
 from ..mesh.input_checks import checked_vertices, require_surface
 from ..mesh.solver_mesh import SolverFrame, solvable_surface
 from ..mesh.topology import checked_triangles
-from ..settings import FairingSettings
+from ..runtime.arrays import FloatArray, IntArray
 
-FloatArray = NDArray[np.float64]
+DEFAULT_TOLERANCE = 1e-3
 
 
 class PreparedMesh:
-    """Cuts, numbering, patches, tables and sparsity pattern of a mesh, for `fair_steps`.
+    """Cuts, numbering, patches, tables and sparsity pattern of a mesh, for any run.
 
     They depend on the triangles; the order of the solver's vertices, hence the last bits of the
     result, also on the positions that the mesh was prepared with.  Frames of a moving surface that
@@ -35,8 +34,10 @@ class PreparedMesh:
         Positions to prepare with.
     faces : (m, 3) int
         As for `fair_steps`.
-    settings : FairingSettings
-        Decides the quadrature, and whether there is a scale at all.
+    quadrature_tolerance : float
+        As in `FairingSettings`.
+    normalize : bool
+        As in `FairingSettings`.
     scale : float, optional
         Factor from every mesh into the solver's frame, such as `own_scale` of another preparation,
         instead of one from each mesh's own box: one τ then means the same time, in the units of
@@ -60,46 +61,46 @@ class PreparedMesh:
         self,
         vertices: ArrayLike,
         faces: ArrayLike,
-        settings: FairingSettings | None = None,
         *,
+        quadrature_tolerance: float = DEFAULT_TOLERANCE,
+        normalize: bool = True,
         scale: float | None = None,
     ) -> None:
-        settings = settings or FairingSettings()
         points = checked_vertices(vertices)
         self.triangles = checked_triangles(np.array(faces), len(points))
         require_surface(points, self.triangles)
-        self.quadrature_tolerance = settings.quadrature_tolerance
-        self._method = settings.method
+        self.quadrature_tolerance = quadrature_tolerance
         self.surface = solvable_surface(points, self.triangles)
-        self.own_scale = SolverFrame.of(points, self.surface, settings.normalize).scale
+        self.own_scale = SolverFrame.of(points, self.surface, normalize).scale
         self._scale = scale
+        self._space: LoopSpace | None = None
 
-    @cached_property
-    def space(self) -> LoopSpace:
-        """Finite element space of the surface.
+    def space_for(self, algorithm: Algorithm) -> LoopSpace:
+        """Finite element space of the surface, made at the first call.
 
         Raises
         ------
         MemoryNeededError
             The solve cannot fit into memory.
         """
-        patches = PatchSet(self.surface.topology)
-        require_memory(patches, quadrature_choice(self.quadrature_tolerance), self._method)
-        return LoopSpace(self.surface.topology, self.quadrature_tolerance, patches)
+        if self._space is None:
+            patches = PatchSet(self.surface.topology)
+            require_memory(patches, quadrature_choice(self.quadrature_tolerance), algorithm)
+            self._space = LoopSpace(self.surface.topology, self.quadrature_tolerance, patches)
+        return self._space
 
-    @property
-    def needed_bytes(self) -> int:
+    def needed_bytes(self, algorithm: Algorithm) -> int:
         """Upper bound of the memory that a solve takes, this preparation included."""
         patches = PatchSet(self.surface.topology)
-        return estimated_bytes(patches, quadrature_choice(self.quadrature_tolerance), self._method)
+        return estimated_bytes(patches, quadrature_choice(self.quadrature_tolerance), algorithm)
 
-    def serves(self, triangles: NDArray[np.int32], n_vertices: int) -> bool:
+    def serves(self, triangles: IntArray, n_vertices: int) -> bool:
         """Whether a mesh has the triangles that were prepared."""
         is_same_size = n_vertices == self.surface.vertex_of.max() + 1
         return is_same_size and np.array_equal(triangles, self.triangles)
 
-    def require(self, triangles: NDArray[np.int32], n_vertices: int, tolerance: float) -> None:
-        """Check that this is the preparation of a mesh.
+    def require(self, triangles: IntArray, n_vertices: int, tolerance: float | None = None) -> None:
+        """Check that this is the preparation of a mesh, and for a tolerance if one is given.
 
         Raises
         ------
@@ -108,7 +109,7 @@ class PreparedMesh:
         """
         if not self.serves(triangles, n_vertices):
             raise InputError("the prepared mesh has other triangles than the one to fair")
-        if tolerance != self.quadrature_tolerance:
+        if tolerance is not None and tolerance != self.quadrature_tolerance:
             raise InputError(
                 f"the mesh was prepared with quadrature_tolerance {self.quadrature_tolerance:g}, "
                 f"the settings have {tolerance:g}"

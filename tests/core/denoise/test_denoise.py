@@ -1,15 +1,20 @@
-"""method="auto": no parameter, the noise goes, the shape stays."""
-
-from dataclasses import replace
+"""`denoise` needs no parameter: the noise goes, the shape stays."""
 
 import numpy as np
 import pytest
 from support import meshes
 
-from adaptive_fairing.core import FairingSettings, InputError, PreparedMesh, SettingsError, fair
+from adaptive_fairing.core import (
+    DenoiseSettings,
+    FairingSettings,
+    InputError,
+    PreparedMesh,
+    SettingsError,
+    denoise,
+    fair,
+)
 
-AUTO = FairingSettings(method="auto")
-FREE = replace(AUTO, boundary="free")
+FREE = DenoiseSettings(boundary="free")
 TORUS = meshes.torus(48, 24)
 
 
@@ -63,7 +68,7 @@ def distance_to_block(points):
 @pytest.fixture(scope="module")
 def torus_result():
     points, faces = noisy_torus()
-    return fair(points, faces, AUTO)
+    return denoise(points, faces)
 
 
 def test_a_noisy_torus_comes_nearer_to_the_torus_than_by_any_uniform_diffusion(torus_result):
@@ -79,36 +84,48 @@ def test_a_noisy_torus_comes_nearer_to_the_torus_than_by_any_uniform_diffusion(t
 
 
 def test_the_noise_is_found_in_edges_and_in_units_of_the_object(torus_result):
-    estimate = torus_result.chosen.auto
-    assert estimate.noise_length == pytest.approx(0.05, rel=0.15)
-    assert torus_result.noise == estimate.noise
-    assert torus_result.radius == estimate.radius > 0.5
-    assert not estimate.is_sharp
-    assert estimate.crease_share < 0.001
+    assert torus_result.noise_length == pytest.approx(0.05, rel=0.15)
+    assert torus_result.noise_level == np.median(torus_result.noise[torus_result.noise > 0])
+    assert torus_result.radius > 0.5
+    assert not torus_result.is_sharp
+    assert torus_result.crease_part < 0.001
 
 
-def test_every_strength_is_a_step_and_the_middle_one_is_chosen(torus_result):
-    steps = torus_result.steps
-    assert [step.auto.strength for step in steps] == [0.5, 0.75, 1.0, 1.5, 2.0]
-    assert [step.auto.is_chosen for step in steps] == [False, False, True, False, False]
-    assert np.array_equal(torus_result.positions, steps[2].positions)
-    radii = [step.auto.radius for step in steps]
-    assert radii == sorted(radii)
-    assert [step.stop_reason for step in steps] == [None] * 4 + ["steps"]
+def test_every_strength_has_a_shape_and_the_middle_one_was_asked_for(torus_result):
+    points, _ = noisy_torus()
+    assert torus_result.strengths.tolist() == [0.5, 0.75, 1.0, 1.5, 2.0]
+    assert np.array_equal(torus_result.positions, torus_result.shapes[2])
+    moves = [np.linalg.norm(shape - points) for shape in torus_result.shapes]
+    assert moves == sorted(moves)
+    assert torus_result.is_changed
+
+
+def test_positions_at_any_strength_lie_between_the_shapes(torus_result):
+    points, _ = noisy_torus()
+    assert np.array_equal(torus_result.at(0), points)
+    for strength, shape in zip(torus_result.strengths, torus_result.shapes, strict=True):
+        np.testing.assert_allclose(torus_result.at(strength), shape, rtol=0, atol=1e-15)
+    between = torus_result.shapes[2] + 0.25 * (torus_result.shapes[3] - torus_result.shapes[2])
+    np.testing.assert_allclose(torus_result.at(1.125), between, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(
+        torus_result.at(0.125), points + (torus_result.shapes[0] - points) / 4, rtol=0, atol=1e-15
+    )
+    assert np.array_equal(torus_result.at(9), torus_result.shapes[-1])
 
 
 def test_strength_scales_the_noise():
     points, faces = noisy_torus()
-    stronger = fair(points, faces, replace(AUTO, strength=1.5))
-    assert [step.auto.strength for step in stronger.steps] == [0.75, 1.125, 1.5, 2.25, 3.0]
-    assert stronger.radius > fair(points, faces, AUTO).radius
+    stronger = denoise(points, faces, DenoiseSettings(strength=1.5))
+    assert stronger.strengths.tolist() == [0.75, 1.125, 1.5, 2.25, 3.0]
+    assert stronger.radius > denoise(points, faces).radius
 
 
 @pytest.mark.parametrize("name", ["torus", "sphere", "block"])
 def test_a_clean_mesh_comes_back_bit_by_bit(name):
     vertices, faces = {"torus": TORUS, "sphere": meshes.graded_sphere(3), "block": block()}[name]
-    result = fair(vertices, faces, AUTO)
+    result = denoise(vertices, faces)
     assert np.array_equal(result.positions, vertices)
+    assert not result.is_changed
     assert "no noise found" in result.notes[-1]
 
 
@@ -118,8 +135,8 @@ def test_an_exactly_flat_mesh_comes_back_bit_by_bit(place):
     vertices, faces = meshes.flat_grid(20, 20)
     turn = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0] if place else np.eye(3)
     flat = vertices @ turn + place
-    for settings in (AUTO, FREE):
-        result = fair(flat, faces, settings)
+    for settings in (None, FREE):
+        result = denoise(flat, faces, settings)
         assert np.array_equal(result.positions, flat)
         assert "no noise found" in result.notes[-1]
 
@@ -128,49 +145,49 @@ def test_edges_of_a_block_stay_sharp():
     vertices, faces = block()
     rng = np.random.default_rng(0)
     points = vertices + 0.03 * rng.normal(size=vertices.shape)
-    result = fair(points, faces, AUTO)
-    assert result.chosen.auto.is_sharp
+    result = denoise(points, faces)
+    assert result.is_sharp
     # 144 of the block's 1296 edges are its creases; what noise is left breaks some of them up.
-    assert 0.03 < result.chosen.auto.crease_share < 144 / 1296
-    smooth = fair(points, faces, replace(AUTO, features="smooth"))
-    assert smooth.chosen.auto.sharp_share == 0
+    assert 0.03 < result.crease_part < 144 / 1296
+    smooth = denoise(points, faces, DenoiseSettings(features="smooth"))
+    assert smooth.sharp_part == 0
     assert distance_to_block(result.positions) < 0.8 * distance_to_block(smooth.positions)
     assert distance_to_block(result.positions) < 0.5 * distance_to_block(points)
-    sharp = fair(points, faces, replace(AUTO, features="sharp"))
-    assert sharp.chosen.auto.sharp_share == pytest.approx(1)
+    sharp = denoise(points, faces, DenoiseSettings(features="sharp"))
+    assert sharp.sharp_part == pytest.approx(1)
 
 
 def test_parts_of_different_noise_are_judged_each_by_itself():
     points, faces = noisy_torus()
     clean = TORUS[0] + [9, 0, 0]
     both = np.concatenate([points, clean])
-    result = fair(both, np.concatenate([faces, faces + len(points)]), AUTO)
+    result = denoise(both, np.concatenate([faces, faces + len(points)]))
     assert np.array_equal(result.positions[len(points) :], clean)
     assert distance_to_torus(result.positions[: len(points)]) < 0.35 * distance_to_torus(points)
 
 
 def test_repeated_runs_are_equal_to_the_last_bit(torus_result):
     points, faces = noisy_torus()
-    assert np.array_equal(fair(points, faces, AUTO).positions, torus_result.positions)
+    assert np.array_equal(denoise(points, faces).positions, torus_result.positions)
 
 
 def test_size_and_place_do_not_matter(torus_result):
     points, faces = noisy_torus()
     turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
-    moved = fair(1e3 * points @ turn.T + [5e3, 0, 1e3], faces, AUTO)
+    moved = denoise(1e3 * points @ turn.T + [5e3, 0, 1e3], faces)
     back = (moved.positions - [5e3, 0, 1e3]) @ turn / 1e3
     # Turned vertices come in another order, and other ones get the probes of the same sign.
     assert distance_to_torus(back) == pytest.approx(
         distance_to_torus(torus_result.positions), rel=0.1
     )
-    assert moved.noise == pytest.approx(torus_result.noise, rel=1e-6)
+    assert moved.noise_level == pytest.approx(torus_result.noise_level, rel=1e-6)
 
 
 def test_held_vertices_stay_and_shares_scale_the_displacement(torus_result):
     points, faces = noisy_torus()
     weights = np.ones(len(points))
     weights[:100], weights[100:200] = 0, 0.5
-    result = fair(points, faces, AUTO, weights=weights)
+    result = denoise(points, faces, weights=weights)
     full = torus_result.positions - points
     part = result.positions - points
     assert np.array_equal(result.positions[:100], points[:100])
@@ -187,7 +204,7 @@ def test_a_boundary_is_held_or_faired_with_the_rest():
     def left(positions, which):
         return np.sqrt(np.mean((np.hypot(*positions[which, :2].T) - 1) ** 2))
 
-    fixed, free = fair(points, faces, AUTO), fair(points, faces, FREE)
+    fixed, free = denoise(points, faces), denoise(points, faces, FREE)
     assert np.array_equal(fixed.positions[border], points[border])
     assert left(free.positions, border) < 0.6 * left(points, border)
     everything = np.arange(len(points))
@@ -197,7 +214,7 @@ def test_a_boundary_is_held_or_faired_with_the_rest():
 def test_progress_rises_to_one_and_may_end_the_run():
     points, faces = noisy_torus()
     seen = []
-    fair(points, faces, AUTO, progress=seen.append)
+    denoise(points, faces, progress=seen.append)
     assert seen == sorted(seen)
     assert seen[-1] == 1
     assert len(seen) > 50
@@ -206,29 +223,29 @@ def test_progress_rises_to_one_and_may_end_the_run():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        fair(points, faces, AUTO, progress=cancel)
+        denoise(points, faces, progress=cancel)
 
 
 def test_a_plan_mixes_the_filters_alike_on_another_frame(torus_result):
     points, faces = noisy_torus()
-    prepared = PreparedMesh(points, faces, AUTO)
-    plan = fair(points, faces, AUTO, prepared=prepared).chosen.auto.plan
-    again = fair(points, faces, AUTO, prepared=prepared, plan=plan)
+    prepared = PreparedMesh(points, faces)
+    plan = denoise(points, faces, prepared=prepared).plan
+    again = denoise(points, faces, prepared=prepared, plan=plan)
     assert np.array_equal(again.positions, torus_result.positions)
     other, _ = noisy_torus(seed=1)
-    next_frame = fair(other, faces, AUTO, prepared=prepared, plan=plan)
+    next_frame = denoise(other, faces, prepared=prepared, plan=plan)
     assert next_frame.radius == again.radius
     assert distance_to_torus(next_frame.positions) < 0.35 * distance_to_torus(other)
 
 
 def test_a_plan_of_another_mesh_is_refused(torus_result):
     with pytest.raises(InputError, match="plan is of a mesh of 1152 vertices, not 642"):
-        fair(*meshes.icosphere(3), AUTO, plan=torus_result.chosen.auto.plan)
+        denoise(*meshes.icosphere(3), plan=torus_result.plan)
 
 
 def test_too_few_vertices_are_left_alone():
     vertices, faces = meshes.icosahedron()
-    result = fair(vertices, faces, AUTO)
+    result = denoise(vertices, faces)
     assert np.array_equal(result.positions, vertices)
     assert "only 12 vertices" in result.notes[-1]
 
@@ -236,4 +253,4 @@ def test_too_few_vertices_are_left_alone():
 @pytest.mark.parametrize("name, value", [("strength", 0), ("strength", 1e3), ("features", "soft")])
 def test_settings_out_of_range_are_named(name, value):
     with pytest.raises(SettingsError, match=name):
-        FairingSettings(method="auto", **{name: value})
+        DenoiseSettings(**{name: value})

@@ -3,7 +3,7 @@
 import numpy as np
 from support import meshes
 
-from adaptive_fairing.core import FairingSettings, TriangleTopology, fair
+from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.tangential_limit import SLIDING_SHARE, Sliding
 
@@ -74,8 +74,8 @@ def test_what_was_folded_before_is_not_judged():
 
 def test_no_triangle_of_an_uneven_rim_is_turned_over():
     vertices, faces = uneven_sheet()
-    settings = FairingSettings(method="auto", boundary="free")
-    faired = fair(vertices, faces, settings).positions
+    settings = DenoiseSettings(boundary="free")
+    faired = denoise(vertices, faces, settings).positions
     assert np.abs(faired - vertices).max() > 0
     assert (face_normals(faired, faces)[:, 2] > 0).all()
 

@@ -30,12 +30,12 @@ def estimate(mesh, tolerance=1e-3):
     [
         "sphere 5",
         "bipyramid of 200",
-        "sphere 5, auto",
+        "sphere 5, denoise",
         *(
             pytest.param(name, marks=pytest.mark.thorough)
             for name in (
                 "sphere 7",
-                "sphere 6, auto",
+                "sphere 6, denoise",
                 "irregular, tight",
                 "grid",
                 "poles of 100",

@@ -31,7 +31,7 @@ def apart(vertices, distance):
 @pytest.mark.parametrize("name", MESHES)
 def test_the_first_frame_is_bit_by_bit_what_it_is_alone(name):
     vertices, faces = MESHES[name]
-    mesh = PreparedMesh(vertices, faces, SETTINGS)
+    mesh = PreparedMesh(vertices, faces)
     alone = fair(vertices, faces, SETTINGS)
     for _ in range(2):  # nothing of a solve is left in the preparation
         with_help = fair(vertices, faces, SETTINGS, prepared=mesh)
@@ -43,7 +43,7 @@ def test_the_first_frame_is_bit_by_bit_what_it_is_alone(name):
 def test_another_frame_is_what_it_is_alone_up_to_the_solvers_tolerance(name):
     """The order of the vertices may differ, the rest does not; slivers enlarge the rounding."""
     vertices, faces = MESHES[name]
-    mesh = PreparedMesh(vertices, faces, SETTINGS)
+    mesh = PreparedMesh(vertices, faces)
     tight = replace(SETTINGS, cg_tolerance=1e-13)
     alone = fair(bent(vertices), faces, tight)
     with_help = fair(bent(vertices), faces, tight, prepared=mesh)
@@ -59,7 +59,7 @@ def test_the_topology_is_analysed_once(monkeypatch):
         prepared_mesh, "LoopSpace", lambda *given: counted.append(1) or LoopSpace(*given)
     )
     vertices, faces = MESHES["closed"]
-    mesh = PreparedMesh(vertices, faces, SETTINGS)
+    mesh = PreparedMesh(vertices, faces)
     for _ in range(3):
         vertices = bent(vertices)
         fair(vertices, faces, SETTINGS, prepared=mesh)
@@ -75,13 +75,13 @@ def test_a_kept_scale_means_the_same_time_in_the_units_of_the_mesh(method, densi
     far = apart(vertices, 9.0)
     both = np.concatenate([faces, faces + len(vertices)])
     settings = replace(SETTINGS, method=method, density=density, cg_tolerance=1e-13)
-    kept = PreparedMesh(far, both, settings, scale=PreparedMesh(near, both, settings).own_scale)
+    kept = PreparedMesh(far, both, scale=PreparedMesh(near, both).own_scale)
     n = len(vertices)
     first = fair(near, both, settings, prepared=kept).positions[:n]
     np.testing.assert_allclose(
         fair(far, both, settings, prepared=kept).positions[:n], first, rtol=0, atol=1e-10
     )
-    own = PreparedMesh(near, both, settings)
+    own = PreparedMesh(near, both)
     change = np.abs(fair(far, both, settings, prepared=own).positions[:n] - first).max()
     is_free_of_scale = density == "area" and method != "uniform"
     assert change < 1e-10 if is_free_of_scale else change > 1e-3
@@ -89,7 +89,7 @@ def test_a_kept_scale_means_the_same_time_in_the_units_of_the_mesh(method, densi
 
 def test_other_triangles_are_refused():
     vertices, faces = MESHES["closed"]
-    mesh = PreparedMesh(vertices, faces, SETTINGS)
+    mesh = PreparedMesh(vertices, faces)
     for others in (faces[1:], faces[::-1]):
         with pytest.raises(InputError, match="other triangles"):
             fair(vertices, others, SETTINGS, prepared=mesh)
@@ -99,7 +99,7 @@ def test_other_triangles_are_refused():
 
 def test_another_quadrature_is_refused():
     vertices, faces = MESHES["closed"]
-    mesh = PreparedMesh(vertices, faces, SETTINGS)
+    mesh = PreparedMesh(vertices, faces)
     finer = replace(SETTINGS, quadrature_tolerance=1e-5)
     with pytest.raises(InputError, match=r"prepared with quadrature_tolerance 0.001, .* 1e-05"):
         fair(vertices, faces, finer, prepared=mesh)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support import meshes
 
-from adaptive_fairing.core import FairingSettings, TriangleTopology, fair
+from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.noise.clean_detail import CleanDetail
 from adaptive_fairing.core.denoise.noise.level import beyond_clean, noise_level
@@ -67,10 +67,10 @@ def test_bumps_wider_than_an_edge_are_detail(shape, seed):
 def test_detail_comes_back_bit_by_bit_but_at_a_higher_strength(shape):
     _, faces = SHAPES[shape]
     points = with_detail(shape, 0.15)
-    as_it_is = fair(points, faces, FairingSettings(method="auto"))
+    as_it_is = denoise(points, faces)
     assert np.array_equal(as_it_is.positions, points)
     assert "as the detail of clean meshes is; nothing was changed" in as_it_is.notes[-1]
-    stronger = fair(points, faces, FairingSettings(method="auto", strength=2.0))
+    stronger = denoise(points, faces, DenoiseSettings(strength=2.0))
     assert not np.array_equal(stronger.positions, points)
     assert stronger.notes == ()
 

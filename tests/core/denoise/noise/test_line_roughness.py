@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support import meshes
 
-from adaptive_fairing.core import FairingSettings, TriangleTopology, fair
+from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame, spacing_of
 from adaptive_fairing.core.denoise.noise.level import CLEAN_ROUGHNESS, noise_level
 from adaptive_fairing.core.denoise.noise.line_roughness import LineRoughness
@@ -64,7 +64,7 @@ def test_noise_on_a_grating_is_noise():
 
 def test_auto_leaves_a_clean_grating_alone():
     points, _, faces = grating()
-    result = fair(points, faces, FairingSettings(method="auto", boundary="free"))
+    result = denoise(points, faces, DenoiseSettings(boundary="free"))
     assert np.array_equal(result.positions, points)
     assert "no noise found" in result.notes[-1]
 
@@ -78,5 +78,5 @@ def test_rough_corners_all_over_a_smooth_grating_are_no_clean_shape():
     stepped = points + steps[:, None] * [0, 0, 1]
     _, along_lines = levels(stepped, flat, faces)
     assert along_lines < CLEAN_ROUGHNESS
-    result = fair(stepped, faces, FairingSettings(method="auto", boundary="free"))
+    result = denoise(stepped, faces, DenoiseSettings(boundary="free"))
     assert not np.array_equal(result.positions, stepped)

@@ -2,30 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from .denoise.plan import AutoEstimate
-from .fem.differential_geometry import SurfaceMeasures
-from .linalg.conjugate_gradients import SolveReport
+from ..fem.differential_geometry import SurfaceMeasures, energy_ratio
+from ..linalg.conjugate_gradients import SolveReport
+from ..runtime.arrays import FloatArray
 from .settings import FairingSettings
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class FairingStep:
-    """The surface after one semi-implicit step, or one strength of "auto".
+    """The surface after one semi-implicit step.
 
     Attributes
     ----------
     index : int
         1 for the first step.
     time : float
-        index · τ; nan for "auto", which has no time.
+        index · τ.
     positions : (n, 3)
         In the units of the input; vertices that are held have their input coordinates bit by bit.
     density : (n,)
@@ -38,8 +32,6 @@ class FairingStep:
     stop_reason : str or None
         None while the run goes on; otherwise "steps" (all done), "curvature" (3.11), "rate"
         (3.10), or "not_converged" (the linear solve of this step missed its tolerance).
-    auto : AutoEstimate or None
-        What "auto" found and chose.
     notes : tuple of str
         What is wrong with the input and how it was made solvable, one line each; and whether
         something has begun to collapse.
@@ -55,7 +47,6 @@ class FairingStep:
     solve: SolveReport
     initial: SurfaceMeasures
     stop_reason: str | None = None
-    auto: AutoEstimate | None = None
     notes: tuple[str, ...] = ()
 
     @property
@@ -84,37 +75,11 @@ class FairingResult:
     initial: SurfaceMeasures
 
     @property
-    def chosen(self) -> FairingStep:
-        """The last step; of "auto" the one with the strength that was asked for."""
-        return chosen_step(self.steps)
-
-    @property
     def positions(self) -> FloatArray:
-        """Final positions, (n, 3): those of the chosen step."""
-        return self.chosen.positions
-
-    @property
-    def noise(self) -> float | None:
-        """Noise that "auto" found, in local edge lengths: see `AutoEstimate`."""
-        return None if self.chosen.auto is None else self.chosen.auto.noise
-
-    @property
-    def radius(self) -> float | None:
-        """Smoothing radius that "auto" chose, in local edge lengths: see `AutoEstimate`."""
-        return None if self.chosen.auto is None else self.chosen.auto.radius
+        """Positions after the last step, (n, 3)."""
+        return self.steps[-1].positions
 
     @property
     def notes(self) -> tuple[str, ...]:
         """What is wrong with the input and how it was made solvable, one line each."""
         return self.steps[-1].notes
-
-
-def chosen_step(steps: Sequence[FairingStep]) -> FairingStep:
-    """Take the step that is the result of a run, see `FairingResult.chosen`."""
-    chosen = [step for step in steps if step.auto is not None and step.auto.is_chosen]
-    return (chosen or steps)[-1]
-
-
-def energy_ratio(energy: float, initial: float) -> float:
-    """H(t)/H(0); a surface that was flat from the start has nothing left to lose."""
-    return energy / initial if initial > 0 else 0.0

@@ -1,0 +1,233 @@
+"""The automatic method: estimate the noise, filter in rounds, mix the filters for the least risk.
+
+1.  Noise level of each connected part, by density (`noise_level`).
+2.  Filters in metrics of the slightly smoothed surface (`filter_bank`), and the mixture of them
+    with the least estimated distance to the surface without noise (`unbiased_risk`).
+3.  The same again with metrics of that mixture, which knows the creases, once more with a
+    smaller angle, and fits of the mixture of all that to its smoothed normals; the last mixture is
+    of all filters of all rounds.
+
+How much of the noise a filter removes is measured by filtering a second time with a little noise
+of our own added: the metrics follow the noise too, which no formula for a linear filter sees.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..fem.loop_space import LoopSpace
+from ..linalg.conjugate_gradients import SolveReport
+from ..runtime.arrays import BoolArray, FloatArray
+from .filter_bank import SOLVES_PER_METRIC, FilterBank, FilterFamily, NormalFamily
+from .filter_rounds import FAMILIES, USABLE, rounds_for
+from .local_frame import LocalFrame
+from .mesh_parts import MeshParts
+from .noise.correlation import NoiseCorrelation, noise_correlation
+from .noise.level import beyond_clean
+from .noise.order_decay import Fading
+from .plan import STRENGTHS, DenoisePlan
+from .tangential_limit import Sliding
+
+# Least risk at the estimated noise leaves a little more of it than looks and measures best, because
+# the estimate is a lower bound; found on meshes with known noise.
+NOISE_FACTOR = 1.1
+
+# Solves for the first surface and all filters, as far as the progress goes.
+EXPECTED_SOLVES = SOLVES_PER_METRIC + sum(family.n_solves for family in FAMILIES)
+
+PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large against rounding
+PROBE_SEED = 0
+# A probe that folds a triangle over changes the filtered surface by leaps; such outliers of its
+# response, which is about 1 at most, are cut off.
+LARGEST_RESPONSE = 3.0
+
+
+@dataclass(frozen=True)
+class MixedSurfaces:
+    """Surfaces for all strengths, ascending.
+
+    Attributes
+    ----------
+    positions : list of (n, 3)
+    plan : DenoisePlan
+    solve : SolveReport
+        Iterations of all solves together, and the worst of their residuals.
+    notes : tuple of str
+        Why nothing was done, if so.
+    """
+
+    positions: list[FloatArray]
+    plan: DenoisePlan
+    solve: SolveReport
+    notes: tuple[str, ...]
+
+
+def mixed_surfaces(
+    space: LoopSpace,
+    positions: FloatArray,
+    is_still: BoolArray,
+    *,
+    strength: float = 1.0,
+    features: str = "auto",
+    plan: DenoisePlan | None = None,
+    progress: Callable[[float], None] | None = None,
+) -> MixedSurfaces:
+    """Denoise positions on the solver's mesh, for all of `STRENGTHS`.
+
+    Parameters
+    ----------
+    space : LoopSpace
+    positions : (n, 3)
+    is_still : (n,) bool
+        Vertices that noise and risk are not judged from, besides those of the boundary.
+    strength : float
+        Factor of the estimated noise.
+    features : "auto", "sharp" or "smooth"
+        Which filters may be used: all, only those that keep creases, or only those that round
+        them.
+    plan : DenoisePlan, optional
+        Of another frame of this surface: nothing is estimated then.
+    progress : callable, optional
+        Called with the part of the work that is done; may raise to end it.
+    """
+    solves = _Solves(EXPECTED_SOLVES * (2 if plan is None else 1), progress)
+    bank = FilterBank(space, positions, solves.count)
+    track = _Track(bank, positions)
+    frame = LocalFrame.of(space.topology, track.surface, track.surface)
+    notes: tuple[str, ...] = ()
+    if plan is None:
+        parts = MeshParts(space.topology, frame, is_still)
+        fading = Fading(positions, frame)
+        noise, notes = parts.noise(positions, fading, strength)
+        if beyond_clean(max(STRENGTHS) * strength * noise).any():
+            correlation = noise_correlation(fading, frame, parts.is_counted & (noise > 0))
+            plan = _planned(bank, track, frame, parts, noise, correlation, strength, features)
+        else:
+            plan = DenoisePlan.idle(noise)
+    elif not plan.is_idle:
+        first, *others = rounds_for(strength * plan.noise)
+        track.filter(first)
+        for families, pilot in zip(others, plan.pilots, strict=True):
+            track.surface = track.mixed(pilot)
+            track.filter(families)
+    results = [track.mixed(shares) for shares in plan.mixtures]
+    if not plan.is_idle:
+        sliding = Sliding(space.topology, positions, frame)
+        results = [sliding.limited(result) for result in results]
+    return MixedSurfaces(results, plan, solves.report(), notes)
+
+
+def _planned(
+    bank: FilterBank,
+    track: _Track,
+    frame: LocalFrame,
+    parts: MeshParts,
+    noise: FloatArray,
+    correlation: NoiseCorrelation,
+    strength: float,
+    features: str,
+) -> DenoisePlan:
+    """Filter in all rounds, and choose the shares in each."""
+    seen, noise = noise, noise / correlation.seen * correlation.deviation
+    # The divergence weighted with the correlation of the noise comes from probes that have it too.
+    sign = np.random.default_rng(PROBE_SEED).choice([-1.0, 1.0], len(noise))
+    probe = PROBE_SIZE * correlation.applied(sign, frame)
+    shadow = _Track(bank, track.positions + frame.raised(probe))
+
+    def measured() -> tuple[FloatArray, FloatArray]:
+        removed = track.removed(frame)
+        return removed, _divergence(removed, shadow.removed(frame), probe)
+
+    def variance(factor: float) -> FloatArray:
+        return np.square(NOISE_FACTOR * beyond_clean(factor * strength * seen) / correlation.seen)
+
+    first, *others = rounds_for(strength * noise)
+    pilots = []
+    for one in (track, shadow):
+        one.filter(first)
+    for families in others:
+        pilots.append(parts.best_shares(*measured(), variance(1.0)))
+        for one in (track, shadow):
+            one.surface = one.mixed(pilots[-1])
+            one.filter(families)
+    removed, divergence = measured()
+    usable = USABLE[features]
+    mixtures = np.zeros((len(STRENGTHS), *removed.shape))
+    for shares, factor in zip(mixtures, STRENGTHS, strict=True):
+        shares[usable] = parts.best_shares(removed[usable], divergence[usable], variance(factor))
+    removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
+    kept = 1 - removed_noise.mean(axis=1) / correlation.deviation**2
+    return DenoisePlan(noise, tuple(pilots), mixtures, kept)
+
+
+def _divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
+    """How much of its own noise each filter removes at each vertex, (k, n); for white noise 0 to 1.
+
+    From what the filters remove of the positions, and of them with the probes (n,) added.  The
+    neighbours' probes mix in, but cancel in sums over many vertices.
+
+    Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
+    """
+    divergence = shadow - removed
+    divergence *= probe / PROBE_SIZE**2
+    return np.clip(divergence, 1 - LARGEST_RESPONSE, 1 + LARGEST_RESPONSE, out=divergence)
+
+
+class _Track:
+    """Positions on their way through the filters, with what each filter takes away.
+
+    What is taken away is kept in single precision, which is plenty for it, to save memory.
+    """
+
+    def __init__(self, bank: FilterBank, positions: FloatArray) -> None:
+        self.positions = positions
+        self.surface = bank.first_surface(positions)
+        self.taken: list[NDArray[np.float32]] = []
+        self._bank = bank
+
+    def filter(self, families: list[FilterFamily | NormalFamily]) -> None:
+        """Add filters in metrics of the present surface, or fits to its normals."""
+        for filtered in self._bank.filtered(self.positions, self.surface, families):
+            self.taken.append((self.positions - filtered).astype(np.float32))
+
+    def removed(self, frame: LocalFrame) -> FloatArray:
+        """Measure the normal part of what each filter takes away, in local edge lengths, (k, n)."""
+        removed = np.empty((len(self.taken), len(self.positions)))
+        for row, taken in zip(removed, self.taken, strict=True):
+            row[:] = frame.along_normal(taken.astype(np.float64))
+        return removed
+
+    def mixed(self, shares: FloatArray) -> FloatArray:
+        """Mix the filters with shares (k, n) at each vertex."""
+        result = self.positions.copy()
+        for share, taken in zip(shares, self.taken, strict=True):
+            if share.any():
+                result -= share[:, None] * taken
+        return result
+
+
+class _Solves:
+    """Count of the linear solves: the progress, and what is to be reported of them."""
+
+    def __init__(self, n_expected: int, progress: Callable[[float], None] | None) -> None:
+        self._n_expected, self._progress = n_expected, progress
+        self._n_done = self._iterations = 0
+        self._residual = 0.0
+        self._converged = True
+
+    def count(self, report: SolveReport) -> None:
+        """Note that a solve is done."""
+        self._n_done += 1
+        self._iterations += report.iterations
+        self._residual = max(self._residual, report.residual)
+        self._converged &= report.converged
+        if self._progress is not None:
+            self._progress(min(self._n_done / self._n_expected, 1.0))
+
+    def report(self) -> SolveReport:
+        """All solves together."""
+        return SolveReport(self._iterations, self._residual, self._converged)

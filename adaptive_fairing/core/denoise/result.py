@@ -1,0 +1,101 @@
+"""What `denoise` returns."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ..fem.differential_geometry import SurfaceMeasures
+from ..linalg.conjugate_gradients import SolveReport
+from ..runtime.arrays import FloatArray
+from .plan import STRENGTHS, DenoisePlan
+from .settings import DenoiseSettings
+
+
+@dataclass(frozen=True)
+class DenoiseResult:
+    """The denoised mesh at several strengths, and what was found.
+
+    Attributes
+    ----------
+    strengths : (k,)
+        Ascending factors of the estimated noise; the one of the settings is among them.
+    shapes : (k, n, 3)
+        Positions for each strength. Vertices that are held have their input coordinates bit by
+        bit.
+    start : (n, 3)
+        Positions of the input.
+    noise : (n,)
+        Standard deviation of the noise along the normals, in local edge lengths; 0 where none was
+        found.
+    noise_level : float
+        Its median over the vertices where noise was found; 0 if there is none.
+    noise_length : float
+        The same in the units of the input.
+    radius : float
+        Smoothing radius in local edge lengths: of the Gaussian filter that keeps as much of white
+        noise. 0 if nothing was done.
+    sharp_part : float
+        Part of what was removed that came from filters which keep creases, 0 to 1.
+    crease_part : float
+        Part of the edges of the denoised mesh that are creases, 0 to 1.
+    is_sharp : bool
+        Whether creases were asked for; with features "auto" whether there are more of them than
+        smooth meshes have.
+    initial : SurfaceMeasures
+        Curvature energy, area and volume of the input's limit surface.
+    measures : tuple of SurfaceMeasures
+        The same for each of `shapes`.
+    solve : SolveReport
+        Iterations of all linear solves together, and the worst residual.
+    notes : tuple of str
+        What is wrong with the input and how it was made solvable; and why nothing was changed, if
+        so.
+    settings : DenoiseSettings
+    plan : DenoisePlan
+        To treat other frames of this surface alike.
+    """
+
+    strengths: FloatArray
+    shapes: FloatArray
+    start: FloatArray = field(repr=False)
+    noise: FloatArray
+    noise_level: float
+    noise_length: float
+    radius: float
+    sharp_part: float
+    crease_part: float
+    is_sharp: bool
+    initial: SurfaceMeasures
+    measures: tuple[SurfaceMeasures, ...]
+    solve: SolveReport
+    notes: tuple[str, ...]
+    settings: DenoiseSettings
+    plan: DenoisePlan = field(repr=False, compare=False)
+
+    @property
+    def chosen(self) -> int:
+        """Index of the strength that was asked for."""
+        return STRENGTHS.index(1.0)
+
+    @property
+    def positions(self) -> FloatArray:
+        """Positions at the strength that was asked for, (n, 3)."""
+        return self.shapes[self.chosen]
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether any vertex has moved; if not, `notes` say why."""
+        return not np.array_equal(self.positions, self.start)
+
+    def at(self, strength: float) -> FloatArray:
+        """Positions (n, 3) at any strength from 0, the input, to the largest of `strengths`.
+
+        Between two strengths they are interpolated linearly; beyond the last they stay there.
+        """
+        knots = np.concatenate([[0.0], self.strengths])
+        place = float(np.interp(strength, knots, np.arange(len(knots))))
+        below = min(int(place), len(self.strengths) - 1)
+        low = self.shapes[below - 1] if below else self.start
+        return low + (place - below) * (self.shapes[below] - low)

@@ -1,0 +1,40 @@
+"""Settings of the automatic method, checked when they are made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..problem.setting_checks import BOUNDARIES, require_choice, require_number
+
+FEATURES = ("auto", "sharp", "smooth")
+LARGEST_STRENGTH = 100.0
+
+
+@dataclass(frozen=True)
+class DenoiseSettings:
+    """What `denoise` cannot find out by itself, because it is a matter of taste.
+
+    Attributes
+    ----------
+    strength : float
+        Factor of the estimated noise, above 0 and below 100.
+    features : str
+        "sharp" keeps creases wherever it can, "smooth" has no creases to keep, "auto" chooses per
+        place.
+    boundary : str
+        "fixed": boundary vertices stay exactly where they are; "free": they move along.
+
+    Raises
+    ------
+    SettingsError
+        If a value makes no sense; the message names the field.
+    """
+
+    strength: float = 1.0
+    features: str = "auto"
+    boundary: str = "fixed"
+
+    def __post_init__(self) -> None:
+        require_number(self, "strength", above=0, below=LARGEST_STRENGTH)
+        require_choice(self, "features", FEATURES)
+        require_choice(self, "boundary", BOUNDARIES)
