@@ -168,7 +168,7 @@ def run_plan(
         Nothing could be done at all, or a file of the whole batch cannot be written.
     """
     from ..batch.run import Batch, merge_batch, run_batch
-    from ..core.fem.memory_estimate import available_bytes
+    from ..core.runtime.system_memory import available_bytes
     from ..files.atomic_files import writable_place
     from ..files.report import write_report
     from .progress import MeshProgress
