@@ -28,7 +28,7 @@ sys.path.insert(0, str(ROOT))
 
 from meshes import Mesh, write_ply  # noqa: E402  needs the search path
 
-from tools.samples.triangles import mean_edge_lengths, vertex_normals  # noqa: E402
+from tools.samples.triangles import local_edge_lengths, vertex_normals  # noqa: E402
 
 NOISE = 0.15  # standard deviation in local edge lengths
 BEND = 1.0  # of one end against the other, in radians
@@ -111,7 +111,7 @@ def bending(rest: NDArray[np.float64], triangles: NDArray[np.int32], n_frames: i
     axis = int(np.ptp(rest, axis=0).argmax())
     low, high = rest[:, axis].min(), rest[:, axis].max()
     along = (rest[:, axis] - low) / (high - low)
-    edges = mean_edge_lengths(rest, triangles)
+    edges = local_edge_lengths(rest, triangles)
     amount = np.random.default_rng(SEED).normal(0.0, NOISE, len(rest)) * edges
     other = (axis + 1) % 3
     centre = rest.mean(axis=0)

@@ -15,8 +15,9 @@ import numpy as np
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import cg
 
+from tools.samples.triangles import Faces, FloatArray, edges_of
+
 from . import blender_modifiers
-from .geometry import Faces, FloatArray, edges_of
 from .l0_minimisation import l0_minimisation
 from .normal_filters import bilateral_filter, guided_filter
 
