@@ -7,13 +7,11 @@ flat ones).
 
 import numpy as np
 
-from samples.triangles import edges_of, icosahedron, icosphere, split_1_to_4
+from tools.samples.triangles import edges_of, icosahedron, icosphere, split_1_to_4
 
 __all__ = ["edges_of", "icosahedron", "icosphere", "split_1_to_4"]
 
 Mesh = tuple[np.ndarray, np.ndarray]
-
-GOLDEN_RATIO = (1.0 + np.sqrt(5.0)) / 2.0
 
 
 # Closed meshes -----------------------------------------------------------------------------------

@@ -143,6 +143,14 @@ def split_1_to_4(vertices: FloatArray, triangles: Faces) -> tuple[FloatArray, Fa
     return np.concatenate([vertices, vertices[edges].mean(axis=1)]), split.T.astype(np.int32)
 
 
+def spiral(n_points: int) -> FloatArray:
+    """Return points (n, 3) spread evenly over the unit sphere along a golden spiral."""
+    height = 1 - (2 * np.arange(n_points) + 1) / n_points
+    angle = np.pi * (3 - 5**0.5) * np.arange(n_points)
+    radius = np.sqrt(1 - height**2)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
+
+
 def convex_hull(points: FloatArray) -> tuple[FloatArray, Faces]:
     """Return points that are all corners of a convex body, and its triangles, facing outwards."""
     triangles = ConvexHull(points).simplices

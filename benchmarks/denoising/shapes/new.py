@@ -6,7 +6,7 @@ import numpy as np
 
 from tools.samples.implicit import Ellipsoid, Formula, Solid, Tube, rotation
 from tools.samples.meshing import dense_mesh
-from tools.samples.triangles import FloatArray, convex_hull
+from tools.samples.triangles import FloatArray, convex_hull, spiral
 
 from .cad import Part, grid_faces
 from .meshing import MeshArrays, graded, near, remeshed, uneven
@@ -28,12 +28,7 @@ def block() -> MeshArrays:
 
 def die() -> MeshArrays:
     """Return an even solid of many facets, its corners on a golden spiral."""
-    n = 26
-    height = 1 - (2 * np.arange(n) + 1) / n
-    angle = np.pi * (3 - 5**0.5) * np.arange(n)
-    radius = np.sqrt(1 - height**2)
-    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
-    return remeshed(*convex_hull(points), 0.05, 15.0)
+    return remeshed(*convex_hull(spiral(26)), 0.05, 15.0)
 
 
 def faceted_ring() -> MeshArrays:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import Delaunay
 
-from tools.samples.triangles import convex_hull
+from tools.samples.triangles import convex_hull, spiral
 
 from .cad import grid_faces
 from .meshing import MeshArrays, near, uneven
@@ -120,10 +120,7 @@ def knot(n_along: int = 420, n_around: int = 26) -> MeshArrays:
 
 def jittered_ball(generator: np.random.Generator, n_points: int) -> MeshArrays:
     """Make a unit sphere of irregular triangles."""
-    height = 1 - (2 * np.arange(n_points) + 1) / n_points
-    angle = np.pi * (3 - 5**0.5) * np.arange(n_points)
-    radius = np.sqrt(1 - height**2)
-    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
+    points = spiral(n_points)
     points += 0.4 * (4 * np.pi / n_points) ** 0.5 * generator.uniform(-1, 1, points.shape)
     points /= np.linalg.norm(points, axis=1, keepdims=True)
     return convex_hull(points)
