@@ -32,10 +32,11 @@ NOISE = 0.15  # standard deviation in local edge lengths
 BEND = 1.0  # of one end against the other, in radians
 SEED = 20260009
 
+PAPER = ["--method", "adaptive_timestep", "--tau"]
 CASES = {
-    "fixed τ, mean edge": ["--tau", "0.004"],
+    "fixed τ, mean edge": [*PAPER, "0.004"],
     "until 60 % of the curvature is left": [
-        "--tau", "0.001", "--steps", "12", "--stop-curvature", "0.6",
+        *PAPER, "0.001", "--steps", "12", "--stop-curvature", "0.6",
     ],
     "automatic": ["--method", "auto"],
 }  # fmt: skip

@@ -179,13 +179,11 @@ def report(mesh: meshes.Mesh, settings: FairingSettings, repeats: int) -> dict[s
     best = [min((run[k] for run in runs), key=lambda found: found.seconds) for k in range(2)]
     iterations = runs[0][2]
     print(f"\n## {mesh.name}, {len(mesh.triangles)} triangles (load {load()})\n")
-    for title, fastest, place in zip(
-        ("set-up and first step", "second step"), best, range(2), strict=True
-    ):
-        looks = sum((run[place].looks for run in runs), Counter())
+    for k, title in enumerate(("set-up and first step", "second step")):
+        looks = sum((run[k].looks for run in runs), Counter())
         rows = [[name, f"{count / looks.total():.0%}"] for name, count in looks.most_common()]
         print(table([title, "share"], [row for row in rows if row[1] != "0%"]))
-        spent = map(seconds_text, (fastest.seconds, fastest.processor))
+        spent = map(seconds_text, best[k][:2])
         print("\n{} s, {} s of all processors\n".format(*spent))
 
     work = unavoidable_work(mesh, settings, iterations)

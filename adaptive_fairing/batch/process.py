@@ -49,11 +49,6 @@ class WorkerProcess:
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
-    @property
-    def process_id(self) -> int:
-        """Number of the process."""
-        return self._process.pid
-
     def send(self, message: dict[str, Any]) -> None:
         """Send a message; one that a dying process cannot take is lost, its end is told anyway."""
         try:

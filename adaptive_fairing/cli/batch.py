@@ -25,7 +25,7 @@ from ..batch.summary import DONE, FAILED, MISSING, SKIPPED, is_complete
 from ..files.formats import BLEND, suffix_of
 
 if TYPE_CHECKING:
-    from ..core import FairingSettings
+    from ..core import DenoiseSettings, FairingSettings
 
 BATCH_OPTIONS = ("out_dir", "format", "jobs", "memory", "shard", "merge", "allow_failures")
 
@@ -144,7 +144,7 @@ def plan_of(arguments: argparse.Namespace) -> Plan | None:
 
 def run_plan(
     arguments: argparse.Namespace,
-    settings: FairingSettings,
+    settings: DenoiseSettings | FairingSettings,
     worker_command: Sequence[str],
     program: str,
 ) -> tuple[dict[str, Any], str | None]:

@@ -12,29 +12,31 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from .. import defaults
 from ..batch.inputs import ArgumentsError
-from ..batch.summary import chosen_record
+from ..batch.summary import outcome_of
 from ..files.formats import BLEND, SUFFIXES, is_supported
 from ..version import program_version
 from . import batch
 
 if TYPE_CHECKING:
-    from ..core import FairingSettings
+    from ..core import DenoiseSettings, FairingSettings
 
 PROGRAM = "adaptive-fairing"
 DONE, COULD_NOT, WRONG_ARGUMENTS, INTERRUPTED = 0, 1, 2, 130
 WORKER = "--worker"
 """The only argument of a worker process."""
 
-METHODS = {
-    "uniform": "uniform",
+AUTO = "auto"
+PAPER_METHODS = {
     "timestep": "adaptive_timestep",
     "tensor": "adaptive_tensor",
-    "auto": "auto",
+    "uniform": "uniform",
 }
-METHOD_NAMES = {method: name for name, method in METHODS.items()}
 DENSITIES = {"edge": "edge_length", "area": "area"}
+
+OF_AUTO = ("strength", "features")
+OF_THE_PAPER = ("tau", "steps", "density", "density_passes", "stop_curvature", "stop_rate")
+"""Arguments that belong to `--method auto`, or to the other methods."""
 
 
 def main(argv: Sequence[str] | None = None, *, worker_command: Sequence[str] | None = None) -> int:
@@ -87,6 +89,9 @@ def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
         arguments.plan = batch.plan_of(arguments)
     except ArgumentsError as error:
         parser.error(str(error))
+    misplaced = _misplaced(arguments)
+    if misplaced is not None:
+        parser.error(misplaced)
     if arguments.plan is not None:
         return arguments
     arguments.input = Path(arguments.input[0])
@@ -140,42 +145,44 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--method",
-        choices=tuple(METHODS),
-        help="what follows the density: the timestep, the diffusion tensor, or nothing; auto "
-        "estimates the noise and needs none of --tau, --steps, --density, --density-passes, "
-        "--stop-curvature and --stop-rate (default: timestep if one of these is given, "
-        f"otherwise {METHOD_NAMES[defaults.METHOD]})",
+        choices=(AUTO, *PAPER_METHODS),
+        default=AUTO,
+        help="auto estimates the noise and removes it; the others are geometric diffusion, which "
+        "follows the mesh density by the timestep, by the diffusion tensor, or not at all "
+        "(default: %(default)s)",
     )
     parser.add_argument(
         "--strength",
         type=float,
-        default=1.0,
         metavar="X",
-        help="of auto: factor of the noise that it estimates (default: %(default)s)",
+        help="of auto: factor of the noise that it estimates (default: 1.0)",
     )
     parser.add_argument(
         "--features",
         choices=("auto", "sharp", "smooth"),
-        default="auto",
-        help="of auto: whether there are creases to keep (default: %(default)s, per place)",
+        help="of auto: whether there are creases to keep (default: auto, per place)",
     )
     parser.add_argument(
         "--tau",
         type=float,
         metavar="T",
-        help="time of a step, in the frame where the mesh fits [-3, 3]^3 (default: 0.016)",
+        help="of the others: time of a step, in the frame where the mesh fits [-3, 3]^3 "
+        "(default: 0.016)",
     )
-    parser.add_argument("--steps", type=int, metavar="N", help="number of steps (default: 4)")
+    parser.add_argument(
+        "--steps", type=int, metavar="N", help="of the others: number of steps (default: 4)"
+    )
     parser.add_argument(
         "--density",
         choices=tuple(DENSITIES),
-        help="measure of the density: mean edge length or area around a vertex (default: edge)",
+        help="of the others: measure of the density: mean edge length or area around a vertex "
+        "(default: edge)",
     )
     parser.add_argument(
         "--density-passes",
         type=int,
         metavar="N",
-        help="smoothing passes over the density (default: 3)",
+        help="of the others: smoothing passes over the density (default: 3)",
     )
     parser.add_argument(
         "--boundary",
@@ -187,14 +194,14 @@ def build_parser() -> argparse.ArgumentParser:
         "--stop-curvature",
         type=float,
         metavar="X",
-        help="stop once the curvature energy is at most X times that of the input",
+        help="of the others: stop once the curvature energy is at most X times that of the input",
     )
     parser.add_argument(
         "--stop-rate",
         type=float,
         metavar="X",
-        help="stop once the curvature energy, relative to that of the input, changes by at most X "
-        "per unit of time",
+        help="of the others: stop once the curvature energy, relative to that of the input, "
+        "changes by at most X per unit of time",
     )
     parser.add_argument(
         "--report", type=Path, metavar="FILE.json", help="write settings and measures as JSON"
@@ -205,31 +212,37 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def settings_of(arguments: argparse.Namespace) -> FairingSettings:
-    """Translate the arguments into settings of the solver.
+def _misplaced(arguments: argparse.Namespace) -> str | None:
+    """Say which argument belongs to another method than the one that was chosen."""
+    names, owner = OF_AUTO, f"--method {AUTO}"
+    if arguments.method == AUTO:
+        names, owner = OF_THE_PAPER, f"--method {', '.join(PAPER_METHODS)}"
+    for name in names:
+        if getattr(arguments, name) is not None:
+            option = name.replace("_", "-")
+            return f"--{option} belongs to {owner}, not to --method {arguments.method}"
+    return None
+
+
+def settings_of(arguments: argparse.Namespace) -> DenoiseSettings | FairingSettings:
+    """Translate the arguments into settings of the algorithm that they choose.
 
     Raises
     ------
     SettingsError
         A value makes no sense.
     """
-    from ..core import FairingSettings
+    from ..core import DenoiseSettings, FairingSettings
 
-    diffusion = {name: getattr(arguments, name) for name in defaults.DIFFUSION}
-    given = {name: value for name, value in diffusion.items() if value is not None}
+    is_auto = arguments.method == AUTO
+    values = {name: getattr(arguments, name) for name in (OF_AUTO if is_auto else OF_THE_PAPER)}
+    given = {name: value for name, value in values.items() if value is not None}
+    given["boundary"] = arguments.boundary
+    if is_auto:
+        return DenoiseSettings(**given)
     if "density" in given:
         given["density"] = DENSITIES[given["density"]]
-    if arguments.method is not None:
-        method = METHODS[arguments.method]
-    else:
-        method = defaults.method_beside(given)
-    return FairingSettings(
-        method=method,
-        strength=arguments.strength,
-        features=arguments.features,
-        boundary=arguments.boundary,
-        **given,
-    )
+    return FairingSettings(method=PAPER_METHODS[arguments.method], **given)
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -242,7 +255,7 @@ def _run(arguments: argparse.Namespace) -> int:
         return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
 
     from ..silence import silent_stdout
-    from .progress import share_progress, step_progress
+    from .progress import part_progress, step_progress
 
     with silent_stdout():  # Blender logs from its very first moment
         from ..blender.jobs.file_job import FairingJob, run_job
@@ -252,9 +265,9 @@ def _run(arguments: argparse.Namespace) -> int:
     )
     show = not arguments.quiet and sys.stderr.isatty()
     try:
-        if settings.method == "auto":
-            with share_progress(enabled=show) as on_share:
-                report = run_job(job, on_share=on_share)
+        if arguments.method == AUTO:
+            with part_progress(enabled=show) as on_progress:
+                report = run_job(job, on_progress=on_progress)
         else:
             with step_progress(settings.steps, enabled=show) as on_step:
                 report = run_job(job, on_step)
@@ -305,19 +318,18 @@ _ENDS = {
 
 
 def _summary(report: dict[str, Any]) -> str:
-    shown = chosen_record(report["steps"])
-    if shown["auto"] is None:
-        how = f"{shown['step']} steps ({_ENDS[report['stop_reason']]})"
-    else:
-        estimate = shown["auto"]
+    outcome = outcome_of(report)
+    if report["denoise"] is not None:
         how = (
-            f"noise {estimate['noise']:.3g}, smoothing radius {estimate['radius']:.3g} local edge "
+            f"noise {outcome['noise']:.3g}, smoothing radius {outcome['radius']:.3g} local edge "
             "lengths"
         )
+    else:
+        how = f"{outcome['step']} steps ({_ENDS[report['stop_reason']]})"
     return (
         f"{PROGRAM}: {report['mesh']['vertices']} vertices, {how}, curvature energy "
-        f"{shown['curvature_ratio']:.3g} times the input's, largest displacement "
-        f"{shown['largest_displacement']:.3g}; wrote {report['output']}"
+        f"{outcome['curvature_ratio']:.3g} times the input's, largest displacement "
+        f"{outcome['largest_displacement']:.3g}; wrote {report['output']}"
     )
 
 

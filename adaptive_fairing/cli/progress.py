@@ -6,11 +6,12 @@ import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..batch.summary import FAILED
-from ..core import FairingStep
 
+if TYPE_CHECKING:
+    from ..blender.jobs.solve import Solve
 try:
     from tqdm import tqdm
 except ImportError:  # Blender's own Python has no tqdm
@@ -18,7 +19,7 @@ except ImportError:  # Blender's own Python has no tqdm
 
 
 @contextmanager
-def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[FairingStep], None]]:
+def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[Solve], None]]:
     """Show a progress bar while the body runs, or a line per step where tqdm is missing.
 
     Parameters
@@ -31,26 +32,27 @@ def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[FairingSte
     Yields
     ------
     callable
-        To be called after every step.
+        To be called with the solve after every step.
     """
     if not enabled:
-        yield lambda step: None
+        yield lambda solve: None
     elif tqdm is None:
-        yield lambda step: _show_line(step, total)
+        yield lambda solve: _show_line(solve, total)
     else:
         options = {"desc": "fairing", "unit": "step", "leave": False, "mininterval": 0}
         with tqdm(total=total, file=sys.stderr, **options) as bar:
 
-            def advance(step: FairingStep) -> None:
-                bar.set_postfix_str(f"{step.solve.iterations} CG iterations", refresh=False)
+            def advance(solve: Solve) -> None:
+                iterations = solve.steps[-1].solve.iterations
+                bar.set_postfix_str(f"{iterations} CG iterations", refresh=False)
                 bar.update()
 
             yield advance
 
 
 @contextmanager
-def share_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
-    """Show a progress bar for a run whose steps come all at once, if there is tqdm.
+def part_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
+    """Show a progress bar for `denoise`, whose result comes all at once, if there is tqdm.
 
     Parameters
     ----------
@@ -60,22 +62,21 @@ def share_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
     Yields
     ------
     callable
-        To be called with the share that is done, up to 1.
+        To be called with the part that is done, up to 1.
     """
     if not enabled or tqdm is None:
-        yield lambda share: None
+        yield lambda part: None
         return
-    form = "{l_bar}{bar}| {elapsed}<{remaining}"
     options = {
-        "desc": "fairing",
+        "desc": "denoising",
         "leave": False,
         "mininterval": 0,
         "miniters": 1e-6,
-        "bar_format": form,
+        "bar_format": "{l_bar}{bar}| {elapsed}<{remaining}",
     }
     with tqdm(total=1.0, file=sys.stderr, **options) as bar:
         # Solves run side by side: their news may come in another order.
-        yield lambda share: bar.update(max(share - bar.n, 0))
+        yield lambda part: bar.update(max(part - bar.n, 0))
 
 
 class MeshProgress:
@@ -131,7 +132,8 @@ class MeshProgress:
             sys.stderr.flush()
 
 
-def _show_line(step: FairingStep, total: int) -> None:
+def _show_line(solve: Solve, total: int) -> None:
+    step = solve.steps[-1]
     line = f"fairing: step {step.index} of {total}, {step.solve.iterations} CG iterations"
     sys.stderr.write(line + "\n")
     sys.stderr.flush()

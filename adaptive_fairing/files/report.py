@@ -31,6 +31,25 @@ from .atomic_files import replaced_file
 Json = dict[str, Any]
 
 
+def settings_record(settings: DenoiseSettings | FairingSettings) -> Json:
+    """Write the settings of either algorithm, so that `settings_of_record` can read them."""
+    is_denoise = isinstance(settings, DenoiseSettings)
+    return {"algorithm": "denoise" if is_denoise else "fair", **asdict(settings)}
+
+
+def settings_of_record(record: Mapping[str, Any]) -> DenoiseSettings | FairingSettings:
+    """Read a `settings_record`.
+
+    Raises
+    ------
+    SettingsError
+        A value makes no sense.
+    """
+    values = {name: value for name, value in record.items() if name != "algorithm"}
+    is_denoise = record["algorithm"] == "denoise"
+    return DenoiseSettings(**values) if is_denoise else FairingSettings(**values)
+
+
 def step_record(step: FairingStep, start: ArrayLike, seconds: float) -> Json:
     """Describe one step of the paper's diffusion.
 

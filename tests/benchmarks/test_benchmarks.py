@@ -1,4 +1,4 @@
-"""The benchmarks: their meshes, their clock, their history. No test looks at how long things take."""
+"""The benchmarks: their meshes, profile and history. No test looks at how long things take."""
 
 from __future__ import annotations
 

@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csgraph
 
 from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import BoolArray, FloatArray
 from .local_frame import LocalFrame
 from .noise.clean_detail import CleanDetail
 from .noise.level import CLEAN_ROUGHNESS, beyond_clean, noise_level
 from .noise.order_decay import Fading
 from .noise.roughness import roughness
 from .unbiased_risk import density_classes, least_risk_shares
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 # Fewer vertices cannot tell noise from shape.
 FEWEST_VERTICES = 50

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import FairingError
 from ..loop.basis import table_depth
@@ -16,9 +15,10 @@ from ..loop.fitted_quadrature import POINTS, is_fitted
 from ..loop.patch_class import PatchClass, is_regular_patch
 from ..loop.patches import PatchSet, chunk_size
 from ..loop.quadrature import QuadratureChoice
+from ..runtime.arrays import LongArray
 from ..runtime.threads import n_threads
-from .class_tables import product_table_pays
-from .table_cache import FEW_TRIANGLES, LARGEST_STACKED
+from .patch_tables import product_table_pays
+from .table_cache import FEW_TRIANGLES, LARGEST_RARE
 
 Algorithm = Literal["fair", "denoise"]
 
@@ -105,7 +105,7 @@ def estimated_bytes(
     of_class = zip(n_products, patches.class_sizes, strict=True)
     products = 8 * n_products[[product_table_pays(*each) for each in of_class]]
     tables = 8 * BYTES_PER_TABLE_NUMBER * n_points * n_control
-    stacked = _stacked_bytes(n_points * n_control, patches)
+    rare = _rare_bytes(n_points * n_control, patches)
     denoise_bytes = DENOISE_BYTES_PER_TRIANGLE if algorithm == "denoise" else 0
     return int(
         FIXED_BYTES
@@ -114,18 +114,16 @@ def estimated_bytes(
         + BYTES_PER_ENTRY_IN_WORK * in_work
         + products.sum()
         + tables.sum()
-        + stacked.sum()
+        + rare.sum()
     )
 
 
-def _stacked_bytes(n_numbers: NDArray[np.int64], patches: PatchSet) -> NDArray[np.int64]:
+def _rare_bytes(n_numbers: LongArray, patches: PatchSet) -> LongArray:
     """Bound the tables of single triangles, by class: `n_numbers` at points for each function."""
     n_triangles = patches.topology.n_triangles
     n_chunks = -(-n_triangles // max(chunk_size(n_triangles), 1))
-    n_stacked = np.minimum(patches.class_sizes, FEW_TRIANGLES * n_chunks)
-    bound: NDArray[np.int64] = np.where(
-        6 * n_numbers <= LARGEST_STACKED, 8 * 6 * n_numbers * n_stacked, 0
-    )
+    n_rare = np.minimum(patches.class_sizes, FEW_TRIANGLES * n_chunks)
+    bound: LongArray = np.where(6 * n_numbers <= LARGEST_RARE, 8 * 6 * n_numbers * n_rare, 0)
     return bound
 
 

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from ...runtime.arrays import BoolArray, FloatArray
 
 # Roughness of this size, in local edge lengths, is what clean meshes have.
 CLEAN_ROUGHNESS = 0.04

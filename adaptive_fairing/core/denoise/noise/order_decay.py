@@ -10,12 +10,9 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 # Orders of the differences that are compared.
 LOW, HIGH = 2, 5

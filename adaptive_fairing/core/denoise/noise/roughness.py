@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from ...runtime.arrays import FloatArray
 from ..local_frame import LocalFrame
-
-FloatArray = NDArray[np.float64]
 
 
 def roughness(positions: FloatArray, frame: LocalFrame) -> FloatArray:

@@ -1,0 +1,240 @@
+"""The C¹ surface that a control mesh stands for, as points, normals, curvature and finer meshes."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import sparse
+
+from ..errors import InputError
+from ..mesh.input_checks import checked_vertices
+from ..mesh.normals import unit_vectors
+from ..mesh.topology import TriangleTopology
+from .curvature import curvature
+from .masks import limit_matrix, refinement_matrix, tangent_matrices
+from .refined_mesh import RefinedMesh, unrefined_mesh
+from .sectors import Sectors, sector_normals, sectors_of
+
+FloatArray = NDArray[np.float64]
+
+
+class Refined(NamedTuple):
+    """A mesh on the limit surface.
+
+    Attributes
+    ----------
+    vertices : (n, 3) float
+    triangles : (m, 3) int32
+    normals : (n, 3) float
+        Unit normals of the limit surface.
+    """
+
+    vertices: FloatArray
+    triangles: NDArray[np.int32]
+    normals: FloatArray
+
+
+class RefinementLevels:
+    """What refinement needs beside positions: meshes and matrices by level, each made once.
+
+    Parameters
+    ----------
+    topology : TriangleTopology
+    creases : (k, 2) int
+        Vertex pairs of the sharp edges.
+    corners : (j,) int
+        Vertices that stay where they are.
+
+    Raises
+    ------
+    InputError
+        A crease is no edge, or a corner no vertex.
+    """
+
+    def __init__(
+        self, topology: TriangleTopology, creases: ArrayLike = (), corners: ArrayLike = ()
+    ) -> None:
+        is_corner = np.zeros(topology.n_vertices, dtype=bool)
+        numbers = np.asarray(corners, dtype=np.int64)
+        pairs = np.asarray(creases, dtype=np.int64).reshape(-1, 2)
+        for name, indices in (("corners", numbers), ("creases", pairs)):
+            if indices.size and not 0 <= indices.min() <= indices.max() < topology.n_vertices:
+                raise InputError(f"{name} use vertices outside 0 … {topology.n_vertices - 1}")
+        is_corner[numbers] = True
+        self._meshes = [unrefined_mesh(topology, pairs, is_corner)]
+        self._steps: list[sparse.csr_array] = []
+        self._limits: dict[int, sparse.csr_array] = {}
+        self._tangents: dict[int, tuple[sparse.csr_array, sparse.csr_array]] = {}
+        self._sectors: dict[int, Sectors] = {}
+
+    def mesh(self, level: int) -> RefinedMesh:
+        """Give the connectivity after `level` steps."""
+        while len(self._meshes) <= level:
+            self._meshes.append(self._meshes[-1].finer)
+        return self._meshes[level]
+
+    def refinement_matrix(self, level: int) -> sparse.csr_array:
+        """Step from the control points of level `level - 1` to those of `level`, from 1 on."""
+        while len(self._steps) < level:
+            self._steps.append(refinement_matrix(self.mesh(len(self._steps))))
+        return self._steps[level - 1]
+
+    def limit_matrix(self, level: int) -> sparse.csr_array:
+        """Step from the control points of a level to its vertices' places on the limit surface."""
+        if level not in self._limits:
+            self._limits[level] = limit_matrix(self.mesh(level))
+        return self._limits[level]
+
+    def control_points(self, positions: FloatArray, level: int) -> FloatArray:
+        """Control points after `level` steps, (n, k), of those of level 0."""
+        for step in range(1, level + 1):
+            positions = self.refinement_matrix(step) @ positions
+        return positions
+
+    def sectors(self, level: int) -> Sectors:
+        """Sides of creases, the boundary and corners."""
+        if level not in self._sectors:
+            self._sectors[level] = sectors_of(self.mesh(level))
+        return self._sectors[level]
+
+    def normals(self, control: FloatArray, level: int) -> tuple[FloatArray, FloatArray]:
+        """Compute unit normals of the limit surface from the control points of a level.
+
+        Returns
+        -------
+        of_vertices : (n, 3)
+            On creases and at corners the mean of the sides; 0 at loose vertices.
+        of_sectors : (s, 3)
+            Of each side of creases, the boundary and corners.
+        """
+        mesh, sectors = self.mesh(level), self.sectors(level)
+        if level not in self._tangents:
+            self._tangents[level] = tangent_matrices(mesh)
+        first, second = self._tangents[level]
+        normals = _unit_cross(first @ control, second @ control)
+        of_sectors = sector_normals(mesh, sectors, control)
+        at = np.unique(sectors.vertex)
+        sums = [np.bincount(sectors.vertex, x, mesh.n_vertices)[at] for x in of_sectors.T]
+        normals[at] = unit_vectors(np.stack(sums, axis=1))
+        return normals, of_sectors
+
+
+class LimitSurface:
+    """Loop's limit surface of a control mesh, with creases.
+
+    Parameters
+    ----------
+    topology : TriangleTopology
+    positions : (n_vertices, 3) float
+        Control points.
+    creases : (k, 2) int
+        Vertex pairs of edges that stay sharp.  A vertex with two sharp edges, the boundary's
+        included, lies on a curve, one with more is a corner, and where a single one ends the
+        surface is smooth.
+    corners : (j,) int
+        More vertices that stay where they are.
+
+    Raises
+    ------
+    InputError
+        Positions of another shape or not finite; a crease is no edge.
+
+    Source: see `masks`.
+    """
+
+    def __init__(
+        self,
+        topology: TriangleTopology,
+        positions: ArrayLike,
+        creases: ArrayLike = (),
+        corners: ArrayLike = (),
+    ) -> None:
+        self.levels = RefinementLevels(topology, creases, corners)
+        self.positions = _control_points(positions, topology.n_vertices)
+
+    @classmethod
+    def from_levels(cls, levels: RefinementLevels, positions: ArrayLike) -> LimitSurface:
+        """Make a surface of given refinement levels, which it shares with others."""
+        result = object.__new__(cls)
+        result.levels = levels
+        result.positions = _control_points(positions, levels.mesh(0).n_vertices)
+        return result
+
+    def moved(self, positions: ArrayLike) -> LimitSurface:
+        """Make the surface of other positions, which shares all matrices with this one."""
+        return LimitSurface.from_levels(self.levels, positions)
+
+    def refinement_matrix(self, level: int) -> sparse.csr_array:
+        """Step from the control points of level `level - 1` to those of `level`, from 1 on."""
+        return self.levels.refinement_matrix(level)
+
+    @cached_property
+    def points(self) -> FloatArray:
+        """Points of the limit surface at the vertices, (n, 3); loose vertices stay."""
+        points: FloatArray = self.levels.limit_matrix(0) @ self.positions
+        return points
+
+    @cached_property
+    def normals(self) -> FloatArray:
+        """Unit normals at the vertices, (n, 3); see `RefinementLevels.normals`."""
+        return self.levels.normals(self.positions, 0)[0]
+
+    def refined(self, levels: int) -> Refined:
+        """Cut every triangle into 4 ** levels ones, all vertices on the limit surface.
+
+        The vertices of the control mesh come first.  Triangles 4 f … 4 f + 3 of a level come from
+        triangle f of the level before, see `refined_mesh`.
+        """
+        control = self.levels.control_points(self.positions, levels)
+        vertices = self.levels.limit_matrix(levels) @ control
+        normals, _ = self.levels.normals(control, levels)
+        return Refined(vertices, self.levels.mesh(levels).triangles, normals)
+
+    def corner_normals(self, levels: int) -> FloatArray:
+        """Compute unit normals at the refined triangles' corners, (m, 3, 3), apart at creases."""
+        control = self.levels.control_points(self.positions, levels)
+        normals, of_sectors = self.levels.normals(control, levels)
+        corners, sector = self.levels.sectors(levels).corners()
+        result = normals[self.levels.mesh(levels).triangles]
+        result.reshape(-1, 3)[corners] = of_sectors[sector]
+        return result
+
+    @property
+    def mean_curvature(self) -> FloatArray:
+        """Mean curvature at the vertices, (n,), in 1 / length; see `curvature.curvature`."""
+        return self._curvature[0]
+
+    @property
+    def gaussian_curvature(self) -> FloatArray:
+        """Gaussian curvature at the vertices, (n,), in 1 / length²; see `curvature.curvature`."""
+        return self._curvature[1]
+
+    @cached_property
+    def _curvature(self) -> FloatArray:
+        finer = self.levels.control_points(self.positions, 1)
+        return curvature(self.levels.mesh(0), self.positions, finer)
+
+
+def _control_points(positions: ArrayLike, n_vertices: int) -> FloatArray:
+    points = checked_vertices(positions)
+    if len(points) != n_vertices:
+        raise InputError(f"{len(points)} positions for {n_vertices} vertices")
+    return points
+
+
+def _unit_cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Compute unit vectors along a × b, (n, 3), 0 where there is none."""
+    # By columns: four times as fast as np.cross.
+    result = np.empty_like(a)
+    columns_a, columns_b = np.ascontiguousarray(a.T), np.ascontiguousarray(b.T)
+    cross = [
+        columns_a[i - 2] * columns_b[i - 1] - columns_a[i - 1] * columns_b[i - 2] for i in range(3)
+    ]
+    length = np.sqrt(cross[0] ** 2 + cross[1] ** 2 + cross[2] ** 2)
+    length[length == 0] = 1
+    for column, row in zip(result.T, cross, strict=True):
+        np.divide(row, length, out=column)
+    return result
