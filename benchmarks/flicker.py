@@ -32,7 +32,7 @@ NOISE = 0.15  # standard deviation in local edge lengths
 BEND = 1.0  # of one end against the other, in radians
 SEED = 20260009
 
-PAPER = ["--method", "adaptive_timestep", "--tau"]
+PAPER = ["--method", "timestep", "--tau"]
 CASES = {
     "fixed τ, mean edge": [*PAPER, "0.004"],
     "until 60 % of the curvature is left": [

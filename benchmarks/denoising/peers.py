@@ -299,6 +299,7 @@ RESEARCH: Sequence[Peer] = (
         published="λ 0.2",
     ),
 )
-"""What the research literature compares with, at the values that its authors give and around."""
+"""What the research literature compares with, at the values that its authors give and around; L0
+minimisation at the λ with which Zhang et al. compared their filter."""
 
 PEERS: Sequence[Peer] = (*IN_USE, *RESEARCH)
