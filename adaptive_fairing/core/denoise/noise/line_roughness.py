@@ -11,14 +11,13 @@ from numpy.typing import NDArray
 
 from ...mesh.topology import TriangleTopology
 from ..local_frame import LocalFrame
+from .own_numbers import LINE_NOISE, own_noise
 
 FloatArray = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
 
 # A line from one neighbour to the opposite one passes a vertex at a share between these.
 SHARES = (0.2, 0.8)
-
-NOISE_SEED = 0
 
 
 class LineRoughness:
@@ -53,7 +52,7 @@ class LineRoughness:
             np.minimum.at(result, middle, deviation)
             return result / frame.spacing
 
-        noise = np.random.default_rng(NOISE_SEED).normal(size=topology.n_vertices)
+        noise = own_noise(positions, frame, LINE_NOISE)
         self._least = least(positions)
         self._least_of_noise = least(frame.raised(noise))
 
