@@ -41,6 +41,9 @@ PAPER_METHODS = {
     "tensor": "adaptive_tensor",
     "uniform": "uniform",
 }
+MOST_STEPS = 100_000
+"""More would not end in a lifetime; each is a shape of its own in a .blend file."""
+
 DENSITIES = {"edge": "edge_length", "area": "area"}
 
 OF_AUTO = ("strength", "features")
@@ -95,6 +98,12 @@ def main(
         if error.name not in _MISSING:
             raise
         return _fail(_MISSING[error.name])
+    except MemoryError:
+        return _fail("not enough memory for this mesh: reduce it, or use a larger machine")
+    except Exception as error:
+        if not is_apart or sys.flags.dev_mode:
+            raise
+        return _fail(f"unexpected {type(error).__name__}: {error} (python -X dev shows where)")
     except KeyboardInterrupt:
         kept = "what is finished stays, run again to go on" if arguments.plan else None
         _fail(f"interrupted: {kept or 'no output was written'}")
@@ -129,6 +138,10 @@ def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
         arguments.plan = batch.plan_of(arguments)
     except ArgumentsError as error:
         parser.error(str(error))
+    for name in ("steps", "density_passes"):
+        number = getattr(arguments, name)
+        if number is not None and number > MOST_STEPS:
+            parser.error(f"--{name.replace('_', '-')} {number}: give at most {MOST_STEPS}")
     misplaced = _misplaced(arguments)
     if misplaced is not None:
         parser.error(misplaced)
@@ -326,8 +339,6 @@ def _run(arguments: argparse.Namespace) -> int:
                 report = run_job(job, on_step)
     except (FairingError, OSError) as error:
         return _fail(str(error))
-    except MemoryError:
-        return _fail("not enough memory for this mesh: reduce it, or use a larger machine")
     if not arguments.quiet:
         for note in report["notes"]:
             say(f"note: {note}")
@@ -349,7 +360,10 @@ def _run_batch(arguments: argparse.Namespace, worker_command: Sequence[str]) -> 
         return _fail(str(error))
     if not arguments.quiet:
         say(batch.describe(account))
-    if problem is None or arguments.allow_failures:
+    if problem is None:
+        return DONE
+    if arguments.allow_failures:
+        say(f"note: {problem}")
         return DONE
     return _fail(problem)
 
