@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from ..core import DenoiseSettings, FairingError, FairingSettings
+from ..core import DenoiseSettings, FairingSettings
 from ..files.report import settings_record
 from ..version import program_version
 from .conflicts import identity
@@ -90,8 +90,6 @@ def run_batch(batch: Batch, reporter: Reporter) -> Json:
 
     Raises
     ------
-    FairingError
-        What all frames have in common cannot be measured.
     OSError
         A folder or a record cannot be written.
     """
@@ -141,21 +139,25 @@ def _outcomes(batch: Batch, items: Sequence[Item]) -> Iterator[Outcome]:
     schedule = Schedule(batch.command, batch.jobs, batch.memory)
     settings, scale = settings_record(batch.settings), None
     if batch.reference is not None and batch.same_strength:
-        settings, scale = _measure(batch, schedule)
+        measured = _measure(batch, schedule)
+        if measured.error is not None:
+            # No fault of the process: another one could do none of the frames either.
+            reason = f"first frame, {batch.reference.input.name}: {measured.error}"
+            yield from (Outcome(item, reason, {}) for item in items)
+            return
+        settings, scale = measured.account["settings"], measured.account["scale"]
     tasks = [Task(item, _job(batch, item, settings, scale), first_claim(item)) for item in items]
     yield from schedule.run(tasks)
 
 
-def _measure(batch: Batch, schedule: Schedule) -> tuple[Json, float]:
+def _measure(batch: Batch, schedule: Schedule) -> Outcome:
     """Let a worker find what gives all frames the smoothing of the first."""
     first = batch.reference
     job = Job(
         str(first.input), first.frame, batch.object_name, settings_record(batch.settings), None
     )
     (outcome,) = schedule.run([Task(first, job, first_claim(first))])
-    if outcome.error is not None:
-        raise FairingError(f"first frame, {first.input.name}: {outcome.error}")
-    return outcome.account["settings"], outcome.account["scale"]
+    return outcome
 
 
 def _job(batch: Batch, item: Item, settings: Json, scale: float | None) -> Job:

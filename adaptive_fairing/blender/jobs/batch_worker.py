@@ -18,7 +18,6 @@ from ...batch.messages import Job, decode, encode
 from ...batch.schedule import START_BYTES
 from ...core import DenoiseSettings, FairingError, PreparedMesh
 from ...core.denoise.plan import STRENGTHS
-from ...files.atomic_files import remove_drafts
 from ...files.formats import keeps_axes
 from ...files.report import settings_of_record, settings_record, strict
 from ..data.mesh_arrays import MeshData
@@ -106,7 +105,6 @@ class _Server:
             scale=job.scale,
             keep_axes=keeps_axes(source, output),
         )
-        remove_drafts(output)
         task = FairingJob(source, output, settings, job.object_name, frame=job.frame)
 
         def prepare(data: MeshData) -> Preparation:

@@ -20,7 +20,7 @@ from ...core import (
     PreparedMesh,
     SolverError,
 )
-from ...files.atomic_files import writable_place
+from ...files.atomic_files import remove_drafts, writable_place
 from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ...files.report import build_report, denoise_record, step_record, write_report
 from ...version import program_version
@@ -133,6 +133,7 @@ def run_job(
     for path in (job.output, job.report):
         if path is not None:
             writable_place(path)
+            remove_drafts(path)
     run = _Run(
         job,
         prepare or (lambda data: prepared_alone(data, job.settings)),
