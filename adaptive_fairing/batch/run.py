@@ -48,6 +48,8 @@ class Batch:
         Starts a worker process.
     jobs
         Number of worker processes.
+    refine
+        As in `FairingJob`.
     memory
         Bytes that the worker processes may hold together; None for no limit.
     """
@@ -57,6 +59,7 @@ class Batch:
     object_name: str | None = None
     reference: Item | None = None
     same_strength: bool = False
+    refine: int | None = None
     command: Sequence[str] = field(default=())
     jobs: int = 1
     memory: int | None = None
@@ -72,6 +75,8 @@ class Batch:
             "frame": item.frame,
             "output": item.name,
         }
+        if self.refine is not None:
+            known["refine"] = self.refine
         if self.reference is not None:
             known["sequence"] = {
                 "reference_files": input_stamp(self.reference.input),
@@ -170,6 +175,7 @@ def _job(batch: Batch, item: Item, settings: Json, scale: float | None) -> Job:
         os.path.abspath(item.output),
         None if first is None else (str(first.input), first.frame),
         scale,
+        batch.refine,
     )
 
 
@@ -182,6 +188,7 @@ def _summary(batch: Batch, entries: list[Json], started: float) -> Json:
             "object": batch.object_name,
             "is_sequence": batch.reference is not None,
             "same_strength": batch.same_strength,
+            "refine": batch.refine,
             "jobs": batch.jobs,
             "memory_limit": batch.memory,
         },

@@ -277,6 +277,19 @@ def build_parser() -> argparse.ArgumentParser:
         "changes by at most X per unit of time",
     )
     parser.add_argument(
+        "--refine",
+        type=int,
+        choices=(1, 2, 3),
+        metavar="N",
+        help="refine the result by N steps of Loop subdivision, 1 to 3, onto the smooth limit "
+        "surface; edges marked sharp stay sharp",
+    )
+    parser.add_argument(
+        "--limit",
+        action="store_true",
+        help="put the vertices of the result on the smooth limit surface, without new ones",
+    )
+    parser.add_argument(
         "--report", type=Path, metavar="FILE.json", help="write settings and measures as JSON"
     )
     parser.add_argument(
@@ -338,7 +351,12 @@ def _run(arguments: argparse.Namespace) -> int:
 
     raise_at_interrupt()
     job = FairingJob(
-        arguments.input, arguments.output, settings, arguments.object, arguments.report
+        arguments.input,
+        arguments.output,
+        settings,
+        arguments.object,
+        arguments.report,
+        refine=batch.refinement(arguments),
     )
     show = not arguments.quiet and sys.stderr.isatty()
     try:
