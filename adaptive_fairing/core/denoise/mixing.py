@@ -29,6 +29,7 @@ from .mesh_parts import MeshParts
 from .noise.correlation import NoiseCorrelation, noise_correlation
 from .noise.level import beyond_clean
 from .noise.order_decay import Fading
+from .noise.own_numbers import own_signs
 from .plan import STRENGTHS, DenoisePlan
 from .tangential_limit import Sliding
 
@@ -40,7 +41,6 @@ NOISE_FACTOR = 1.1
 EXPECTED_SOLVES = SOLVES_PER_METRIC + sum(family.n_solves for family in FAMILIES)
 
 PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large against rounding
-PROBE_SEED = 0
 # A probe that folds a triangle over changes the filtered surface by leaps; such outliers of its
 # response, which is about 1 at most, are cut off.
 LARGEST_RESPONSE = 3.0
@@ -73,6 +73,7 @@ def mixed_surfaces(
     *,
     strength: float = 1.0,
     features: str = "auto",
+    keeps_clean: bool = True,
     plan: DenoisePlan | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> MixedSurfaces:
@@ -89,6 +90,8 @@ def mixed_surfaces(
     features : "auto", "sharp" or "smooth"
         Which filters may be used: all, only those that keep creases, or only those that round
         them.
+    keeps_clean : bool
+        Whether what looks like a clean mesh stays as it is.
     plan : DenoisePlan, optional
         Of another frame of this surface: nothing is estimated then.
     progress : callable, optional
@@ -102,7 +105,7 @@ def mixed_surfaces(
     if plan is None:
         parts = MeshParts(space.topology, frame, is_still)
         fading = Fading(positions, frame)
-        noise, notes = parts.noise(positions, fading, strength)
+        noise, notes = parts.noise(positions, fading, strength, keeps_clean=keeps_clean)
         if beyond_clean(max(STRENGTHS) * strength * noise).any():
             correlation = noise_correlation(fading, frame, parts.is_counted & (noise > 0))
             plan = _planned(bank, track, frame, parts, noise, correlation, strength, features)
@@ -134,7 +137,7 @@ def _planned(
     """Filter in all rounds, and choose the shares in each."""
     seen, noise = noise, noise / correlation.seen * correlation.deviation
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
-    sign = np.random.default_rng(PROBE_SEED).choice([-1.0, 1.0], len(noise))
+    sign = own_signs(track.positions, frame)
     probe = PROBE_SIZE * correlation.applied(sign, frame)
     shadow = _Track(bank, track.positions + frame.raised(probe))
 

@@ -15,7 +15,7 @@ from .differential_geometry import Metric, mean_curvature, metric_at
 _workspace = Workspace()
 
 
-class Window(NamedTuple):
+class ControlValues(NamedTuple):
     """Coordinates and a scalar field of a chunk's vertices.
 
     Attributes
@@ -32,7 +32,7 @@ class Window(NamedTuple):
     extent: float = 0.0
 
     @classmethod
-    def of_chunk(cls, chunk: Chunk, columns: FloatArray, precision: Precision) -> Window:
+    def of_chunk(cls, chunk: Chunk, columns: FloatArray, precision: Precision) -> ControlValues:
         """Take a chunk's part of the columns (4, n_vertices) of all vertices."""
         own = columns[:, chunk.low : chunk.high]
         if precision is np.float64:
@@ -76,23 +76,23 @@ class SurfaceBlock(NamedTuple):
     second_derivatives: RealArray | None
 
 
-def evaluate(block: Block, window: Window, curved: bool) -> SurfaceBlock:
-    """Evaluate the surface at the quadrature points of a block, in the window's precision.
+def evaluate(block: Block, values: ControlValues, curved: bool) -> SurfaceBlock:
+    """Evaluate the surface at the quadrature points of a block.
 
     Parameters
     ----------
     block : Block
-    window : Window
+    values : ControlValues
         Of the block's chunk.
     curved : bool
         Whether second derivatives are wanted.
     """
-    columns, origin, _ = window
+    columns, origin, _ = values
     precision = columns.dtype.type
     control = _workspace.array("control", 4, len(block.control_points), precision=precision)
     indices = block.control_points.astype(np.intp)  # once, not for every column
     for column, row in zip(columns, control, strict=True):
-        # Out of range there is nothing: "wrap" only spares the test.
+        # All indices are in range, and mode "wrap" saves the time of checking them.
         np.take(column, indices, out=row, mode="wrap")
     n_derivatives = 6 if curved else 3
     shape = block.n_points, block.n_triangles
@@ -100,12 +100,12 @@ def evaluate(block: Block, window: Window, curved: bool) -> SurfaceBlock:
     jets = _workspace.array("jets", 3, n_derivatives, *shape, precision=precision)
     rows = jets.reshape(3, -1, block.n_triangles)
     origins = np.tile(origin[:, None], block.n_triangles)
-    for part in block.parts:
-        own, tables = part.of_control(control), part.tables_in(precision)
+    for segment in block.segments:
+        own, tables = segment.of_control(control), segment.tables_in(precision)
         if precision is np.float32:
-            _see_from_corners(own[:3], origins[:, part.columns])
-        tables.evaluate(own[:3], n_derivatives, out=rows[..., part.columns])
-        tables.evaluate(own[3:], 1, out=field[..., part.columns])
+            _see_from_corners(own[:3], origins[:, segment.columns])
+        tables.evaluate(own[:3], n_derivatives, out=rows[..., segment.columns])
+        tables.evaluate(own[3:], 1, out=field[..., segment.columns])
     positions = _workspace.array("positions", 3, *shape, precision=precision)
     np.add(jets[:, 0], origins[:, None], out=positions)
     by_derivative = jets.reshape(3, n_derivatives, -1).swapaxes(0, 1)

@@ -17,7 +17,7 @@ from .symmetric_matrix import SymmetricMatrix
 ATTAINABLE = 64  # machine epsilons
 
 # Unknowns per column that one thread updates in one go.
-UNKNOWNS_PER_PIECE = 32768
+UNKNOWNS_PER_CHUNK = 32768
 
 
 @dataclass(frozen=True)
@@ -143,9 +143,9 @@ def _size(columns: FloatArray, weights: RealArray) -> float:
 
 
 class _State:
-    """The vectors of the iteration, changed piece by piece: each is read once while in the cache.
+    """The vectors of the iteration, changed chunk by chunk: each is read once while in the cache.
 
-    Sums over a piece are in the precision of the vectors, those over the pieces in double.
+    Sums over a chunk are in the precision of the vectors, those over the chunks in double.
 
     Attributes
     ----------
@@ -158,8 +158,8 @@ class _State:
         self.update = np.zeros_like(residual)
         self.direction = inverse * residual
         n = len(inverse)
-        self._pieces = [
-            slice(first, first + UNKNOWNS_PER_PIECE) for first in range(0, n, UNKNOWNS_PER_PIECE)
+        self._chunks = [
+            slice(first, first + UNKNOWNS_PER_CHUNK) for first in range(0, n, UNKNOWNS_PER_CHUNK)
         ]
 
     def square(self) -> float:
@@ -169,31 +169,31 @@ class _State:
     def along(self, vectors: RealArray) -> float:
         """Scalar product of vectors (k, n) with the direction."""
 
-        def of_piece(piece: slice) -> float:
-            return float(np.einsum("kn,kn->", vectors[:, piece], self.direction[:, piece]))
+        def of_chunk(chunk: slice) -> float:
+            return float(np.einsum("kn,kn->", vectors[:, chunk], self.direction[:, chunk]))
 
-        return sum(ordered_map(of_piece, self._pieces))
+        return sum(ordered_map(of_chunk, self._chunks))
 
     def advance(self, step: float, image: RealArray) -> float:
         """Go along the direction, whose image is A p; return the residual's squared norm."""
 
-        def of_piece(piece: slice) -> float:
-            residual, direction = self._residual[:, piece], self.direction[:, piece]
+        def of_chunk(chunk: slice) -> float:
+            residual, direction = self._residual[:, chunk], self.direction[:, chunk]
             scratch = step * direction
-            self.update[:, piece] += scratch
-            residual -= np.multiply(image[:, piece], step, out=scratch)
-            np.multiply(self._inverse[piece], residual, out=scratch)
+            self.update[:, chunk] += scratch
+            residual -= np.multiply(image[:, chunk], step, out=scratch)
+            np.multiply(self._inverse[chunk], residual, out=scratch)
             return float(np.einsum("kn,kn->", residual, scratch))
 
-        return sum(ordered_map(of_piece, self._pieces))
+        return sum(ordered_map(of_chunk, self._chunks))
 
     def turn(self, factor: float) -> None:
         """Make the next direction: the preconditioned residual and `factor` times the last one."""
 
-        def of_piece(piece: slice) -> None:
-            direction = self.direction[:, piece]
+        def of_chunk(chunk: slice) -> None:
+            direction = self.direction[:, chunk]
             direction *= factor
-            direction += self._inverse[piece] * self._residual[:, piece]
+            direction += self._inverse[chunk] * self._residual[:, chunk]
 
-        for _ in ordered_map(of_piece, self._pieces):
+        for _ in ordered_map(of_chunk, self._chunks):
             pass

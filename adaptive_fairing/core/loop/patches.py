@@ -32,6 +32,7 @@ class Segment(NamedTuple):
     Attributes
     ----------
     class_index : int
+        -1 for triangles of several classes.
     triangles : (n,) int
         Which triangles of the topology.
     control_points : (n_control_points, n) int32
@@ -41,6 +42,11 @@ class Segment(NamedTuple):
     class_index: int
     triangles: IndexArray
     control_points: IntArray
+
+    def part(self, first: int, last: int) -> Segment:
+        """Return the triangles `first` to `last` - 1."""
+        own = slice(first, last)
+        return Segment(self.class_index, self.triangles[own], self.control_points[:, own])
 
 
 class PatchSet:

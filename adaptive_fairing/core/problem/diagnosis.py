@@ -18,7 +18,7 @@ from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from ..runtime.threads import ordered_map
 
 # Triangles that one thread looks at in one go.
-TRIANGLES_PER_PIECE = 32768
+TRIANGLES_PER_CHUNK = 32768
 
 
 @dataclass(frozen=True)
@@ -105,12 +105,12 @@ def surface_notes(points: FloatArray, surface: SolverSurface) -> tuple[str, ...]
 def _is_thin(points: FloatArray, triangles: IntArray) -> BoolArray:
     """Tell which triangles the metric of `geometry.metric_at` would bound, were they flat."""
     columns = np.ascontiguousarray(points.T)
-    firsts = range(0, len(triangles), TRIANGLES_PER_PIECE)
+    firsts = range(0, len(triangles), TRIANGLES_PER_CHUNK)
 
-    def of_piece(first: int) -> IndexArray:
-        return first + _may_be_thin(columns, triangles[first : first + TRIANGLES_PER_PIECE])
+    def of_chunk(first: int) -> IndexArray:
+        return first + _may_be_thin(columns, triangles[first : first + TRIANGLES_PER_CHUNK])
 
-    suspects = np.concatenate([np.empty(0, dtype=np.intp), *ordered_map(of_piece, firsts)])
+    suspects = np.concatenate([np.empty(0, dtype=np.intp), *ordered_map(of_chunk, firsts)])
     is_thin = np.zeros(len(triangles), dtype=bool)
     is_thin[suspects] = _is_thin_at_any_size(points, triangles[suspects])
     return is_thin
