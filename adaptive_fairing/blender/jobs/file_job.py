@@ -24,16 +24,16 @@ from ...files.atomic_files import remove_drafts, writable_place
 from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ...files.report import build_report, denoise_record, step_record, write_report
 from ...version import program_version
+from ..data.attributes import write_density
 from ..data.mesh_arrays import MeshData, read_mesh, welded
 from ..data.refined_object import RefineOptions, refine_object
-from ..data.shape_keys import animate_evolution, write_final_shape
+from ..data.shape_keys import animate_evolution, write_absolute_keys, write_final_shape
 from ..data.targets import needs_copy, writable_object
 from ..data.weld import weld
 from ..files.import_losses import import_notes
 from ..files.mesh_files import export_mesh, import_mesh, save_blend
 from .frames import object_at_frame
 from .solve import Settings, Solve
-from .store_result import write_shapes
 
 FRAMES_PER_STEP = 10
 """Length of one step on the timeline of an output .blend, in frames."""
@@ -212,7 +212,10 @@ class _Run:
         is_copy = needs_copy(obj)
         obj = writable_object(obj)
         if suffix_of(job.output) == BLEND:
-            write_shapes(obj, solve, vertex_of=surface_vertex)
+            shapes = [shape[surface_vertex] for shape in solve.shapes]
+            write_absolute_keys(obj, shapes, solve.shown)
+            if solve.steps:
+                write_density(obj.data, solve.steps[-1].density[surface_vertex])
             self._refine(obj)
             _put_on_timeline(obj, solve.shown, extend=suffix_of(job.input) == BLEND)
             save_blend(job.output)
