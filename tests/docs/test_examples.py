@@ -7,12 +7,12 @@ import shlex
 
 import numpy as np
 import pytest
+from support.meshes import icosphere
+from support.pages import blocks
 
 from adaptive_fairing.cli.main import parse
-from docs.pages import blocks
-from support.meshes import icosphere
 
-PYTHON = blocks("python")
+PYTHON = [block for block in blocks("python") if "import bpy" not in block.text]
 COMMANDS = [
     pytest.param(line, id=f"{block}: {line[:60]}")
     for block in blocks("sh")
@@ -29,35 +29,14 @@ def mesh():
     return {"vertices": vertices * (1.0 + noise[:, None]), "faces": faces}
 
 
-def without_blender(block) -> bool:
-    return "import bpy" not in block.text
-
-
 def test_the_pages_have_examples():
     assert len(PYTHON) > 5
     assert len(COMMANDS) > 5
 
 
-@pytest.mark.parametrize("block", [each for each in PYTHON if without_blender(each)], ids=str)
+@pytest.mark.parametrize("block", PYTHON, ids=str)
 def test_an_example_of_the_core_runs(block, mesh):
     exec(compile(block.text, str(block), "exec"), mesh)
-
-
-@pytest.mark.parametrize("block", [each for each in PYTHON if not without_blender(each)], ids=str)
-def test_an_example_in_blender_runs(block, mesh):
-    bpy = pytest.importorskip("bpy", exc_type=ImportError)
-    import adaptive_fairing.blender
-    from support.objects import add_object
-
-    adaptive_fairing.blender.register()
-    try:
-        obj = add_object(mesh["vertices"], mesh["faces"])
-        before = np.array([vertex.co for vertex in obj.data.vertices])
-        exec(compile(block.text, str(block), "exec"), mesh)
-        shown = bpy.context.active_object.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        assert not np.array_equal([vertex.co for vertex in shown.data.vertices], before)
-    finally:
-        adaptive_fairing.blender.unregister()
 
 
 @pytest.mark.parametrize("line", COMMANDS)

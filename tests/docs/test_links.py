@@ -6,8 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-
-from docs.pages import PAGES, ROOT
+from support.pages import PAGES, ROOT
 
 LINK = re.compile(r"\]\((?![a-z]+:)([^)#\s]*)(?:#([^)\s]+))?\)")
 
