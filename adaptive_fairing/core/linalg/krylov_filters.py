@@ -20,7 +20,7 @@ import numpy as np
 
 from ..runtime.arrays import BoolArray, FloatArray
 from .conjugate_gradients import SolveReport, conjugate_gradients
-from .symmetric_matrix import SymmetricMatrix
+from .edge_matrix import EdgeMatrix
 
 # Time t of the solves that span the space, in squared edge lengths; between those of the filters.
 SHARED_TIME = 1.0
@@ -64,8 +64,8 @@ class Diffusion(NamedTuple):
 
 def removed_by(
     diffusions: Sequence[Diffusion],
-    mass: SymmetricMatrix,
-    stiffness: SymmetricMatrix,
+    mass: EdgeMatrix,
+    stiffness: EdgeMatrix,
     control: FloatArray,
     is_loose: BoolArray,
     on_solve: Callable[[SolveReport], None],
@@ -76,7 +76,7 @@ def removed_by(
     Parameters
     ----------
     diffusions : sequence of Diffusion
-    mass, stiffness : SymmetricMatrix, (n, n)
+    mass, stiffness : EdgeMatrix, (n, n)
         M and L.
     control : (n, 3)
     is_loose : (n,) bool
@@ -127,9 +127,9 @@ class _Space:
     of the coordinate axes.
     """
 
-    def __init__(self, mass: SymmetricMatrix, stiffness: SymmetricMatrix) -> None:
+    def __init__(self, mass: EdgeMatrix, stiffness: EdgeMatrix) -> None:
         self._mass, self._stiffness = mass, stiffness
-        shape = MOST_DIRECTIONS, 3, mass.pattern.n
+        shape = MOST_DIRECTIONS, 3, mass.n
         # Only what is used of these becomes memory.
         self._directions, self._images = np.empty(shape), np.empty(shape)
         self._bending = np.zeros((MOST_DIRECTIONS, MOST_DIRECTIONS))
