@@ -25,7 +25,7 @@ from ..linalg.edge_matrix import EdgeMatrix, EdgePattern
 from ..linalg.krylov_filters import MAX_ITERATIONS, Diffusion, removed_by
 from ..mesh.normals import triangle_normals, unit_vectors
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import FloatArray, IndexArray
+from ..runtime.arrays import FloatArray, IndexArray, RealArray
 from .lifted_metric import LiftedMetric, area_elements, half_cotangents, squared_edges
 from .local_frame import spacing_of
 from .normal_filter import Smoothing, smoothed_normals, triangles_around, turning_load
@@ -109,13 +109,13 @@ STEEP = (*GENTLE, Diffusion(0.5, 4, 4), Diffusion(1.2, 4, 4), Diffusion(3.0, 4, 
 FIRST = Diffusion(0.5, 2, 2)
 MESH_FAMILY = FilterFamily(LiftedMetric(), STEEP)
 
-# Of the filters.  They need not be those of the formula: what any filter removes is measured.  At
+# Of the filters' solves.  They need not be those of the formula: what any filter removes is measured.  At
 # 0.01 the results are no better.
-TOLERANCE = 0.05
+TOLERANCE, PRECISION = 0.05, np.float32
 
 # Time of the step that fits a surface to normals, in squared edge lengths, and the tolerance of its
 # solve; the metric is that of the surface.
-FIT_TIME, FIT_TOLERANCE = 4.0, 1e-3
+FIT_TIME, FIT_TOLERANCE = 4.0, 1e-2
 FIT_METRIC = LiftedMetric(1)
 
 # A vertex counts for at most so many times, or parts, of the others around it.
@@ -214,7 +214,7 @@ class FilterBank:
         # One system for all fits: they differ in the right sides alone.
         load = np.concatenate(loads, axis=1)
         removed, report = conjugate_gradients(
-            mass.plus(FIT_TIME, stiffness),
+            mass.plus(FIT_TIME, stiffness).in_precision(PRECISION),
             load,
             np.zeros_like(load),
             is_held=self._is_loose,
@@ -246,7 +246,7 @@ class FilterBank:
         matrices: tuple[EdgeMatrix, EdgeMatrix],
         positions: FloatArray,
         diffusions: Sequence[Diffusion],
-    ) -> list[FloatArray]:
+    ) -> list[RealArray]:
         return removed_by(
-            diffusions, *matrices, positions, self._is_loose, self._on_solve, TOLERANCE
+            diffusions, *matrices, positions, self._is_loose, self._on_solve, TOLERANCE, PRECISION
         )
