@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, Any
 
+from .memory_use import resident_bytes
 from .messages import decode, encode
 
 SECONDS_TO_LEAVE = 5.0
@@ -44,10 +45,14 @@ class WorkerProcess:
             stderr=self._errors,
             encoding="utf-8",
             errors="replace",
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(_python_path())},
+            env=environment(),
         )
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
+
+    def held_bytes(self) -> int:
+        """Memory that the process holds now; 0 if the system does not tell."""
+        return resident_bytes(self._process.pid) or 0
 
     def send(self, message: dict[str, Any]) -> None:
         """Send a message; one that a dying process cannot take is lost, its end is told anyway."""
@@ -71,6 +76,11 @@ class WorkerProcess:
         self._reader.join()
         self._close()
 
+    def kill(self) -> None:
+        """End the process at once, whatever it is doing."""
+        self._process.kill()
+        self.end()
+
     def how_it_ended(self) -> str:
         """Say how a process that has ended by itself did so."""
         code = self._process.wait()
@@ -78,10 +88,7 @@ class WorkerProcess:
         lines = self._errors.read().decode("utf-8", "replace").split("\n")
         last = next((line.strip() for line in reversed(lines) if line.strip()), "")
         self._close()
-        how = f"with status {code}"
-        if code < 0:
-            how = f"by signal {-code} ({signal.Signals(-code).name})"
-        return f"the worker process was ended {how}" + (f": {last}" if last else "")
+        return f"the worker process was ended {ending(code)}" + (f": {last}" if last else "")
 
     def _read(self) -> None:
         for line in self._process.stdout:
@@ -98,7 +105,16 @@ class WorkerProcess:
                 pass
 
 
-def _python_path() -> list[str]:
-    """Folders that a worker finds modules in, this package too, wherever it was started from."""
-    given = os.environ.get("PYTHONPATH", "")
-    return [*([given] if given else []), str(PACKAGE_FOLDER)]
+def ending(status: int) -> str:
+    """Name the end of a process that did not say itself how it went, by its exit status."""
+    if status >= 0:
+        return f"with status {status}"
+    known = {each.value: f" ({each.name})" for each in signal.Signals}
+    return f"by signal {-status}{known.get(-status, '')}"
+
+
+def environment() -> dict[str, str]:
+    """Variables for a child: it finds this package too, wherever it was started from."""
+    given = os.environ.get("PYTHONPATH")
+    path = os.pathsep.join([*([given] if given else []), str(PACKAGE_FOLDER)])
+    return {**os.environ, "PYTHONPATH": path}

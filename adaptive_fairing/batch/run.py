@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -10,6 +11,7 @@ from typing import Any, Protocol
 from ..core import DenoiseSettings, FairingError, FairingSettings
 from ..files.report import settings_record
 from ..version import program_version
+from .conflicts import identity
 from .messages import Job
 from .plan import Item
 from .records import has_failed, input_stamp, is_finished, read_record, write_record
@@ -65,7 +67,8 @@ class Batch:
             "version": program_version(),
             "settings": settings_record(self.settings),
             "object": self.object_name,
-            "input_files": input_stamp(item.input),
+            # Of an input that its result replaces nothing is left to compare with.
+            "input_files": None if _replaces_input(item) else input_stamp(item.input),
             "frame": item.frame,
             "output": item.name,
         }
@@ -76,6 +79,10 @@ class Batch:
                 "same_strength": self.same_strength,
             }
         return known
+
+
+def _replaces_input(item: Item) -> bool:
+    return identity(item.output) == identity(item.input)
 
 
 def run_batch(batch: Batch, reporter: Reporter) -> Json:
@@ -158,7 +165,7 @@ def _job(batch: Batch, item: Item, settings: Json, scale: float | None) -> Job:
         item.frame,
         batch.object_name,
         settings,
-        str(item.output.resolve()),
+        os.path.abspath(item.output),
         None if first is None else (str(first.input), first.frame),
         scale,
     )

@@ -12,17 +12,26 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from ..batch.conflicts import Pair, require_no_conflict
 from ..batch.inputs import ArgumentsError
 from ..batch.summary import outcome_of
 from ..files.formats import BLEND, SUFFIXES, is_supported
 from ..version import program_version
 from . import batch
+from .apart import (
+    CHILD,
+    CrashError,
+    follow_parent,
+    keep_to_own_messages,
+    run_apart,
+)
+from .interrupts import INTERRUPTED, raise_at_interrupt
+from .messages import PROGRAM, say
 
 if TYPE_CHECKING:
     from ..core import DenoiseSettings, FairingSettings
 
-PROGRAM = "adaptive-fairing"
-DONE, COULD_NOT, WRONG_ARGUMENTS, INTERRUPTED = 0, 1, 2, 130
+DONE, COULD_NOT, WRONG_ARGUMENTS = 0, 1, 2
 WORKER = "--worker"
 """The only argument of a worker process."""
 
@@ -39,7 +48,12 @@ OF_THE_PAPER = ("tau", "steps", "density", "density_passes", "stop_curvature", "
 """Arguments that belong to `--method auto`, or to the other methods."""
 
 
-def main(argv: Sequence[str] | None = None, *, worker_command: Sequence[str] | None = None) -> int:
+def main(
+    argv: Sequence[str] | None = None,
+    *,
+    worker_command: Sequence[str] | None = None,
+    is_apart: bool = False,
+) -> int:
     """Run the program.
 
     Parameters
@@ -47,23 +61,36 @@ def main(argv: Sequence[str] | None = None, *, worker_command: Sequence[str] | N
     argv
         Arguments without the program's name; None takes those of the process.
     worker_command
-        Starts the program, to which `WORKER` is added, as a worker process of a batch; None for
-        the Python that is running.
+        Starts the program, to which `WORKER` or `CHILD` is added, as a process that does the work;
+        None for the Python that is running.
+    is_apart
+        Whether a single mesh, too, is faired in a process of its own, so that a crash of Blender
+        is told in one line.
 
     Returns
     -------
     int
         Exit status.
     """
-    if list(sys.argv[1:] if argv is None else argv) == [WORKER]:
+    given = list(sys.argv[1:] if argv is None else argv)
+    if given == [WORKER]:
         return _serve()
+    is_child = given[:1] == [CHILD]
+    if is_child:
+        follow_parent()
+        keep_to_own_messages()
+        del given[0]
     try:
-        arguments = parse(argv)
+        arguments = parse(given)
     except SystemExit as request:  # argparse ends the process after --help and after an error
         return int(request.code or DONE)
-    command = [*(worker_command or (sys.executable, "-m", "adaptive_fairing")), WORKER]
+    command = list(worker_command or (sys.executable, "-m", "adaptive_fairing"))
+    if is_apart and not is_child and not arguments.plan:
+        return _run_apart(arguments, [*command, CHILD, *given])
     try:
-        return _run_batch(arguments, command) if arguments.plan else _run(arguments)
+        if arguments.plan:
+            return _run_batch(arguments, [*command, WORKER])
+        return _run(arguments)
     except ModuleNotFoundError as error:
         if error.name not in _MISSING:
             raise
@@ -72,6 +99,19 @@ def main(argv: Sequence[str] | None = None, *, worker_command: Sequence[str] | N
         kept = "what is finished stays, run again to go on" if arguments.plan else None
         _fail(f"interrupted: {kept or 'no output was written'}")
         return INTERRUPTED
+
+
+def _run_apart(arguments: argparse.Namespace, command: Sequence[str]) -> int:
+    try:
+        return run_apart(command, (DONE, COULD_NOT, WRONG_ARGUMENTS, INTERRUPTED))
+    except CrashError as error:
+        from ..files.atomic_files import remove_drafts
+
+        remove_drafts(arguments.output)
+        return _fail(
+            f"Blender or the solver died of {arguments.input}, ended {error}: the file is damaged, "
+            "or there is too little memory"
+        )
 
 
 _MISSING = {
@@ -100,6 +140,14 @@ def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
     for path in (arguments.input, arguments.output):
         if not is_supported(path):
             parser.error(f"{path}: unknown kind of file; use one of {' '.join(SUFFIXES)}")
+    try:
+        require_no_conflict(
+            [Pair(arguments.input, arguments.output)],
+            reports=[arguments.report] if arguments.report is not None else [],
+            may_overwrite=arguments.overwrite_inputs,
+        )
+    except ArgumentsError as error:
+        parser.error(str(error))
     return arguments
 
 
@@ -112,7 +160,8 @@ class _Parser(argparse.ArgumentParser):
     """A parser whose errors are one line."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(WRONG_ARGUMENTS, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+        say(f"error: {message} (see {PROGRAM} --help)")
+        raise SystemExit(WRONG_ARGUMENTS)
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -206,6 +255,9 @@ def build_parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--report", type=Path, metavar="FILE.json", help="write settings and measures as JSON"
     )
+    parser.add_argument(
+        "--overwrite-inputs", action="store_true", help="let a result replace its own input"
+    )
     parser.add_argument("--quiet", action="store_true", help="show errors only")
     batch.add_options(parser)
     parser.add_argument("--version", action="version", version=f"%(prog)s {program_version()}")
@@ -254,12 +306,13 @@ def _run(arguments: argparse.Namespace) -> int:
     except SettingsError as error:
         return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
 
-    from ..silence import silent_stdout
+    from ..silence import silent_output
     from .progress import part_progress, step_progress
 
-    with silent_stdout():  # Blender logs from its very first moment
+    with silent_output():  # Blender logs from its very first moment
         from ..blender.jobs.file_job import FairingJob, run_job
 
+    raise_at_interrupt()
     job = FairingJob(
         arguments.input, arguments.output, settings, arguments.object, arguments.report
     )
@@ -277,8 +330,8 @@ def _run(arguments: argparse.Namespace) -> int:
         return _fail("not enough memory for this mesh: reduce it, or use a larger machine")
     if not arguments.quiet:
         for note in report["notes"]:
-            print(f"{PROGRAM}: note: {note}", file=sys.stderr)
-        print(_summary(report), file=sys.stderr)
+            say(f"note: {note}")
+        say(_summary(report))
     return DONE
 
 
@@ -289,23 +342,25 @@ def _run_batch(arguments: argparse.Namespace, worker_command: Sequence[str]) -> 
         settings = settings_of(arguments)
     except SettingsError as error:
         return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
+    raise_at_interrupt()
     try:
-        account, problem = batch.run_plan(arguments, settings, worker_command, PROGRAM)
+        account, problem = batch.run_plan(arguments, settings, worker_command)
     except (FairingError, OSError) as error:
         return _fail(str(error))
     if not arguments.quiet:
-        print(f"{PROGRAM}: {batch.describe(account)}", file=sys.stderr)
+        say(batch.describe(account))
     if problem is None or arguments.allow_failures:
         return DONE
     return _fail(problem)
 
 
 def _serve() -> int:
-    from ..silence import silent_stdout
+    from ..silence import silent_output
 
-    with silent_stdout():
+    with silent_output():
         from ..blender.jobs.batch_worker import serve
 
+    raise_at_interrupt()
     serve()
     return DONE
 
@@ -327,12 +382,12 @@ def _summary(report: dict[str, Any]) -> str:
     else:
         how = f"{outcome['step']} steps ({_ENDS[report['stop_reason']]})"
     return (
-        f"{PROGRAM}: {report['mesh']['vertices']} vertices, {how}, curvature energy "
+        f"{report['mesh']['vertices']} vertices, {how}, curvature energy "
         f"{outcome['curvature_ratio']:.3g} times the input's, largest displacement "
         f"{outcome['largest_displacement']:.3g}; wrote {report['output']}"
     )
 
 
 def _fail(message: str, status: int = COULD_NOT) -> int:
-    print(f"{PROGRAM}: error: {' '.join(message.split())}", file=sys.stderr)
+    say(f"error: {message}")
     return status

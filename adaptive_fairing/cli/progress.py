@@ -5,10 +5,11 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
 from ..batch.summary import FAILED
+from .messages import say, write_line
 
 if TYPE_CHECKING:
     from ..blender.jobs.solve import Solve
@@ -86,22 +87,14 @@ class MeshProgress:
     ----------
     total
         Number of meshes.
-    program
-        Name to put before messages.
     show_bar
         Whether to show the bar.
-    show_errors
-        Whether to write the lines.
     farm_lines
         Write a line to standard output for every mesh, in the form that Flamenco counts as
         progress of its task.
     """
 
-    def __init__(
-        self, total: int, program: str, *, show_bar: bool, show_errors: bool, farm_lines: bool
-    ) -> None:
-        self._program = program
-        self._show_errors = show_errors
+    def __init__(self, total: int, *, show_bar: bool, farm_lines: bool) -> None:
         self._farm_lines = farm_lines
         self._started = time.perf_counter()
         self._bar = None
@@ -110,26 +103,23 @@ class MeshProgress:
 
     def finished(self, entry: Mapping[str, Any]) -> None:
         """Take note of a mesh, see `batch.summary.mesh_entry`."""
-        if entry["status"] == FAILED and self._show_errors:
-            self._write(f"{self._program}: {entry['output']}: {entry['error']}")
+        if entry["status"] == FAILED:
+            with self._beside_bar():
+                say(f"{entry['output']}: {entry['error']}")
         if self._bar is not None:
             self._bar.update()
         if self._farm_lines:
             elapsed = time.perf_counter() - self._started
-            sys.stdout.write(f"Time: {elapsed:.1f} s | {entry['output']}: {entry['status']}\n")
-            sys.stdout.flush()
+            line = f"Time: {elapsed:.1f} s | {entry['output']}: {entry['status']}"
+            write_line(line, sys.stdout)
 
     def close(self) -> None:
         """Take the bar away."""
         if self._bar is not None:
             self._bar.close()
 
-    def _write(self, line: str) -> None:
-        if self._bar is not None:
-            self._bar.write(line, file=sys.stderr)
-        else:
-            sys.stderr.write(line + "\n")
-            sys.stderr.flush()
+    def _beside_bar(self) -> AbstractContextManager[None]:
+        return nullcontext() if self._bar is None else self._bar.external_write_mode(sys.stderr)
 
 
 def _show_line(solve: Solve, total: int) -> None:

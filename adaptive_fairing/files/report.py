@@ -183,7 +183,8 @@ def write_report(path: str | os.PathLike[str], report: Mapping[str, Any]) -> Non
     """
     text = json.dumps(strict(report), indent=2, ensure_ascii=False, allow_nan=False)
     with replaced_file(path) as draft:
-        draft.write_text(text + "\n", encoding="utf-8")
+        # A name that is no UTF-8 has surrogates; written this way they are JSON, too.
+        draft.write_text(text + "\n", encoding="utf-8", errors="backslashreplace")
 
 
 def strict(value: Any) -> Any:

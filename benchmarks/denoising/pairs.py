@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .geometry import Faces, FloatArray
+from tools.samples.triangles import Faces, FloatArray
+
 from .noise import KINDS, add_noise
 
 STAIRCASE, CAMERA, SCANNER = "staircase", "camera", "scanner"

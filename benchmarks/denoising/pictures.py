@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from tools.samples.triangles import FloatArray, local_edge_lengths, vertex_normals
+
 from .contest import Entry
-from .geometry import FloatArray, local_edge_lengths, vertex_normals
 from .measures import Reference, Score
 from .ours import auto
 from .peers import Peer

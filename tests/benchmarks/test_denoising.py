@@ -14,15 +14,15 @@ from scipy.special import erf
 from support.meshes import flat_grid, graded_sphere, icosphere
 
 from benchmarks.denoising import blender_modifiers, contest, noise, pairs, scans, verdict
-from benchmarks.denoising.geometry import (
+from benchmarks.denoising.measures import N_CLASSES, Reference, score
+from benchmarks.denoising.peers import Peer
+from samples.ply import write_ply
+from samples.triangles import (
     edges_of,
     local_edge_lengths,
     scaled_normals,
     vertex_normals,
 )
-from benchmarks.denoising.measures import N_CLASSES, Reference, score
-from benchmarks.denoising.peers import Peer
-from samples.ply import write_ply
 
 AMPLITUDE = 0.1
 

@@ -132,7 +132,8 @@ class _Server:
                 + prepared.needed_bytes("denoise" if is_denoise else "fair")
                 + (KEY_BYTES * n_shapes + EXPORT_BYTES) * n_vertices
             )
-            self._last = prepared, needed
+            # Reading the file may have taken more than the solve will.
+            self._last = prepared, max(needed, peak_bytes() or 0)
         _send({"event": "needs", "bytes": self._last[1]})
         if self._inbox.answer()["answer"] != "go":
             raise _PutAsideError

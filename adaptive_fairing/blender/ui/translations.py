@@ -14,6 +14,7 @@ GERMAN = {
     "Animate": "Animieren",
     "Clear Animation": "Animation entfernen",
     "Compare with Uniform": "Mit gleichmäßig vergleichen",
+    "Loop Subdivide (Limit Surface)": "Loop-Unterteilung (Grenzfläche)",
     "Measure Mesh": "Netz ausmessen",
     "Add Fairing Preset": "Glättungsvorgabe hinzufügen",
     "Stop": "Anhalten",
@@ -29,6 +30,31 @@ GERMAN = {
     "Fairing Presets": "Glättungsvorgaben",
     "Colors": "Farben",
     "Comparison": "Vergleich",
+    # Loop subdivision
+    "Refine the selected meshes by Loop subdivision of their triangles, with all shape keys, UV "
+    "maps, attributes and vertex groups. A mesh that other objects use as well stays as it is, and "
+    "the object gets its own": "Die gewählten Netze durch Loop-Unterteilung ihrer Dreiecke "
+    "verfeinern, mit allen Formschlüsseln, UV-Maps, Attributen und Vertexgruppen. Ein Netz, das "
+    "auch andere Objekte benutzen, bleibt, wie es ist, und das Objekt bekommt ein eigenes",
+    "Levels": "Stufen",
+    "Number of steps; each cuts every triangle into four": "Anzahl der Schritte; jeder teilt jedes "
+    "Dreieck in vier",
+    "Limit Points": "Grenzpunkte",
+    "Put the vertices on the smooth surface that further subdivision would lead to. Without it "
+    "they are the control points of the finer mesh, to subdivide again": "Die Punkte auf die "
+    "glatte Fläche setzen, zu der weitere Unterteilung führen würde. Sonst sind sie die "
+    "Kontrollpunkte des feineren Netzes, das sich weiter unterteilen lässt",
+    "Sharp Edges as Creases": "Scharfe Kanten als Falten",
+    "Edges that are marked sharp or have a crease of 1 stay sharp, and vertices with a crease of 1 "
+    "stay in place": "Kanten, die als scharf markiert sind oder eine Falte von 1 haben, bleiben "
+    "scharf, und Punkte mit einer Falte von 1 bleiben am Ort",
+    "Exact Normals": "Genaue Normalen",
+    "Shade with the normals of the smooth surface, as custom normals. Clear them before you change "
+    "the shape by hand": "Mit den Normalen der glatten Fläche schattieren, als eigene Normalen. "
+    "Vor Änderungen der Form von Hand zu löschen",
+    "Refined to {:d} triangles": "Verfeinert auf {:d} Dreiecke",
+    "The object is linked from another file: make it local first": "Das Objekt ist aus einer "
+    "anderen Datei verknüpft: erst lokal machen",
     # Tooltips of operators
     "Select, in Edit Mode, the vertices of the active mesh that are not finite, not manifold or at "
     "triangles without area: what a run refuses, holds still or bounds": "Im Bearbeitungsmodus die "

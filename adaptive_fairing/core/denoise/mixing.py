@@ -28,8 +28,8 @@ from .mesh_parts import MeshParts
 from .noise.correlation import NoiseCorrelation, noise_correlation
 from .noise.level import beyond_clean
 from .noise.order_decay import Fading
+from .noise.own_numbers import own_signs
 from .plan import STRENGTHS, DenoisePlan
-from .probes import probe_signs
 from .tangential_limit import Sliding
 
 # Least risk at the estimated noise leaves a little more of it than looks and measures best, because
@@ -72,6 +72,7 @@ def mixed_surfaces(
     *,
     strength: float = 1.0,
     features: str = "auto",
+    keeps_clean: bool = True,
     plan: DenoisePlan | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> MixedSurfaces:
@@ -88,6 +89,8 @@ def mixed_surfaces(
     features : "auto", "sharp" or "smooth"
         Which filters may be used: all, only those that keep creases, or only those that round
         them.
+    keeps_clean : bool
+        Whether what looks like a clean mesh stays as it is.
     plan : DenoisePlan, optional
         Of another frame of this surface: nothing is estimated then.
     progress : callable, optional
@@ -101,7 +104,7 @@ def mixed_surfaces(
     if plan is None:
         parts = MeshParts(space.topology, frame, is_still)
         fading = Fading(positions, frame)
-        noise, notes = parts.noise(positions, fading, strength)
+        noise, notes = parts.noise(positions, fading, strength, keeps_clean=keeps_clean)
         if beyond_clean(max(STRENGTHS) * strength * noise).any():
             correlation = noise_correlation(fading, frame, parts.is_counted & (noise > 0))
             plan = _planned(bank, track, frame, parts, noise, correlation, strength, features)
@@ -135,8 +138,8 @@ def _planned(
     """Filter in all rounds, and choose the shares in each."""
     seen, noise = noise, noise / correlation.seen * correlation.deviation
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
-    signs = probe_signs(bank.topology, track.positions, frame)
-    probe = PROBE_SIZE * correlation.applied(signs, frame)
+    sign = own_signs(track.positions, frame)
+    probe = PROBE_SIZE * correlation.applied(sign, frame)
     shadow = _Track(bank, track.positions + frame.raised(probe))
 
     def measured() -> tuple[FloatArray, FloatArray]:

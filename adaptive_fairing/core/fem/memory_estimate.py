@@ -1,10 +1,7 @@
-"""How much memory a solve needs, estimated before it starts, and how much there is."""
+"""How much memory a solve needs, estimated before it starts."""
 
 from __future__ import annotations
 
-import os
-import sys
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
@@ -16,6 +13,7 @@ from ..loop.patch_class import PatchClass, is_regular_patch
 from ..loop.patches import PatchSet, chunk_size
 from ..loop.quadrature import QuadratureChoice
 from ..runtime.arrays import LongArray
+from ..runtime.system_memory import available_bytes
 from ..runtime.threads import n_threads
 from .patch_tables import product_table_pays
 from .table_cache import FEW_TRIANGLES, LARGEST_RARE
@@ -23,7 +21,7 @@ from .table_cache import FEW_TRIANGLES, LARGEST_RARE
 Algorithm = Literal["fair", "denoise"]
 
 # Bytes, fitted to the measured peak of runs on regular, irregular, cut and pole meshes of 200 to
-# 1,000,000 triangles (benchmarks/memory.py prints estimate and measurement side by side).
+# 1,000,000 triangles (benchmarks.memory prints estimate and measurement side by side).
 FIXED_BYTES = 50_000_000
 BYTES_PER_TRIANGLE = 650  # topology, patches, sparsity pattern, matrix, vectors of the solver
 BYTES_PER_LOCAL_ENTRY = 4  # place in the matrix of an entry of a triangle's local matrix
@@ -134,72 +132,3 @@ def _n_points(patch_class: PatchClass, choice: QuadratureChoice) -> int:
     if choice.prefers_fitted and is_fitted(patch_class):
         return len(POINTS)
     return len(choice.irregular.weights) * max(9 * table_depth(patch_class, choice) - 5, 1)
-
-
-def available_bytes() -> int | None:
-    """Memory that this process can still get, or None if the system does not tell.
-
-    On Linux what is free or reclaimable, with swap, within the limit of the control group; on
-    Windows what can be committed; elsewhere all memory that the machine has.
-    """
-    if sys.platform == "win32":
-        return _available_on_windows()
-    meminfo = Path("/proc/meminfo")
-    if meminfo.exists():
-        values = _numbers(meminfo, separator=":")
-        if "MemAvailable" in values:
-            # In units of 1024 bytes.
-            free = 1024 * (values["MemAvailable"] + values.get("SwapFree", 0))
-            group = _available_in_group()
-            return free if group is None else min(free, group)
-    try:
-        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (ValueError, OSError):
-        return None
-
-
-def _available_in_group(root: Path = Path("/sys/fs/cgroup")) -> int | None:
-    """Read what the memory limit of a container leaves (control groups, version 2)."""
-    try:
-        limit = (root / "memory.max").read_text().strip()
-        if limit == "max":
-            return None
-        used = int((root / "memory.current").read_text())
-        # Cached files count as used but give way.
-        cached = _numbers(root / "memory.stat").get("inactive_file", 0)
-        return max(int(limit) - used + cached, 0)
-    except (OSError, ValueError):
-        return None
-
-
-def _numbers(path: Path, separator: str | None = None) -> dict[str, int]:
-    """Read lines of a name and a number."""
-    found = {}
-    for line in path.read_text().splitlines():
-        name, *rest = line.split(separator, 1)
-        if rest and rest[0].split()[:1] and rest[0].split()[0].isdigit():
-            found[name.strip()] = int(rest[0].split()[0])
-    return found
-
-
-def _available_on_windows() -> int | None:
-    import ctypes
-
-    class MemoryStatus(ctypes.Structure):
-        _fields_ = [
-            ("length", ctypes.c_ulong),
-            ("load", ctypes.c_ulong),
-            *(
-                (name, ctypes.c_ulonglong)
-                for name in (
-                    "physical", "free_physical", "pages", "free_pages",
-                    "virtual", "free_virtual", "free_extended",
-                )
-            ),
-        ]  # fmt: skip
-
-    status = MemoryStatus(length=ctypes.sizeof(MemoryStatus))
-    kernel = getattr(ctypes, "windll").kernel32  # noqa: B009  absent from the types elsewhere
-    if not kernel.GlobalMemoryStatusEx(ctypes.byref(status)):
-        return None
-    return int(status.free_pages)

@@ -14,6 +14,7 @@ from ..mesh.input_checks import checked_vertices
 from ..mesh.normals import unit_vectors
 from ..mesh.topology import TriangleTopology
 from .curvature import curvature
+from .edge_points import edge_limit_points, edge_normals, unit_cross
 from .masks import limit_matrix, refinement_matrix, tangent_matrices
 from .refined_mesh import RefinedMesh, unrefined_mesh
 from .sectors import Sectors, sector_normals, sectors_of
@@ -66,9 +67,16 @@ class RefinementLevels:
         is_corner[numbers] = True
         self._meshes = [unrefined_mesh(topology, pairs, is_corner)]
         self._steps: list[sparse.csr_array] = []
-        self._limits: dict[int, sparse.csr_array] = {}
-        self._tangents: dict[int, tuple[sparse.csr_array, sparse.csr_array]] = {}
         self._sectors: dict[int, Sectors] = {}
+
+    @cached_property
+    def limit_matrix(self) -> sparse.csr_array:
+        """From the control points of level 0 to its vertices' places on the limit surface."""
+        return limit_matrix(self.mesh(0))
+
+    @cached_property
+    def _tangents(self) -> tuple[sparse.csr_array, sparse.csr_array]:
+        return tangent_matrices(self.mesh(0))
 
     def mesh(self, level: int) -> RefinedMesh:
         """Give the connectivity after `level` steps."""
@@ -82,17 +90,28 @@ class RefinementLevels:
             self._steps.append(refinement_matrix(self.mesh(len(self._steps))))
         return self._steps[level - 1]
 
-    def limit_matrix(self, level: int) -> sparse.csr_array:
-        """Step from the control points of a level to its vertices' places on the limit surface."""
-        if level not in self._limits:
-            self._limits[level] = limit_matrix(self.mesh(level))
-        return self._limits[level]
+    @property
+    def has_creases(self) -> bool:
+        """Whether there are sharp edges inside, so that normals differ at one vertex."""
+        mesh = self.mesh(0)
+        return bool((mesh.is_sharp & (mesh.right >= 0)).any())
 
-    def control_points(self, positions: FloatArray, level: int) -> FloatArray:
-        """Control points after `level` steps, (n, k), of those of level 0."""
+    def control_points(self, positions: FloatArray, level: int) -> list[FloatArray]:
+        """Control points of all levels up to `level`, each (n, 3), from those of level 0."""
+        control = [positions]
         for step in range(1, level + 1):
-            positions = self.refinement_matrix(step) @ positions
-        return positions
+            control.append(self.refinement_matrix(step) @ control[-1])
+        return control
+
+    def limit_points(self, control: list[FloatArray]) -> FloatArray:
+        """Points of the limit surface at the vertices of the last level, (n, 3).
+
+        A vertex keeps its point on all finer levels, so each is computed where it comes first.
+        """
+        parts = [self.limit_matrix @ control[0]]
+        for level, points in enumerate(control[1:], start=1):
+            parts.append(edge_limit_points(self.mesh(level - 1), points))
+        return np.concatenate(parts)
 
     def sectors(self, level: int) -> Sectors:
         """Sides of creases, the boundary and corners."""
@@ -100,8 +119,8 @@ class RefinementLevels:
             self._sectors[level] = sectors_of(self.mesh(level))
         return self._sectors[level]
 
-    def normals(self, control: FloatArray, level: int) -> tuple[FloatArray, FloatArray]:
-        """Compute unit normals of the limit surface from the control points of a level.
+    def normals(self, control: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Compute unit normals of the limit surface at the vertices of the last level.
 
         Returns
         -------
@@ -110,16 +129,27 @@ class RefinementLevels:
         of_sectors : (s, 3)
             Of each side of creases, the boundary and corners.
         """
+        first, second = self._tangents
+        parts = [unit_cross(first @ control[0], second @ control[0])]
+        for level, points in enumerate(control[1:], start=1):
+            parts.append(edge_normals(self.mesh(level - 1), points))
+        normals = np.concatenate(parts)
+        level = len(control) - 1
         mesh, sectors = self.mesh(level), self.sectors(level)
-        if level not in self._tangents:
-            self._tangents[level] = tangent_matrices(mesh)
-        first, second = self._tangents[level]
-        normals = _unit_cross(first @ control, second @ control)
-        of_sectors = sector_normals(mesh, sectors, control)
+        of_sectors = sector_normals(mesh, sectors, control[-1])
         at = np.unique(sectors.vertex)
         sums = [np.bincount(sectors.vertex, x, mesh.n_vertices)[at] for x in of_sectors.T]
         normals[at] = unit_vectors(np.stack(sums, axis=1))
         return normals, of_sectors
+
+    def corner_normals(self, control: list[FloatArray]) -> FloatArray:
+        """Compute unit normals at the corners of the last level's triangles, (m, 3, 3)."""
+        normals, of_sectors = self.normals(control)
+        level = len(control) - 1
+        corners, sector = self.sectors(level).corners()
+        result = normals[self.mesh(level).triangles]
+        result.reshape(-1, 3)[corners] = of_sectors[sector]
+        return result
 
 
 class LimitSurface:
@@ -174,13 +204,12 @@ class LimitSurface:
     @cached_property
     def points(self) -> FloatArray:
         """Points of the limit surface at the vertices, (n, 3); loose vertices stay."""
-        points: FloatArray = self.levels.limit_matrix(0) @ self.positions
-        return points
+        return self.levels.limit_points([self.positions])
 
     @cached_property
     def normals(self) -> FloatArray:
         """Unit normals at the vertices, (n, 3); see `RefinementLevels.normals`."""
-        return self.levels.normals(self.positions, 0)[0]
+        return self.levels.normals([self.positions])[0]
 
     def refined(self, levels: int) -> Refined:
         """Cut every triangle into 4 ** levels ones, all vertices on the limit surface.
@@ -189,18 +218,14 @@ class LimitSurface:
         triangle f of the level before, see `refined_mesh`.
         """
         control = self.levels.control_points(self.positions, levels)
-        vertices = self.levels.limit_matrix(levels) @ control
-        normals, _ = self.levels.normals(control, levels)
-        return Refined(vertices, self.levels.mesh(levels).triangles, normals)
+        triangles = self.levels.mesh(levels).triangles
+        return Refined(
+            self.levels.limit_points(control), triangles, self.levels.normals(control)[0]
+        )
 
     def corner_normals(self, levels: int) -> FloatArray:
         """Compute unit normals at the refined triangles' corners, (m, 3, 3), apart at creases."""
-        control = self.levels.control_points(self.positions, levels)
-        normals, of_sectors = self.levels.normals(control, levels)
-        corners, sector = self.levels.sectors(levels).corners()
-        result = normals[self.levels.mesh(levels).triangles]
-        result.reshape(-1, 3)[corners] = of_sectors[sector]
-        return result
+        return self.levels.corner_normals(self.levels.control_points(self.positions, levels))
 
     @property
     def mean_curvature(self) -> FloatArray:
@@ -214,8 +239,7 @@ class LimitSurface:
 
     @cached_property
     def _curvature(self) -> FloatArray:
-        finer = self.levels.control_points(self.positions, 1)
-        return curvature(self.levels.mesh(0), self.positions, finer)
+        return curvature(self.levels.mesh(0), *self.levels.control_points(self.positions, 1))
 
 
 def _control_points(positions: ArrayLike, n_vertices: int) -> FloatArray:
@@ -223,18 +247,3 @@ def _control_points(positions: ArrayLike, n_vertices: int) -> FloatArray:
     if len(points) != n_vertices:
         raise InputError(f"{len(points)} positions for {n_vertices} vertices")
     return points
-
-
-def _unit_cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Compute unit vectors along a × b, (n, 3), 0 where there is none."""
-    # By columns: four times as fast as np.cross.
-    result = np.empty_like(a)
-    columns_a, columns_b = np.ascontiguousarray(a.T), np.ascontiguousarray(b.T)
-    cross = [
-        columns_a[i - 2] * columns_b[i - 1] - columns_a[i - 1] * columns_b[i - 2] for i in range(3)
-    ]
-    length = np.sqrt(cross[0] ** 2 + cross[1] ** 2 + cross[2] ** 2)
-    length[length == 0] = 1
-    for column, row in zip(result.T, cross, strict=True):
-        np.divide(row, length, out=column)
-    return result

@@ -15,6 +15,7 @@ new vertices, edges and triangles follow from those of the coarse mesh with n ve
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cached_property
 
 import numpy as np
@@ -46,8 +47,6 @@ class RefinedMesh:
         Creases and the boundary.
     kind : (n_vertices,) int8
         `SMOOTH`, `DART`, `CREASE` or `CORNER`.
-    ring_start : (n_vertices + 1,) int32, ring, ring_edges : (ring_start[-1],) int32
-        Neighbours of all vertices and the edges to them, ordered as in `TriangleTopology`.
     """
 
     def __init__(
@@ -58,7 +57,7 @@ class RefinedMesh:
         halves: tuple[IntArray, IntArray],
         is_sharp: NDArray[np.bool_],
         kind: NDArray[np.int8],
-        rings: tuple[IntArray, IntArray, IntArray],
+        rings: Callable[[], tuple[IntArray, IntArray, IntArray]],
     ) -> None:
         self.n_vertices = len(kind)
         self.triangles = triangles
@@ -67,7 +66,26 @@ class RefinedMesh:
         self.left, self.right = halves
         self.is_sharp = is_sharp
         self.kind = kind
-        self.ring_start, self.ring, self.ring_edges = rings
+        self._make_rings = rings
+
+    @cached_property
+    def _rings(self) -> tuple[IntArray, IntArray, IntArray]:
+        return self._make_rings()  # many refined meshes never need theirs
+
+    @property
+    def ring_start(self) -> IntArray:
+        """Where the ring of every vertex begins, (n_vertices + 1,)."""
+        return self._rings[0]
+
+    @property
+    def ring(self) -> IntArray:
+        """Neighbours of all vertices, ordered as in `TriangleTopology`, (ring_start[-1],)."""
+        return self._rings[1]
+
+    @property
+    def ring_edges(self) -> IntArray:
+        """Edges to the neighbours, (ring_start[-1],)."""
+        return self._rings[2]
 
     @property
     def ring_size(self) -> IntArray:
@@ -127,7 +145,7 @@ class RefinedMesh:
             self._finer_halves(),
             is_sharp,
             kind,
-            self._finer_rings(),
+            self._finer_rings,
         )
 
     def _finer_halves(self) -> tuple[IntArray, IntArray]:
@@ -145,6 +163,22 @@ class RefinedMesh:
         right[1 : 2 * n_edges : 2] = np.where(self.right < 0, -1, near)
         return left, right
 
+    @cached_property
+    def edge_point_rings(self) -> IntArray:
+        """Neighbours in the finer mesh of the points on edges, (e, 6).
+
+        Counter-clockwise from the second end of the edge on; on the boundary the first four.
+        """
+        n = self.n_vertices
+        ring = np.empty((len(self.edges), 6), dtype=np.int32)
+        ring[:, 3], ring[:, 0] = self.edges.T
+        middle_of = n + self.sides.reshape(-1)
+        for column, half_edge in ((1, self.left), (4, self.right)):
+            following, preceding = _other_sides(half_edge)
+            ring[:, column] = middle_of[following]
+            ring[:, column + 1] = middle_of[preceding]
+        return ring
+
     def _finer_rings(self) -> tuple[IntArray, IntArray, IntArray]:
         """Rings of the finer mesh: around the old vertices, then around the edge points."""
         n, n_edges = self.n_vertices, len(self.edges)
@@ -152,19 +186,12 @@ class RefinedMesh:
         owner = np.repeat(np.arange(n, dtype=np.int32), self.ring_size)
         halves += self.edges[:, 0][self.ring_edges] != owner
 
-        # Around an edge point, counter-clockwise from the second end of the edge.
-        ring = np.empty((n_edges, 6), dtype=np.int32)
+        ring = self.edge_point_rings
         spokes = np.empty((n_edges, 6), dtype=np.int32)
-        ring[:, 3], ring[:, 0] = self.edges.T
         spokes[:, 3] = np.arange(0, 2 * n_edges, 2)
         spokes[:, 0] = spokes[:, 3] + 1
-        side_of = self.sides.reshape(-1)
         for column, half_edge in ((1, self.left), (4, self.right)):
-            start, k = half_edge - half_edge % 3, half_edge % 3
-            following, preceding = start + (k + 1) % 3, start + (k + 2) % 3
-            ring[:, column] = n + side_of[following]
-            ring[:, column + 1] = n + side_of[preceding]
-            spokes[:, column] = 2 * n_edges + following
+            spokes[:, column] = 2 * n_edges + _other_sides(half_edge)[0]
             spokes[:, column + 1] = 2 * n_edges + half_edge
         size = np.full(n_edges, 6, dtype=np.int32)
         if (self.right < 0).any():
@@ -177,6 +204,13 @@ class RefinedMesh:
             np.concatenate([n + self.ring_edges, ring.reshape(-1)]),
             np.concatenate([halves, spokes.reshape(-1)]),
         )
+
+
+def _other_sides(half_edge: IntArray) -> tuple[IntArray, IntArray]:
+    """Give the half-edges after and before one in its triangle; nothing useful for -1."""
+    k = half_edge % 3
+    start = half_edge - k
+    return start + (k + 1) % 3, start + (k + 2) % 3
 
 
 def _children_along(half_edge: IntArray) -> tuple[IntArray, IntArray]:
@@ -223,9 +257,14 @@ def unrefined_mesh(
     n_sharp = np.bincount(edges[is_sharp].reshape(-1), minlength=n)
     kind = np.minimum(n_sharp, CORNER).astype(np.int8)
     kind[corners | topology.is_loose] = CORNER
-    rings = topology.ring_start, topology.ring, ring_edges
     return RefinedMesh(
-        triangles, side_of.reshape(-1, 3), edges, (left, right), is_sharp, kind, rings
+        triangles,
+        side_of.reshape(-1, 3),
+        edges,
+        (left, right),
+        is_sharp,
+        kind,
+        lambda: (topology.ring_start, topology.ring, ring_edges),
     )
 
 

@@ -57,14 +57,12 @@ class Sectors:
 
 def sectors_of(mesh: RefinedMesh) -> Sectors:
     """Cut the rings of vertices on sharp edges into sectors."""
-    is_cut = (mesh.kind == CREASE) | (mesh.kind == CORNER)
-    if mesh.has_sharp_edges:
-        touched = np.zeros(mesh.n_vertices, dtype=bool)
-        touched[mesh.edges[mesh.is_sharp]] = True
-        is_cut &= touched
-    else:
-        is_cut[:] = False
-    vertices = np.flatnonzero(is_cut)
+    if not mesh.has_sharp_edges:
+        none = np.empty(0, dtype=np.intp)
+        return Sectors(none, none, none, none, none)
+    touched = np.zeros(mesh.n_vertices, dtype=bool)
+    touched[mesh.edges[mesh.is_sharp]] = True
+    vertices = np.flatnonzero(touched & (mesh.kind >= CREASE))
     n_entries = mesh.ring_size[vertices].astype(np.intp)
     # A cycle begins at a sharp edge and ends there again; the chain of the boundary has both.
     is_cycle = ~mesh.on_boundary[vertices]
