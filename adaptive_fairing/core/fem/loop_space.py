@@ -18,7 +18,6 @@ from ..errors import InputError
 from ..linalg.symmetric_matrix import SymmetricMatrix
 from ..linalg.symmetric_pattern import SymmetricPattern, scattered
 from ..loop.patches import PatchSet
-from ..loop.quadrature import quadrature_choice
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
@@ -82,7 +81,7 @@ class LoopSpace:
     ) -> None:
         self.topology = topology
         patches = patches or PatchSet(topology)
-        tables = SpaceTables(patches, quadrature_choice(quadrature_tolerance))
+        tables = SpaceTables(patches, patches.quadrature(quadrature_tolerance))
         self._chunks = [Chunk(segments, tables) for segments in patches.chunks]
 
     @cached_property
