@@ -4,7 +4,7 @@ Every program runs in a process of its own on the same files, in turns: A B C A 
 of each counts. So whatever else the machine does hits all alike, and the ratios of one run of this
 script hold, whatever the seconds are. Programs that are not installed are left out with a line.
 
-    python benchmarks/speed.py [--sizes 10000 100000 1000000] [--mesh FILE] [--plot speed.png]
+    python -m benchmarks.speed [--sizes 10000 100000 1000000] [--mesh FILE] [--plot speed.png]
 """
 
 from __future__ import annotations
@@ -18,22 +18,14 @@ import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
-import cgal_program
-import history
-import meshes
-from competitors import OURS, PROGRAMS
-from measuring import (
-    MEGABYTE,
-    announced,
-    describe,
-    load,
-    log_slope,
-    machine,
-    seconds_text,
-    table,
-)
-
 from adaptive_fairing.core.diffusion.smoothing_radius import equivalent_uniform_tau
+from tools.samples.triangles import edge_lengths
+
+from . import cgal_program, history, meshes
+from .competitors import OURS, PROGRAMS
+from .measuring import MEGABYTE, describe, load, log_slope, machine, seconds_text, table
+
+ROOT = Path(__file__).resolve().parents[1]
 
 SIZES = [10_000, 30_000, 100_000, 328_000, 1_000_000]
 
@@ -128,7 +120,6 @@ class Contest:
         self._patience = patience
         self._commands: dict[str, list[str]] = {}
         self._last: dict[str, tuple[int, float]] = {}
-        here = Path(__file__).resolve().parent
         for name in wanted:
             module = MODULES.get(name.split()[0].rstrip(","))
             if name in CGAL_TIMES:
@@ -139,21 +130,20 @@ class Contest:
             elif module is not None and importlib.util.find_spec(module) is None:
                 print(f"{name}: left out, needs the Python module {module}")
             else:
-                self._commands[name] = [sys.executable, str(here / "competitors.py"), name]
+                self._commands[name] = [sys.executable, "-m", "benchmarks.competitors", name]
 
     def run(self, mesh: meshes.Mesh, radius: float, repeats: int) -> dict[str, Result]:
         """Let all programs smooth a mesh in turns; results by name, in the order of the table."""
         settings = meshes.comparable_settings(mesh, radius)
         time = equivalent_uniform_tau(mesh.vertices, mesh.triangles, settings)
         path = self._folder / "mesh.ply"
-        meshes.write_ply(mesh, path)
+        mesh.write(path)
         runs: dict[str, list[dict[str, float | None]]] = {}
         for turn in range(repeats):
             for name in self._commands:
                 if self._is_too_slow(name, len(mesh.triangles), turn, bool(runs.get(name))):
                     continue
-                with announced(f"{mesh.name}: {name}, run {turn + 1} of {repeats}"):
-                    run = self._one_run(name, path, settings.tau, time)
+                run = self._one_run(name, path, settings.tau, time)
                 if run is not None:
                     runs.setdefault(name, []).append(run)
                     self._last[name] = len(mesh.triangles), run["one"]
@@ -182,7 +172,12 @@ class Contest:
             command += ["--tau", repr(tau), "--time", repr(time), "--patience", repr(four_up_to)]
         try:
             done = subprocess.run(
-                command, capture_output=True, text=True, timeout=5 * self._patience, check=True
+                command,
+                capture_output=True,
+                text=True,
+                timeout=5 * self._patience,
+                check=True,
+                cwd=ROOT,
             )
         except subprocess.TimeoutExpired:
             print(f"{name}: given up after {5 * self._patience:.0f} s")
@@ -198,7 +193,7 @@ class Contest:
 
 def print_results(mesh: meshes.Mesh, results: dict[str, Result]) -> None:
     """Print the table of one mesh."""
-    edge = meshes.mean_edge(mesh)[0]
+    edge = edge_lengths(mesh.vertices, mesh.triangles).mean()
     n = len(mesh.triangles)
     rows = [
         [
@@ -213,7 +208,8 @@ def print_results(mesh: meshes.Mesh, results: dict[str, Result]) -> None:
         ]
         for name, result in results.items()
     ]
-    print(f"\n## {mesh.name}, {n} triangles (load {load()})\n")
+    classes = meshes.count_classes(mesh)
+    print(f"\n## {mesh.name}, {n} triangles of {classes} classes (load {load()})\n")
     times = ["one step s", "four s", "step s", "processor s"]
     print(table(["", *times, "memory", "per triangle", "moved"], rows))
     print()
@@ -297,7 +293,7 @@ def main() -> None:
     print(NOTES)
     ratios |= print_slopes(sizes)
     if any(len(series) > 1 for series in sizes.values()):
-        from speed_plot import draw  # matplotlib is wanted for this alone
+        from .speed_plot import draw  # matplotlib is wanted for this alone
 
         draw({name: series for name, series in sizes.items() if len(series) > 1}, arguments.plot)
         print(f"\ndrawn in {arguments.plot}")

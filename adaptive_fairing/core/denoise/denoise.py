@@ -101,6 +101,7 @@ def denoise(
         surface.is_cut,
         strength=settings.strength,
         features=settings.features,
+        keeps_clean=settings.clean == "keep",
         plan=plan,
         progress=progress,
     )

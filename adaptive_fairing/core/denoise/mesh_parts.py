@@ -8,16 +8,18 @@ from scipy.sparse import csgraph
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray
 from .local_frame import LocalFrame
-from .noise.clean_detail import CleanDetail
-from .noise.level import CLEAN_ROUGHNESS, beyond_clean, noise_level
+from .noise.clean_detail import NOISE, CleanDetail
+from .noise.level import CLEAN_ROUGHNESS, beyond_clean, noise_model
 from .noise.order_decay import Fading
-from .noise.roughness import roughness
+from .noise.roughness import Roughness
 from .unbiased_risk import density_classes, least_risk_shares
 
-# Fewer vertices cannot tell noise from shape.
-FEWEST_VERTICES = 50
+# What is rough and has fewer vertices may be noise or shape; with fewer still nothing can be told.
+FEWEST_TO_TELL, FEWEST_VERTICES = 300, 50
 # Connected parts with as many vertices are judged by themselves, smaller ones together.
 OWN_ESTIMATE = 400
+# Passes of averaging over the neighbours for densities.
+DENSITY_PASSES = 3
 
 
 class MeshParts:
@@ -32,7 +34,7 @@ class MeshParts:
     def __init__(self, topology: TriangleTopology, frame: LocalFrame, is_still: BoolArray) -> None:
         self.is_counted = ~(is_still | topology.is_loose | topology.on_boundary)
         self._topology, self._frame = topology, frame
-        self._size = frame.spread(np.log(frame.spacing), 3)
+        self._size = frame.spread(np.log(frame.spacing), DENSITY_PASSES)
         _, label = csgraph.connected_components(topology.adjacency(), directed=False)
         n_counted = np.bincount(label, self.is_counted)
         own = n_counted >= OWN_ESTIMATE
@@ -44,33 +46,63 @@ class MeshParts:
             self._members.append(np.concatenate(rest))
 
     def noise(
-        self, positions: FloatArray, fading: Fading, strength: float
+        self, positions: FloatArray, fading: Fading, strength: float, *, keeps_clean: bool = True
     ) -> tuple[FloatArray, tuple[str, ...]]:
-        """Estimate the noise, (n,), and say if there is nothing to do."""
+        """Estimate the noise, (n,), and say if there is nothing to do.
+
+        Parameters
+        ----------
+        positions : (n, 3)
+        fading : Fading
+        strength : float
+            Factor of the noise, for the note alone.
+        keeps_clean : bool
+            Whether what looks like a clean mesh has no noise. Or else all roughness is noise.
+        """
         n_counted = int(np.count_nonzero(self.is_counted))
         noise = np.zeros(len(positions))
+        too_few = (
+            f"only {n_counted} vertices inside the surface: too few to tell noise from shape; "
+            "nothing was changed"
+        )
         if n_counted < FEWEST_VERTICES:
-            return noise, (
-                f"only {n_counted} vertices inside the surface: too few to tell noise from shape, "
-                "nothing was changed; choose one of the other methods",
-            )
-        rough = roughness(positions, self._frame)
-        detail = CleanDetail(self._topology, positions, self._frame, fading)
+            return noise, (too_few,)
+        rough = Roughness.of(positions, self._frame)
+        detail = CleanDetail(self._topology, positions, self._frame, fading, self.is_counted)
         level = np.zeros(len(positions))
+        models = []
         for members in self._members:
             counted = np.zeros(len(positions), dtype=bool)
             counted[members] = self.is_counted[members]
-            of_part = noise_level(rough, self._size, counted)
-            level += of_part
-            noise += detail.without(of_part, counted)
+            if not counted.any():
+                continue
+            model = noise_model(rough, counted, self._averaged)
+            level[counted] = model.level(self._frame.spacing[counted])
+            if not keeps_clean:
+                # What is taken off for clean meshes is added first.
+                level[counted] = (level[counted] ** 4 + CLEAN_ROUGHNESS**4) ** 0.25
+            found = detail.found(level, counted) if keeps_clean else NOISE
+            if found.is_model:
+                models.append(found.reason)
+            elif found.is_noise:
+                noise[counted] = level[counted]
+            else:
+                noise[counted] = np.minimum(level[counted], CLEAN_ROUGHNESS)
         if beyond_clean(strength * noise).any():
+            if n_counted < FEWEST_TO_TELL and keeps_clean:
+                return np.zeros_like(noise), (too_few,)
             return noise, ()
+        if models:
+            return noise, (f"looks like a clean low-poly model: {models[0]}; nothing was changed",)
         typical = float(np.median(level[self.is_counted]))
         what = "clean meshes are" if typical <= CLEAN_ROUGHNESS else "the detail of clean meshes is"
         return noise, (
             f"no noise found: the surface is rough by {typical:.2g} of the local edge length, as "
             f"{what}; nothing was changed",
         )
+
+    def _averaged(self, values: FloatArray) -> FloatArray:
+        return self._frame.spread(values, DENSITY_PASSES)
 
     def best_shares(
         self, removed: FloatArray, divergence: FloatArray, variance: FloatArray

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from ..problem.setting_checks import BOUNDARIES, require_choice, require_number
 
 FEATURES = ("auto", "sharp", "smooth")
+CLEAN = ("keep", "denoise")
 LARGEST_STRENGTH = 100.0
 
 
@@ -23,6 +24,9 @@ class DenoiseSettings:
         place.
     boundary : str
         "fixed": boundary vertices stay exactly where they are; "free": they move along.
+    clean : str
+        "keep": what looks like a clean mesh or a low-poly model comes back unchanged, and a note
+        says why; "denoise": all that is rough is taken for noise.
 
     Raises
     ------
@@ -33,8 +37,10 @@ class DenoiseSettings:
     strength: float = 1.0
     features: str = "auto"
     boundary: str = "fixed"
+    clean: str = "keep"
 
     def __post_init__(self) -> None:
         require_number(self, "strength", above=0, below=LARGEST_STRENGTH)
         require_choice(self, "features", FEATURES)
         require_choice(self, "boundary", BOUNDARIES)
+        require_choice(self, "clean", CLEAN)

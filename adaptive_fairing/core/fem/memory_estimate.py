@@ -21,7 +21,7 @@ from .table_cache import FEW_TRIANGLES, LARGEST_RARE
 Algorithm = Literal["fair", "denoise"]
 
 # Bytes, fitted to the measured peak of runs on regular, irregular, cut and pole meshes of 200 to
-# 1,000,000 triangles (benchmarks/memory.py prints estimate and measurement side by side).
+# 1,000,000 triangles (benchmarks.memory prints estimate and measurement side by side).
 FIXED_BYTES = 50_000_000
 BYTES_PER_TRIANGLE = 650  # topology, patches, sparsity pattern, matrix, vectors of the solver
 BYTES_PER_LOCAL_ENTRY = 4  # place in the matrix of an entry of a triangle's local matrix

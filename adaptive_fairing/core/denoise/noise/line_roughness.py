@@ -11,11 +11,10 @@ import numpy as np
 from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
+from .own_numbers import LINE_NOISE, own_noise
 
 # A line from one neighbour to the opposite one passes a vertex at a share between these.
 SHARES = (0.2, 0.8)
-
-NOISE_SEED = 0
 
 
 class LineRoughness:
@@ -50,7 +49,7 @@ class LineRoughness:
             np.minimum.at(result, middle, deviation)
             return result / frame.spacing
 
-        noise = np.random.default_rng(NOISE_SEED).normal(size=topology.n_vertices)
+        noise = own_noise(positions, frame, LINE_NOISE)
         self._least = least(positions)
         self._least_of_noise = least(frame.raised(noise))
 

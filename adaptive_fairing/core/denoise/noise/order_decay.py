@@ -13,6 +13,7 @@ import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
+from .own_numbers import WHITE_NOISE, own_noise
 
 # Orders of the differences that are compared.
 LOW, HIGH = 2, 5
@@ -21,8 +22,6 @@ LOW, HIGH = 2, 5
 # shapes keeps 0.92 to 1.05, staircases 0.71 to 0.85.  Of few vertices chance alone makes it less:
 # by as many of its standard deviations, about 1 / √n, it must be below the second one.
 FADED, WHITE, DEVIATIONS = 0.9, 0.97, 2.0
-
-NOISE_SEED = 1
 
 
 class Fading:
@@ -40,7 +39,7 @@ class Fading:
     """
 
     def __init__(self, positions: FloatArray, frame: LocalFrame) -> None:
-        self.white: FloatArray = np.random.default_rng(NOISE_SEED).normal(size=len(positions))
+        self.white: FloatArray = own_noise(positions, frame, WHITE_NOISE)
         self._positions, self._frame = positions, frame
 
     def fades(self, is_counted: BoolArray) -> bool:

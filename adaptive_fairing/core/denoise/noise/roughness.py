@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy import sparse
 
@@ -9,30 +11,34 @@ from ...runtime.arrays import FloatArray
 from ..local_frame import LocalFrame
 
 
-def roughness(positions: FloatArray, frame: LocalFrame) -> FloatArray:
-    """Measure what two differences with the mean of the neighbours leave: noise for the most part.
+class Roughness(NamedTuple):
+    """What two differences with the mean of the neighbours leave: noise for the most part.
 
-    Parameters
+    Attributes
     ----------
-    positions : (n, 3)
-    frame : LocalFrame
-
-    Returns
-    -------
-    (n,)
-        Along the normals, over the deviation that white noise of one local edge length along the
-        normals has there.
+    value : (n,)
+        Magnitude along the normals, over the deviation that white noise of one local edge length
+        along the normals has there.
+    fineness : (n,)
+        Variance that noise of one unit of length everywhere has in `value`. About 1 / h², in
+        1 / length².
     """
-    difference = sparse.identity(len(positions), format="csr") - frame.mean
-    twice = sparse.csr_array(difference @ difference)
-    return np.abs(frame.along_normal(twice @ positions)) / _gain(twice, frame)
 
+    value: FloatArray
+    fineness: FloatArray
 
-def _gain(operator: sparse.csr_array, frame: LocalFrame) -> FloatArray:
-    """Compute the deviation of the normal part for unit noise along the normals, (n,)."""
-    entries = sparse.coo_array(operator)
-    row, column = entries.coords
-    cosine = np.einsum("ed,ed->e", frame.normals[row], frame.normals[column])
-    factor = entries.data * cosine * frame.spacing[column] / frame.spacing[row]
-    variance = np.bincount(row, factor**2, len(frame.spacing))
-    return np.sqrt(np.maximum(variance, 1e-12))
+    @classmethod
+    def of(cls, positions: FloatArray, frame: LocalFrame) -> Roughness:
+        """Measure positions (n, 3)."""
+        difference = sparse.identity(len(positions), format="csr") - frame.mean
+        twice = sparse.csr_array(difference @ difference)
+        magnitude = np.abs(frame.along_normal(twice @ positions))
+        entries = sparse.coo_array(twice)
+        row, column = entries.coords
+        cosine = np.einsum("ed,ed->e", frame.normals[row], frame.normals[column])
+        per_length = np.square(entries.data * cosine / frame.spacing[row])
+        per_edge = per_length * np.square(frame.spacing[column])
+        n = len(positions)
+        edge_variance = np.maximum(np.bincount(row, per_edge, n), 1e-12)
+        fineness = np.bincount(row, per_length, n) / edge_variance
+        return cls(magnitude / np.sqrt(edge_variance), np.maximum(fineness, 1e-12))

@@ -6,10 +6,10 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
-from adaptive_fairing.core.denoise.noise.clean_detail import CleanDetail
-from adaptive_fairing.core.denoise.noise.level import beyond_clean, noise_level
+from adaptive_fairing.core.denoise.mesh_parts import MeshParts
+from adaptive_fairing.core.denoise.noise.level import beyond_clean, noise_model
 from adaptive_fairing.core.denoise.noise.order_decay import FADED, Fading
-from adaptive_fairing.core.denoise.noise.roughness import roughness
+from adaptive_fairing.core.denoise.noise.roughness import Roughness
 
 SHAPES = {"graded": meshes.graded_sphere(4), "torus": meshes.torus(48, 24)}
 EVERY_SHAPE = pytest.mark.parametrize("shape", SHAPES)
@@ -41,9 +41,10 @@ def levels(shape, points):
     """Before and after detail was told from noise."""
     topology, frame = frame_of(shape)
     inside = np.ones(len(points), dtype=bool)
-    level = noise_level(roughness(points, frame), np.log(frame.spacing), inside)
-    detail = CleanDetail(topology, points, frame, Fading(points, frame))
-    return level, detail.without(level, inside)
+    model = noise_model(Roughness.of(points, frame), inside, lambda each: frame.spread(each, 3))
+    parts = MeshParts(topology, frame, ~inside)
+    kept, _ = parts.noise(points, Fading(points, frame), 1.0)
+    return model.level(frame.spacing), kept
 
 
 @EVERY_SHAPE

@@ -6,8 +6,8 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoise.local_frame import LocalFrame, spacing_of
-from adaptive_fairing.core.denoise.noise.level import CLEAN_ROUGHNESS, beyond_clean, noise_level
-from adaptive_fairing.core.denoise.noise.roughness import roughness
+from adaptive_fairing.core.denoise.noise.level import CLEAN_ROUGHNESS, beyond_clean, noise_model
+from adaptive_fairing.core.denoise.noise.roughness import Roughness
 
 SPHERE = meshes.graded_sphere(4)
 
@@ -19,8 +19,12 @@ def estimated(vertices, faces, smooth):
 
 
 def level_of(vertices, frame, is_counted):
-    size = frame.spread(np.log(frame.spacing), 3)
-    return noise_level(roughness(vertices, frame), size, is_counted)
+    return model_of(vertices, frame, is_counted).level(frame.spacing)
+
+
+def model_of(vertices, frame, is_counted):
+    rough = Roughness.of(vertices, frame)
+    return noise_model(rough, is_counted, lambda values: frame.spread(values, 3))
 
 
 def noisy(amplitude, per_edge=True, seed=0):
@@ -86,3 +90,37 @@ def test_only_what_is_counted_is_judged():
     frame = LocalFrame.of(topology, SPHERE[0], SPHERE[0])
     nothing = level_of(points, frame, np.zeros(len(points), dtype=bool))
     assert not nothing.any()
+
+
+def jittered_sphere():
+    """An even mesh but for some jitter: the local edge lengths differ by 8 % at most places."""
+    vertices, faces = meshes.icosphere(5)
+    moved = vertices + 0.009 * np.random.default_rng(7).normal(size=vertices.shape)
+    return moved / np.linalg.norm(moved, axis=1, keepdims=True), faces
+
+
+@pytest.mark.parametrize("per_edge", [True, False], ids=["per edge", "one amplitude"])
+def test_kinds_of_noise_are_told_apart_even_where_edges_hardly_differ(per_edge):
+    """By thousands of vertices that each say very little."""
+    vertices, faces = jittered_sphere()
+    frame = LocalFrame.of(TriangleTopology(faces, len(vertices)), vertices, vertices)
+    assert 0.05 < np.std(np.log(frame.spacing)) < 0.12
+    right = 0
+    for seed in range(20):
+        heights = 0.2 * np.random.default_rng(seed).normal(size=len(vertices))
+        if not per_edge:
+            heights *= frame.spacing.mean() / frame.spacing
+        everywhere = np.ones(len(vertices), dtype=bool)
+        model = model_of(vertices + frame.raised(heights), frame, everywhere)
+        own = model.per_length / np.median(frame.spacing) ** 2
+        right += (own < 0.2 * model.per_edge) == per_edge
+    assert right >= 18
+
+
+def test_one_amplitude_is_found_at_every_vertex():
+    """As a function of each vertex's own edges, not of the mean density around it."""
+    vertices, faces = SPHERE
+    points, true = noisy(0.2, per_edge=False)
+    found = estimated(points, faces, vertices)
+    assert np.std(np.log(found / true)) < 0.08
+    assert np.std(np.log(true)) > 0.3

@@ -6,9 +6,9 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame, spacing_of
-from adaptive_fairing.core.denoise.noise.level import CLEAN_ROUGHNESS, noise_level
+from adaptive_fairing.core.denoise.noise.level import CLEAN_ROUGHNESS, noise_model
 from adaptive_fairing.core.denoise.noise.line_roughness import LineRoughness
-from adaptive_fairing.core.denoise.noise.roughness import roughness
+from adaptive_fairing.core.denoise.noise.roughness import Roughness
 
 
 def plane(n=48):
@@ -30,9 +30,9 @@ def levels(points, smooth, faces):
     topology = TriangleTopology(faces, len(points))
     frame = LocalFrame.of(topology, smooth, smooth)
     inside = ~topology.on_boundary
-    size = frame.spread(np.log(frame.spacing), 3)
+    model = noise_model(Roughness.of(points, frame), inside, lambda each: frame.spread(each, 3))
     return (
-        np.median(noise_level(roughness(points, frame), size, inside)[inside]),
+        np.median(model.level(frame.spacing)[inside]),
         LineRoughness(topology, points, frame).level(inside),
     )
 

@@ -1,0 +1,67 @@
+"""Numbers that look random but belong to the geometry.
+
+The automatic method adds a little noise of its own to measure what the filters do with noise.
+Numbers from a generator would go with the numbering of the vertices, so that a turned or renumbered
+mesh would get other ones.  Here each vertex gets its number from lengths around it and from its
+distances to the principal planes of the mesh, which no turn, reflection, renumbering or reversal of
+the faces changes.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.special import ndtri
+
+from ...runtime.arrays import FloatArray
+from ..local_frame import LocalFrame
+
+# Turns of the phase per local edge length.  Noise of 0.05 of an edge moves the phase by several
+# turns, so neighbours are not alike; rounding to single precision moves it by a thousandth.
+TURNS = (61.0, 37.0 * np.sqrt(2))
+TURNS_FROM_PLANES = (31.0 * np.sqrt(3), 29.0 * np.sqrt(5), 23.0 * np.sqrt(7))
+
+# Different numbers for different uses: added to the turns.
+PROBE, WHITE_NOISE, LINE_NOISE = 0.0, 7.3, 12.9
+
+
+def own_phases(positions: FloatArray, frame: LocalFrame, use: float) -> FloatArray:
+    """Return numbers in [0, 1), one for each vertex, (n,).
+
+    Parameters
+    ----------
+    positions : (n, 3)
+    frame : LocalFrame
+    use : float
+        `PROBE`, `WHITE_NOISE` or `LINE_NOISE`.
+    """
+    centred = positions - positions.mean(axis=0)
+    to_middle = centred - frame.mean @ centred
+    square = np.einsum("nd,nd->n", centred, centred)
+    spread = square + frame.mean @ square - 2 * np.einsum("nd,nd->n", centred, frame.mean @ centred)
+    first = np.linalg.norm(to_middle, axis=1) / frame.spacing
+    second = spread / frame.spacing**2
+    turns = (TURNS[0] + use) * first + (TURNS[1] + use) * second
+    # Where a mesh is exactly regular, the lengths around its vertices are all the same.
+    _, axes = np.linalg.eigh(centred.T @ centred)
+    turns += np.abs(centred @ axes) @ TURNS_FROM_PLANES / np.mean(frame.spacing)
+    phases: FloatArray = turns - np.floor(turns)
+    return phases
+
+
+def own_signs(positions: FloatArray, frame: LocalFrame) -> FloatArray:
+    """Return 1 or -1 for each vertex, (n,), for steps along the normals.
+
+    A sign changes with its normal, so that the step is the same if the faces are turned over.
+    """
+    rises = frame.along_normal(positions - frame.mean @ positions)
+    return np.where(own_phases(positions, frame, PROBE) < 0.5, 1.0, -1.0) * np.where(
+        rises < 0, -1.0, 1.0
+    )
+
+
+def own_noise(positions: FloatArray, frame: LocalFrame, use: float) -> FloatArray:
+    """Return normal-distributed numbers of unit variance, (n,), for heights along the normals."""
+    phases = own_phases(positions, frame, use)
+    rises = frame.along_normal(positions - frame.mean @ positions)
+    noise: FloatArray = ndtri(np.clip(phases, 1e-9, 1 - 1e-9)) * np.where(rises < 0, -1.0, 1.0)
+    return noise
