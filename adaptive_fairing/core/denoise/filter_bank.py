@@ -109,8 +109,8 @@ STEEP = (*GENTLE, Diffusion(0.5, 4, 4), Diffusion(1.2, 4, 4), Diffusion(3.0, 4, 
 FIRST = Diffusion(0.5, 2, 2)
 MESH_FAMILY = FilterFamily(LiftedMetric(), STEEP)
 
-# Of the filters' solves.  They need not be those of the formula: what any filter removes is measured.  At
-# 0.01 the results are no better.
+# Tolerance and precision of the filters' solves.  A filter need not be exactly that of its formula,
+# because what it removes is measured.  At 0.01 the results are no better.
 TOLERANCE, PRECISION = 0.05, np.float32
 
 # Time of the step that fits a surface to normals, in squared edge lengths, and the tolerance of its
