@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
+import matplotlib
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
@@ -24,9 +25,8 @@ from adaptive_fairing.core import DenoiseResult, denoise
 from claims.pairs import MeshPair, sample_pair
 from render import Look, View, render
 
-from .layout import FONT
-
 ROOT = Path(__file__).resolve().parents[2]
+FONT = matplotlib.get_data_path() + "/fonts/ttf/DejaVuSans.ttf"
 LISTING = ROOT / "assets" / "listing"
 README = ROOT / "assets" / "figures" / "denoise.png"
 FULL = (1920, 1080)
@@ -183,7 +183,11 @@ def _normals(positions: NDArray[np.float64], triangles: NDArray[np.int32]) -> ND
 
 
 def _write(sheet: Image.Image, place: tuple[int, int], text: str, size: int) -> None:
-    ImageDraw.Draw(sheet).text(place, text, fill=INK, font=ImageFont.truetype(FONT, size))
+    """Write on a plate, because a mesh may lie behind the text."""
+    draw, font = ImageDraw.Draw(sheet), ImageFont.truetype(FONT, size)
+    left, top, right, bottom = draw.textbbox(place, text, font=font)
+    draw.rounded_rectangle((left - 16, top - 14, right + 16, bottom + 14), 12, fill=BACKDROP)
+    draw.text(place, text, fill=INK, font=font)
 
 
 if __name__ == "__main__":
