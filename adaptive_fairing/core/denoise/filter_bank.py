@@ -117,8 +117,8 @@ STEEP = (*GENTLE, Diffusion(0.5, 4, 4), Diffusion(1.2, 4, 4), Diffusion(3.0, 4, 
 FIRST = Diffusion(0.5, 2, 2)
 MESH_FAMILY = FilterFamily(LiftedMetric(), STEEP)
 
-# Of the filters' solves.  The filters need not be those of the formula, for what they remove is
-# measured: with 0.01 the results are no better.
+# Of the filters' solves.  A filter need not be exactly that of its formula, because what it removes
+# is measured.  At 0.01 the results are no better.
 TOLERANCE = 0.05
 
 # Time of the step that fits a surface to normals, in squared edge lengths, and the tolerance of its

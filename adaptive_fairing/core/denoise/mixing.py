@@ -152,7 +152,7 @@ def _planned(
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
     first, *others = rounds_for(noise)
     pilot_variance = np.square(NOISE_FACTOR * seen / correlation.seen)
-    pilots = []
+    pilots: list[FloatArray] = []
     for one in (track, shadow):
         one.filter(first)
     for families in others:
