@@ -195,4 +195,6 @@ class _Space:
     def combined(self, shares: FloatArray) -> RealArray:
         """Combine the directions with shares (n_directions, k), to (k, 3, n)."""
         directions = self._directions[: self.n_directions].reshape(self.n_directions, -1)
-        return (shares.T.astype(directions.dtype) @ directions).reshape(-1, *self._directions.shape[1:])
+        return (shares.T.astype(directions.dtype) @ directions).reshape(
+            -1, *self._directions.shape[1:]
+        )
