@@ -114,7 +114,15 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         for obj in made:
             obj.select_set(True)
         context.view_layer.objects.active = made[-1]
+        _frame_selected(context)
         return {"FINISHED"}
+
+
+def _frame_selected(context) -> None:
+    """Have the 3D view that the user is in, if any, show what is selected."""
+    if context.region is not None and context.space_data is not None:
+        if bpy.ops.view3d.view_selected.poll():
+            bpy.ops.view3d.view_selected()
 
 
 COMPARISON = "fairing_comparison"

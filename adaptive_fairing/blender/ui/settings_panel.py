@@ -159,10 +159,10 @@ def hints(obj: bpy.types.Object, settings) -> list[str]:
     return found
 
 
-def draw_run_button(layout, settings, **appearance) -> None:
-    """Draw a button that runs with the settings of the scene."""
+def draw_run_button(layout, settings, method=None, **appearance) -> None:
+    """Draw a button that runs with the settings of the scene, by its method or another."""
     operator = layout.operator(OBJECT_OT_adaptive_fairing.bl_idname, **appearance)
-    copy_solver(settings, operator)
+    copy_solver(settings, operator, method)
     copy_settings(settings, operator, OUTPUT_NAMES)
 
 

@@ -443,6 +443,9 @@ GERMAN = {
         "Vom Original: was die Läufe seither getan haben, wird verworfen"
     ),
     "Diffusion (paper)": "Diffusion (Arbeit)",
+    ", {:.0f} s left": ", noch {:.0f} s",
+    "Denoise Scan (Fair, Smooth Noise)": "Scan entrauschen (Rauschen glätten)",
+    "Diffuse (Fair, Smooth by the Paper)": "Diffundieren (Glätten nach der Arbeit)",
     # Messages
     "Change to Object Mode, Edit Mode or Sculpt Mode": "In den Objekt-, Bearbeitungs- oder "
     "Bildhauermodus wechseln",

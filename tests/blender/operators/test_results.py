@@ -233,6 +233,28 @@ class TestNothingToDo:
         assert len(clean.adaptive_fairing.shapes) == 0
 
 
+class TestTheRedoPanel:
+    """Undo, and the same again with one property changed."""
+
+    def test_what_does_not_change_the_solve_costs_none(self, noisy, monkeypatch):
+        from adaptive_fairing.blender.jobs import solve
+
+        run()
+        shown = coordinates(noisy)
+        bpy.ops.object.adaptive_fairing_discard()
+        monkeypatch.setattr(solve, "denoise", None)  # would fail if it were called
+        assert run(result="MODIFIER", store_density=True) == {"FINISHED"}
+        assert near(shown_positions(noisy), shown)
+        assert "fairing_density" in noisy.data.attributes
+
+    def test_other_settings_are_solved_anew(self, noisy):
+        run()
+        bpy.ops.object.adaptive_fairing_discard()
+        expected = core_result(noisy, features="smooth", strength=0.6)
+        run(features="smooth", strength=0.6)
+        assert near(coordinates(noisy), expected.positions)
+
+
 class TestKeys:
     def test_the_paper_starts_from_what_is_shown_and_keeps_the_original(self, noisy):
         before = coordinates(noisy)

@@ -280,5 +280,10 @@ def test_menus_run_with_the_settings_of_the_scene(sphere):
     settings.method, settings.steps = "uniform", 9
     menus.draw_object_menu(Stand(), FakeContext())
     drawn = Stand.layout.drawn
-    assert button(drawn, "object.adaptive_fairing")["steps"] == 9
+    denoise, diffuse = [
+        each for each in drawn.operators if each["name"] == "object.adaptive_fairing"
+    ]
+    assert (denoise["method"], diffuse["method"], diffuse["steps"]) == ("auto", "uniform", 9)
+    words = f"{denoise['text']} {diffuse['text']}".lower()
+    assert all(word in words for word in ("noise", "smooth", "fair", "scan"))
     assert button(drawn, "object.adaptive_fairing_compare")["steps"] == 9
