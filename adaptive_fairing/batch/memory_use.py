@@ -37,6 +37,16 @@ def peak_bytes() -> int | None:
     return int(peak) * (1 if sys.platform == "darwin" else 1024)
 
 
+def address_space_bytes() -> int | None:
+    """Limit of this process's address space (``ulimit -v``); None for no limit."""
+    if sys.platform == "win32":
+        return None
+    import resource
+
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    return None if limit == resource.RLIM_INFINITY else limit
+
+
 def parse_bytes(text: str) -> int:
     """Read a size such as ``8G`` or ``1500M``: powers of 1000.
 

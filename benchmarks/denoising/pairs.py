@@ -91,10 +91,6 @@ class Pair:
             content.update(np.ascontiguousarray(array).tobytes())
         return content.hexdigest()[:20]
 
-    def write(self, path: Path) -> None:
-        """Write an .npz file."""
-        np.savez_compressed(path, **vars(self))
-
 
 def made(names: list[str], noises: list[str]) -> Iterator[Pair]:
     """Make pairs of our own shapes, by name, with every noise asked for that the shape can have."""

@@ -18,7 +18,7 @@ from ...core.surface.refined_net import RefinedNet
 from . import mesh_building
 from .attribute_arrays import AttributeArray, read_attributes, read_boolean, read_float
 from .key_copies import read_keys, write_keys
-from .mesh_arrays import read_positions
+from .mesh_arrays import flat_float32, read_positions
 from .vertex_groups import read_groups, write_groups
 
 FloatArray = NDArray[np.float64]
@@ -38,7 +38,7 @@ class RefineOptions:
     Attributes
     ----------
     levels : int
-        Steps; each cuts every triangle into four.
+        Steps; each cuts every triangle into four.  0 leaves the polygons as they are.
     on_limit : bool
         Vertices on the limit surface; otherwise they are the control points of the finer mesh.
     sharp_creases : bool
@@ -77,15 +77,13 @@ def refine_object(obj: bpy.types.Object, options: RefineOptions) -> tuple[str, .
     net = RefinedNet(source.cut, options.levels)
     keys = read_keys(mesh)
     shapes = keys.positions if keys is not None else [read_positions(mesh)]
-    surface = source.cut.levels
-    controls = [
-        surface.control_points(shape[source.cut.vertex_of], options.levels) for shape in shapes
-    ]
-    refined = [
-        net.joined(surface.limit_points(control) if options.on_limit else control[-1])
-        for control in controls
-    ]
-    normals = _normals(net, controls[0]) if options.exact_normals else None
+    refined = [_refined_positions(net, shape, options.on_limit) for shape in shapes]
+    normals = _normals(net, shapes[0]) if options.exact_normals else None
+    if options.levels == 0:
+        _move_vertices(obj, refined)
+        if normals is not None and len(normals) == len(mesh.vertices):
+            mesh_building.write_normals(obj.data, normals, follow_motion=_moves(obj))
+        return source.cut.notes
     groups = read_groups(obj)
     attributes = [
         array._replace(values=source.refined(net, array))
@@ -103,8 +101,7 @@ def refine_object(obj: bpy.types.Object, options: RefineOptions) -> tuple[str, .
     write_groups(obj, [group.with_weights(net.of_points) for group in groups])
     new.update()
     if normals is not None:
-        moves = keys is not None or len(obj.modifiers) > 0
-        mesh_building.write_normals(new, normals, follow_motion=moves)
+        mesh_building.write_normals(new, normals, follow_motion=keys is not None or _moves(obj))
     if keys is not None:
         write_keys(obj, keys, refined)
     _retire(mesh, new)
@@ -159,9 +156,36 @@ def _keys(ends: NDArray, n: int) -> NDArray[np.int64]:
     return ends[:, 0] * n + ends[:, 1]
 
 
-def _normals(net: RefinedNet, control: list[FloatArray]) -> FloatArray:
+def _refined_positions(
+    net: RefinedNet, positions: FloatArray, on_limit: bool
+) -> NDArray[np.float32]:
+    levels = net.cut.levels
+    control = levels.control_points(positions[net.cut.vertex_of], net.levels)
+    refined = levels.limit_points(control) if on_limit else control[-1]
+    return net.joined(refined).astype(np.float32)
+
+
+def _move_vertices(obj: bpy.types.Object, shapes: list[NDArray[np.float32]]) -> None:
+    """Put the vertices of all shapes elsewhere, on a mesh that is the object's own."""
+    if obj.data.users - obj.data.use_fake_user > 1:
+        obj.data = obj.data.copy()
+    mesh = obj.data
+    if mesh.shape_keys is not None:
+        for block, shape in zip(mesh.shape_keys.key_blocks, shapes, strict=True):
+            block.points.foreach_set("co", flat_float32(shape, mesh))
+    mesh.attributes["position"].data.foreach_set("vector", flat_float32(shapes[0], mesh))
+    mesh.update()
+
+
+def _moves(obj: bpy.types.Object) -> bool:
+    """Whether keys or modifiers move the vertices after their normals are known."""
+    return obj.data.shape_keys is not None or len(obj.modifiers) > 0
+
+
+def _normals(net: RefinedNet, positions: FloatArray) -> FloatArray:
     """Exact normals: (n, 3) of the vertices, or (3 m, 3) of the corners where they differ."""
     levels = net.cut.levels
+    control = levels.control_points(positions[net.cut.vertex_of], net.levels)
     if net.cut.is_cut or levels.has_creases:
         return net.corner_normals(levels.corner_normals(control)).reshape(-1, 3)
     return levels.normals(control)[0]

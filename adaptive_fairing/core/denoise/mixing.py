@@ -17,12 +17,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..fem.loop_space import LoopSpace
 from ..linalg.conjugate_gradients import SolveReport
 from ..runtime.arrays import BoolArray, FloatArray
-from .filter_bank import SOLVES_PER_METRIC, FilterBank, FilterFamily, NormalFamily
+from .filter_bank import FilterBank, FilterFamily, NormalFamily
 from .filter_rounds import FAMILIES, USABLE, rounds_for
 from .local_frame import LocalFrame
 from .mesh_parts import MeshParts
@@ -37,8 +36,8 @@ from .tangential_limit import Sliding
 # the estimate is a lower bound; found on meshes with known noise.
 NOISE_FACTOR = 1.1
 
-# Solves for the first surface and all filters, as far as the progress goes.
-EXPECTED_SOLVES = SOLVES_PER_METRIC + sum(family.n_solves for family in FAMILIES)
+# Solves for all filters, as far as the progress goes.
+EXPECTED_SOLVES = sum(family.n_solves for family in FAMILIES)
 
 PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large against rounding
 # A probe that folds a triangle over changes the filtered surface by leaps; such outliers of its
@@ -98,7 +97,7 @@ def mixed_surfaces(
         Called with the part of the work that is done; may raise to end it.
     """
     solves = _Solves(EXPECTED_SOLVES * (2 if plan is None else 1), progress)
-    bank = FilterBank(space, positions, solves.count)
+    bank = FilterBank(space.topology, positions, solves.count)
     track = _Track(bank, positions)
     frame = LocalFrame.of(space.topology, track.surface, track.surface)
     notes: tuple[str, ...] = ()
@@ -112,13 +111,15 @@ def mixed_surfaces(
         else:
             plan = DenoisePlan.idle(noise)
     elif not plan.is_idle:
-        first, *others = rounds_for(strength * plan.noise)
+        first, *others = rounds_for(plan.noise)
         track.filter(first)
         for families, pilot in zip(others, plan.pilots, strict=True):
             track.surface = track.mixed(pilot)
             track.filter(families)
-    results = [track.mixed(shares) for shares in plan.mixtures]
-    if not plan.is_idle:
+    if plan.is_idle:
+        results = [positions] * len(STRENGTHS)
+    else:
+        results = [track.mixed(shares) for shares in plan.mixtures]
         sliding = Sliding(space.topology, positions, frame)
         results = [sliding.limited(result) for result in results]
     return MixedSurfaces(results, plan, solves.report(), notes)
@@ -148,12 +149,14 @@ def _planned(
     def variance(factor: float) -> FloatArray:
         return np.square(NOISE_FACTOR * beyond_clean(factor * strength * seen) / correlation.seen)
 
-    first, *others = rounds_for(strength * noise)
+    # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
+    first, *others = rounds_for(noise)
+    pilot_variance = np.square(NOISE_FACTOR * seen / correlation.seen)
     pilots = []
     for one in (track, shadow):
         one.filter(first)
     for families in others:
-        pilots.append(parts.best_shares(*measured(), variance(1.0)))
+        pilots.append(parts.best_shares(*measured(), pilot_variance))
         for one in (track, shadow):
             one.surface = one.mixed(pilots[-1])
             one.filter(families)
@@ -188,9 +191,9 @@ class _Track:
 
     def __init__(self, bank: FilterBank, positions: FloatArray) -> None:
         self.positions = positions
-        self.surface = bank.first_surface(positions)
-        self.taken: list[NDArray[np.float32]] = []
         self._bank = bank
+        self.surface, filtered = bank.started(positions)
+        self.taken = [(positions - each).astype(np.float32) for each in filtered]
 
     def filter(self, families: list[FilterFamily | NormalFamily]) -> None:
         """Add filters in metrics of the present surface, or fits to its normals."""
