@@ -21,7 +21,7 @@ AUTO = "auto"
 FALLBACK_METHOD = "adaptive_timestep"
 """The method of the paper where one is needed beside `AUTO`."""
 
-DENOISE_NAMES = ("strength", "features", "boundary")
+DENOISE_NAMES = ("strength", "features", "boundary", "clean")
 """Settings of `denoise`, by their names in `DenoiseSettings`."""
 
 
@@ -83,6 +83,15 @@ class SolverProperties:
             ("smooth", "Smooth", "The mesh has no sharp edges: what looks like one is noise"),
         ),
         default="auto",
+    )
+    clean: EnumProperty(
+        name="Clean Meshes",
+        description="What happens to a mesh that looks like a model without noise",
+        items=(
+            ("keep", "Leave Alone", "Change nothing, and say why"),
+            ("denoise", "Denoise", "Take all that is rough for noise"),
+        ),
+        default="keep",
     )
     tau: FloatProperty(
         name="τ",
@@ -313,7 +322,9 @@ class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.Propert
 
 SOLVER_NAMES = tuple(SolverProperties.__annotations__)
 OUTPUT_NAMES = tuple(OutputProperties.__annotations__)
-FAIRING_NAMES = tuple(name for name in SOLVER_NAMES if name not in ("strength", "features"))
+FAIRING_NAMES = tuple(
+    name for name in SOLVER_NAMES if name not in ("strength", "features", "clean")
+)
 """Settings of the paper's methods, by their names in `FairingSettings`."""
 
 

@@ -446,6 +446,12 @@ GERMAN = {
     ", {:.0f} s left": ", noch {:.0f} s",
     "Denoise Scan (Fair, Smooth Noise)": "Scan entrauschen (Rauschen glätten)",
     "Diffuse (Fair, Smooth by the Paper)": "Diffundieren (Glätten nach der Arbeit)",
+    "Clean Meshes": "Saubere Netze",
+    "What happens to a mesh that looks like a model without noise": "Was mit einem Netz geschieht, "
+    "das wie ein Modell ohne Rauschen aussieht",
+    "Leave Alone": "In Ruhe lassen",
+    "Change nothing, and say why": "Nichts ändern und sagen, warum",
+    "Take all that is rough for noise": "Alles Raue für Rauschen nehmen",
     # Messages
     "Change to Object Mode, Edit Mode or Sculpt Mode": "In den Objekt-, Bearbeitungs- oder "
     "Bildhauermodus wechseln",

@@ -232,6 +232,11 @@ class TestNothingToDo:
         assert clean.adaptive_fairing.result == ""
         assert len(clean.adaptive_fairing.shapes) == 0
 
+    def test_it_can_be_denoised_all_the_same(self):
+        bpy.ops.mesh.primitive_monkey_add()
+        assert run() == {"CANCELLED"}
+        assert run(clean="denoise") == {"FINISHED"}
+
 
 class TestTheRedoPanel:
     """Undo, and the same again with one property changed."""

@@ -8,7 +8,7 @@ from support.objects import add_object
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh
 from adaptive_fairing.blender.operators import mesh_scale
 from adaptive_fairing.core import FairingSettings
-from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale
+from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale, suggest_tau
 
 pytestmark = pytest.mark.usefixtures("addon")
 

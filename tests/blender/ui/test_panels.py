@@ -79,7 +79,7 @@ class TestBeforeTheRun:
         assert fair["output"] == "RELATIVE_KEYS"
         for name in (*FAIRING_NAMES, *OUTPUT_NAMES):
             assert fair[name] == getattr(settings, name)
-        assert not {"strength", "features"} & set(fair)
+        assert not {"strength", "features", "clean"} & set(fair)
 
     def test_the_button_counts_the_objects(self, sphere):
         add_object(*icosphere(1), name="Second").select_set(True)

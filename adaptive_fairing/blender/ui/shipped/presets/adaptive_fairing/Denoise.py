@@ -7,3 +7,4 @@ settings = bpy.context.scene.adaptive_fairing
 settings.method = "auto"
 settings.strength = 1.0
 settings.features = "auto"
+settings.clean = "keep"
