@@ -148,7 +148,7 @@ class SolverProperties:
     stop_curvature: FloatProperty(
         name="Curvature Left",
         description=(
-            "Stop once this share of the bending (curvature energy H) is left; 0 takes every step"
+            "Stop once this part of the bending (curvature energy H) is left; 0 takes every step"
         ),
         default=0.0,
         min=0.0,
@@ -158,7 +158,7 @@ class SolverProperties:
     stop_rate: FloatProperty(
         name="Rate",
         description=(
-            "Stop once the share of the bending changes by less than this per unit of time; "
+            "Stop once the part of the bending changes by less than this per unit of time; "
             "0 takes every step"
         ),
         default=0.0,

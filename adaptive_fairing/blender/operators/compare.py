@@ -17,13 +17,13 @@ from .object_mode import object_mode
 from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
 
 GAP = 0.25
-"""Space between two copies, as a share of the object's size."""
+"""Space between two copies, as a part of the object's size."""
 
 LABEL_GAP = 0.06
-"""Space between a copy and its label, as a share of the object's size."""
+"""Space between a copy and its label, as a part of the object's size."""
 
 LABEL_SIZE = 0.11
-"""Height of the labels, as a share of the object's size."""
+"""Height of the labels, as a part of the object's size."""
 
 
 class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.Operator):

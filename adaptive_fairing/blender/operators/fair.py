@@ -75,8 +75,7 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
         for problem in problems:
             self.report({"WARNING"} if results else {"ERROR"}, problem)
         for solve in unchanged:
-            why = "; ".join(solve.notes)
-            self.report({"INFO"}, rpt_("{:s}: nothing was changed: {:s}").format(solve.name, why))
+            self.report({"INFO"}, f"{solve.name}: {'; '.join(solve.notes)}")
         if not results:
             if not problems and not unchanged:
                 self.report({"INFO"}, rpt_("Stopped: nothing was changed"))

@@ -7,6 +7,7 @@ from support.meshes import noisy_ball
 from support.objects import add_object, key_positions, select, shown_positions
 
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
+from adaptive_fairing.blender.data.shape_keys import animated_frames
 from adaptive_fairing.blender.data.stored_result import PAINT_GROUP
 from adaptive_fairing.blender.operators import following
 from adaptive_fairing.core import DenoiseSettings, denoise
@@ -222,9 +223,12 @@ class TestNothingToDo:
         bpy.ops.mesh.primitive_uv_sphere_add()
         return bpy.context.object
 
-    def test_nothing_changed_means_nothing(self, clean):
+    def test_nothing_changed_means_nothing(self, clean, capfd):
         before, names = coordinates(clean), clean.data.attributes.keys()
         assert run() == {"CANCELLED"}
+        said = capfd.readouterr().out
+        assert said.count("nothing was changed") == 1
+        assert "Denoised" not in said
         assert np.array_equal(coordinates(clean), before)
         assert clean.data.attributes.keys() == names
         assert clean.data.shape_keys is None
@@ -260,6 +264,18 @@ class TestTheRedoPanel:
         assert near(coordinates(noisy), expected.positions)
 
 
+class TestLinkedDuplicates:
+    def test_the_others_keep_their_mesh_and_that_is_said(self, noisy, capfd):
+        twin = bpy.data.objects.new("Twin", noisy.data)
+        bpy.context.scene.collection.objects.link(twin)
+        before = coordinates(twin)
+        run()
+        assert "Thing has a mesh of its own now" in capfd.readouterr().out
+        assert np.array_equal(coordinates(twin), before)
+        bpy.ops.object.adaptive_fairing_discard()
+        assert np.array_equal(coordinates(noisy), before)
+
+
 class TestKeys:
     def test_the_paper_starts_from_what_is_shown_and_keeps_the_original(self, noisy):
         before = coordinates(noisy)
@@ -292,6 +308,14 @@ class TestKeys:
             block.value * (key_positions(noisy, block.name) - basis) for block in keys.key_blocks
         )
         assert near(sum_of_keys, shown_positions(noisy))
+
+    def test_a_second_run_keeps_the_animation(self, noisy):
+        paper()
+        bpy.ops.object.adaptive_fairing_animate(frame_start=7, frame_end=40)
+        paper(steps=2)
+        assert animated_frames(noisy) == (7.0, 40.0)
+        bpy.context.scene.frame_set(40)
+        assert near(shown_positions(noisy), key_positions(noisy, "Fairing 2"))
 
     def test_apply_keeps_what_is_shown(self, noisy):
         paper()
