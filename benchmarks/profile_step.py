@@ -191,7 +191,7 @@ def report(mesh: meshes.Mesh, settings: FairingSettings, repeats: int) -> dict[s
     rates = Rates(*(max(pair) for pair in zip(rates, again, strict=True)))
     limit = work.seconds(rates)
     ratios = {
-        "set-up / step": best[0].seconds / best[1].seconds - 1,
+        "set-up / step": best[0].seconds / best[1].seconds,
         "step / limit": best[1].seconds / limit,
     }
     print(

@@ -34,28 +34,28 @@ CGAL_AS_NAMED = "CGAL smooth_shape, same parameter"
 CGAL_TIMES = {CGAL: 1, CGAL_AS_NAMED: 4}
 """Diffusion time of CGAL's runs over ours: its parameter `time` counts four times as much."""
 
+BLENDER = "Blender Laplacian Smooth"
+
 MODULES = {"Blender": "bpy", "libigl": "igl", "MeshLab": "pymeshlab"}
 """Python module that a program needs, by the first word of its name."""
 
-SETUP_TO_STEP = "set-up and last measuring / step"
-STEP_TO_CGAL = "step / step of CGAL"
-FOUR_TO_CGAL = "four steps from scratch / those of CGAL"
-PROCESSOR_TO_CGAL = "processor time of four steps from scratch / that of CGAL"
-STEP_TO_CGAL_AS_NAMED = "step / step of CGAL with the same parameter"
-FOUR_TO_CGAL_AS_NAMED = "four steps from scratch / those of CGAL with the same parameter"
-STEP_TO_LIBIGL = "step / step from scratch of libigl with CG"
-STEP_TO_BLENDER = "step / one iteration of Blender's Laplacian Smooth"
+SETUP_TO_STEP, SETUP_GOAL = "set-up and last measuring / step", 1.5
 
-GOALS = {
-    SETUP_TO_STEP: 1.5,
-    STEP_TO_CGAL: 0.2,
-    FOUR_TO_CGAL: 0.4,
-    STEP_TO_CGAL_AS_NAMED: 0.2,
-    FOUR_TO_CGAL_AS_NAMED: 0.4,
-    STEP_TO_LIBIGL: 1.0,
-    STEP_TO_BLENDER: 0.02,
-}
-"""What the ratios should be on meshes of 200,000 triangles and more."""
+FOUR = "four steps from scratch"
+
+RATIOS = (
+    ("step / step of CGAL", "step", CGAL, "step", 0.2),
+    (f"{FOUR} / those of CGAL", "four", CGAL, "four", 0.4),
+    (f"processor time of {FOUR} / that of CGAL", "processor", CGAL, "processor", None),
+    ("step / step of CGAL with the same parameter", "step", CGAL_AS_NAMED, "step", 0.2),
+    (f"{FOUR} / those of CGAL with the same parameter", "four", CGAL_AS_NAMED, "four", 0.4),
+    # From scratch: its further steps keep the first Laplacian, ours see the current surface.
+    ("step / step from scratch of libigl with CG", "step", "libigl, cotangent + CG", "one", 1.0),
+    # Its further iterations keep the factorized matrix of the first.
+    ("step / one iteration of Blender's Laplacian Smooth", "step", BLENDER, "one", 0.02),
+)
+"""Name, figure of ours, program, its figure, and what the ratio should be on meshes of 200,000
+triangles and more."""
 
 NOTES = f"""
 one step, four: from scratch, with everything that has to be set up; step: one more step, on a
@@ -213,8 +213,9 @@ def print_results(mesh: meshes.Mesh, results: dict[str, Result]) -> None:
     times = ["one step s", "four s", "step s", "processor s"]
     print(table(["", *times, "memory", "per triangle", "moved"], rows))
     print()
+    goals = {SETUP_TO_STEP: SETUP_GOAL} | {name: goal for name, *_, goal in RATIOS}
     for name, ratio in ratios_of(results).items():
-        goal = GOALS.get(name)
+        goal = goals[name]
         print(f"{name}: {ratio:.3g}" + (f" (goal: at most {goal:g})" if goal else ""), flush=True)
 
 
@@ -224,23 +225,10 @@ def ratios_of(results: dict[str, Result]) -> dict[str, float]:
     if ours is None or ours.four is None or ours.step is None:
         return {}
     ratios = {SETUP_TO_STEP: (ours.four - 4 * ours.step) / ours.step}
-    cgal = results.get(CGAL)
-    if cgal is not None and cgal.step is not None and cgal.four is not None:
-        ratios[STEP_TO_CGAL] = ours.step / cgal.step
-        ratios[FOUR_TO_CGAL] = ours.four / cgal.four
-        ratios[PROCESSOR_TO_CGAL] = ours.processor / cgal.processor
-    as_named = results.get(CGAL_AS_NAMED)
-    if as_named is not None and as_named.step is not None and as_named.four is not None:
-        ratios[STEP_TO_CGAL_AS_NAMED] = ours.step / as_named.step
-        ratios[FOUR_TO_CGAL_AS_NAMED] = ours.four / as_named.four
-    flow = results.get("libigl, cotangent + CG")
-    if flow is not None:
-        # From scratch: its further steps keep the first Laplacian, ours see the current surface.
-        ratios[STEP_TO_LIBIGL] = ours.step / flow.one
-    modifier = results.get("Blender Laplacian Smooth")
-    if modifier is not None:
-        # Its further iterations keep the factorized matrix of the first.
-        ratios[STEP_TO_BLENDER] = ours.step / modifier.one
+    for name, own, program, theirs, _ in RATIOS:
+        other = getattr(results.get(program), theirs, None)
+        if other:
+            ratios[name] = getattr(ours, own) / other
     return ratios
 
 

@@ -272,7 +272,7 @@ RESEARCH: Sequence[Peer] = (
         "bilateral normals",
         ("scipy",),
         "iterations",
-        (2, 5, 10, 20, 40),
+        (2, 5, 10, 20, 40, 80),
         bilateral_filter,
         SIGMAS,
         starts_at_least=False,

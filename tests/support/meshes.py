@@ -6,6 +6,7 @@ flat ones).
 """
 
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from tools.samples.triangles import edges_of, icosahedron, icosphere, split_1_to_4
 
@@ -107,6 +108,22 @@ def random_closed(seed: int, coarse: Mesh | None = None, noise: float = 0.02) ->
         vertices = total / np.linalg.norm(total, axis=1, keepdims=True)
         vertices -= vertices.mean(axis=0)  # without it everything slides into one point
     return vertices + noise * generator.normal(size=vertices.shape), faces
+
+
+def random_hull(seed: int, n_vertices: int) -> Mesh:
+    """Return the convex hull of random points on the sphere: triangles of all shapes.
+
+    Its vertices have 3 to 10 neighbours; seeds of hulls with other valences are passed over.
+    """
+    generator = np.random.default_rng((seed, n_vertices))
+    while True:
+        vertices = _on_sphere(generator.normal(size=(n_vertices, 3)))
+        faces = ConvexHull(vertices).simplices
+        a, b, c = vertices[faces].transpose(1, 0, 2)
+        outward = np.einsum("fd,fd->f", np.cross(b - a, c - a), a - vertices.mean(axis=0)) > 0
+        faces = np.where(outward[:, None], faces, faces[:, ::-1])
+        if valences(faces, n_vertices).max() <= 10:
+            return vertices, _faces(faces)
 
 
 def noisy_ball(levels: int = 3, noise: float = 0.01) -> Mesh:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...core import FairingError
 from ...core.surface.cut_surface import CutSurface, cut_surface
+from ...core.surface.refined_mesh import edge_keys
 from ...core.surface.refined_net import RefinedNet
 from . import mesh_building
 from .attribute_arrays import AttributeArray, read_attributes, read_boolean, read_float
@@ -112,14 +113,19 @@ class _Source:
     """A mesh as triangles, and what each of its elements becomes."""
 
     def __init__(self, mesh: bpy.types.Mesh, sharp_creases: bool) -> None:
-        mesh.calc_loop_triangles()
-        n = len(mesh.loop_triangles)
-        if not n:
+        if not len(mesh.polygons):
             raise FairingError("the mesh has no faces: there is no surface to refine")
-        self.triangles = mesh_building.integers(mesh.loop_triangles, "vertices", 3)
-        self.corners = mesh_building.integers(mesh.loop_triangles, "loops", 3).reshape(-1)
-        self.polygons = mesh_building.integers(mesh.loop_triangles, "polygon_index", 1)
-        self.ends = mesh_building.integers(mesh.edges, "vertices", 2).astype(np.int64)
+        is_triangulated = len(mesh.loops) == 3 * len(mesh.polygons)
+        if is_triangulated:
+            data = mesh.attributes[".corner_vert"].data
+            self.triangles = mesh_building.integers(data, "value", 1).reshape(-1, 3)
+            self.corners, self.polygons = slice(None), slice(None)
+        else:
+            mesh.calc_loop_triangles()
+            self.triangles = mesh_building.integers(mesh.loop_triangles, "vertices", 3)
+            self.corners = mesh_building.integers(mesh.loop_triangles, "loops", 3).reshape(-1)
+            self.polygons = mesh_building.integers(mesh.loop_triangles, "polygon_index", 1)
+        self.ends = mesh_building.integers(mesh.attributes[".edge_verts"].data, "value", 2)
         creases, held = np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
         if sharp_creases:
             n_edges = len(self.ends)
@@ -129,9 +135,11 @@ class _Source:
             pinned = read_float(mesh, "crease_vert", len(mesh.vertices)) >= SHARP_CREASE
             held = np.flatnonzero(pinned)
         self.cut: CutSurface = cut_surface(self.triangles, len(mesh.vertices), creases, held)
-        in_surface = RefinedNet(self.cut, 0)
-        used = np.unique(_keys(in_surface.edges, len(mesh.vertices)))
-        self._is_loose = ~np.isin(_keys(self.ends, len(mesh.vertices)), used)
+        edges = RefinedNet(self.cut, 0).edges
+        self._is_loose = np.zeros(len(self.ends), dtype=bool)
+        if not is_triangulated or len(edges) != len(self.ends):
+            keys, n = edge_keys(self.ends, len(mesh.vertices)), len(mesh.vertices)
+            self._is_loose = ~np.isin(keys, edge_keys(edges, n))
 
     @property
     def loose_edges(self) -> NDArray[np.int64]:
@@ -149,11 +157,6 @@ class _Source:
             return net.of_triangles(values[self.polygons])
         inside = "" if values.dtype == object else values.dtype.type(0)
         return np.concatenate([net.of_edges(values, self.ends, inside), values[self._is_loose]])
-
-
-def _keys(ends: NDArray, n: int) -> NDArray[np.int64]:
-    ends = np.sort(ends, axis=1).astype(np.int64)
-    return ends[:, 0] * n + ends[:, 1]
 
 
 def _refined_positions(

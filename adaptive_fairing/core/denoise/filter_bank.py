@@ -26,7 +26,15 @@ from ..linalg.krylov_filters import MAX_ITERATIONS, Diffusion, removed_by
 from ..mesh.normals import triangle_normals, unit_vectors
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, IndexArray, RealArray
-from .lifted_metric import LiftedMetric, area_elements, half_cotangents, squared_edges
+from ..runtime.precision import SINGLE, Precision
+from .lifted_metric import (
+    LiftedMetric,
+    area_elements,
+    half_cotangents,
+    linear_elements,
+    rim_flux,
+    squared_edges,
+)
 from .local_frame import spacing_of
 from .normal_filter import Smoothing, smoothed_normals, triangles_around, turning_load
 
@@ -109,14 +117,18 @@ STEEP = (*GENTLE, Diffusion(0.5, 4, 4), Diffusion(1.2, 4, 4), Diffusion(3.0, 4, 
 FIRST = Diffusion(0.5, 2, 2)
 MESH_FAMILY = FilterFamily(LiftedMetric(), STEEP)
 
-# Tolerance and precision of the filters' solves.  A filter need not be exactly that of its formula,
-# because what it removes is measured.  At 0.01 the results are no better.
-TOLERANCE, PRECISION = 0.05, np.float32
+# Of the filters' solves.  A filter need not be exactly that of its formula, because what it removes
+# is measured.  At 0.01 the results are no better.
+TOLERANCE = 0.05
 
 # Time of the step that fits a surface to normals, in squared edge lengths, and the tolerance of its
 # solve; the metric is that of the surface.
 FIT_TIME, FIT_TOLERANCE = 4.0, 1e-2
 FIT_METRIC = LiftedMetric(1)
+
+# How much of the flux of the surface through its rims is not taken for bending.  With none rims are
+# drawn inwards, with all of it their noise stays; found on an open mesh with slivers at its rims.
+RIM_SHARE = 0.5
 
 # A vertex counts for at most so many times, or parts, of the others around it.
 LARGEST_WEIGHT = 8.0
@@ -146,6 +158,8 @@ class FilterBank:
         self.topology, self._on_solve = topology, on_solve
         self._pattern = EdgePattern(topology)
         self._is_loose = topology.is_loose
+        is_large = topology.n_triangles >= SINGLE.least_triangles
+        self._precision: Precision = np.float32 if is_large else np.float64
         around = spacing_of(topology, positions, SPACING_PASSES)
         ratio = around / spacing_of(topology, positions, 0)
         self._weights = np.clip(ratio, 1 / LARGEST_WEIGHT, LARGEST_WEIGHT)
@@ -161,7 +175,11 @@ class FilterBank:
             The filters of `MESH_FAMILY`.
         """
         diffusions = FIRST, *MESH_FAMILY.diffusions
-        first, *removed = self._removed(self._mesh_matrices, positions, diffusions)
+        n = self.topology.n_vertices
+        # The metric does not see the surface: any will do.
+        squares = MESH_FAMILY.metric.lengths(self._pattern, positions, np.ones(n))
+        matrices = self._matrices(squares)
+        first, *removed = self._removed(matrices, matrices[1].product(positions.T).T, diffusions)
         return positions - first, [positions - each for each in removed]
 
     def filtered(
@@ -190,8 +208,11 @@ class FilterBank:
                 yield from self._fitted(surface, spacing, family)
                 continue
             metric, diffusions = family
-            matrices = self._matrices(metric, surface, spacing)
-            for removed in self._removed(matrices, positions, diffusions):
+            squares = metric.lengths(self._pattern, surface, spacing)
+            matrices = self._matrices(squares)
+            bending = matrices[1].product(positions.T).T
+            bending -= RIM_SHARE * rim_flux(self._pattern, squares, surface)
+            for removed in self._removed(matrices, bending, diffusions):
                 yield positions - removed
 
     def _fitted(
@@ -202,7 +223,7 @@ class FilterBank:
         The step X - (M + t L)⁻¹ t b turns the tangents of every triangle as far as its normal was
         turned, with b = ∫ (∇x - R ∇x) · ∇φ.
         """
-        mass, stiffness = self._matrices(FIT_METRIC, surface, spacing)
+        mass, stiffness = self._matrices(FIT_METRIC.lengths(self._pattern, surface, spacing))
         normals = unit_vectors(triangle_normals(surface, self.topology.triangles))
         squares = squared_edges(self._pattern, surface)
         cotangents = half_cotangents(squares, area_elements(squares))
@@ -214,7 +235,7 @@ class FilterBank:
         # One system for all fits: they differ in the right sides alone.
         load = np.concatenate(loads, axis=1)
         removed, report = conjugate_gradients(
-            mass.plus(FIT_TIME, stiffness).in_precision(PRECISION),
+            mass.plus(FIT_TIME, stiffness).in_precision(self._precision),
             load,
             np.zeros_like(load),
             is_held=self._is_loose,
@@ -229,24 +250,22 @@ class FilterBank:
     def _around(self) -> IndexArray:
         return triangles_around(self.topology)
 
-    @cached_property
-    def _mesh_matrices(self) -> tuple[EdgeMatrix, EdgeMatrix]:
-        # Does not see the surface: any will do.
-        n = self.topology.n_vertices
-        return self._matrices(MESH_FAMILY.metric, np.zeros((n, 3)), np.ones(n))
-
-    def _matrices(
-        self, metric: LiftedMetric, surface: FloatArray, spacing: FloatArray
-    ) -> tuple[EdgeMatrix, EdgeMatrix]:
-        mass, stiffness = metric.matrices(self._pattern, surface, spacing)
+    def _matrices(self, squares: FloatArray) -> tuple[EdgeMatrix, EdgeMatrix]:
+        mass, stiffness = linear_elements(self._pattern, squares)
         return mass.weighted(self._weights), stiffness
 
     def _removed(
         self,
         matrices: tuple[EdgeMatrix, EdgeMatrix],
-        positions: FloatArray,
+        bending: FloatArray,
         diffusions: Sequence[Diffusion],
     ) -> list[RealArray]:
         return removed_by(
-            diffusions, *matrices, positions, self._is_loose, self._on_solve, TOLERANCE, PRECISION
+            diffusions,
+            *matrices,
+            bending,
+            self._is_loose,
+            self._on_solve,
+            TOLERANCE,
+            self._precision,
         )

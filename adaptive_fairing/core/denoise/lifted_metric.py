@@ -72,6 +72,12 @@ class LiftedMetric(NamedTuple):
         M, L : EdgeMatrix
             Time in (M + t L) is in squared edge lengths.
         """
+        return linear_elements(pattern, self.lengths(pattern, positions, spacing))
+
+    def lengths(
+        self, pattern: EdgePattern, positions: FloatArray, spacing: FloatArray
+    ) -> FloatArray:
+        """Squared lengths q of every triangle's edges in the metric, (3, m); see `matrices`."""
         topology, share = pattern.topology, self.surface_share
         squares = np.full((3, topology.n_triangles), 1.0 - share)
         if share > 0:
@@ -80,12 +86,47 @@ class LiftedMetric(NamedTuple):
         if self.angle is not None:
             normals = vertex_normals(topology, positions)
             squares += squared_edges(pattern, normals) / self.angle**2
-        element = area_elements(squares)
-        mass = pattern.summed(np.tile((1 - LUMPED_PART) / 24 * element, (3, 1)))
-        stiffness = pattern.summed(-half_cotangents(squares, element))
-        # A third of a triangle belongs to each corner; rows of L add up to 0.
-        on_diagonal = (1 + LUMPED_PART) / (1 - LUMPED_PART) * mass.row_sums()
-        return mass.with_diagonal(on_diagonal), stiffness.with_diagonal(-stiffness.row_sums())
+        return squares
+
+
+def linear_elements(pattern: EdgePattern, squares: FloatArray) -> tuple[EdgeMatrix, EdgeMatrix]:
+    """Mass and stiffness matrix for the squared lengths of the triangles' edges, (3, m)."""
+    element = area_elements(squares)
+    mass = pattern.summed(np.tile((1 - LUMPED_PART) / 24 * element, (3, 1)))
+    stiffness = pattern.summed(-half_cotangents(squares, element))
+    # A third of a triangle belongs to each corner; rows of L add up to 0.
+    on_diagonal = (1 + LUMPED_PART) / (1 - LUMPED_PART) * mass.row_sums()
+    return mass.with_diagonal(on_diagonal), stiffness.with_diagonal(-stiffness.row_sums())
+
+
+def rim_flux(pattern: EdgePattern, squares: FloatArray, positions: FloatArray) -> FloatArray:
+    """Integrate ∂x/∂ν φ over the rims, (n, 3): what L x has there because the surface ends.
+
+    L x less that is 0 for a plane, at its rims as inside.
+
+    Parameters
+    ----------
+    pattern : EdgePattern
+    squares : (3, m)
+        Squared lengths of the triangles' edges in the metric.
+    positions : (n, 3)
+        x.
+    """
+    topology = pattern.topology
+    flux = np.zeros((topology.n_vertices, 3))
+    triangle, first = np.divmod(np.flatnonzero(topology.twin < 0), 3)
+    own = squares[:, triangle]
+    cotangents = half_cotangents(own, area_elements(own))
+    second, third, each = (first + 1) % 3, (first + 2) % 3, np.arange(len(first))
+    ends = topology.triangles[triangle, first], topology.triangles[triangle, second]
+    inner = positions[topology.triangles[triangle, third]]
+    # φ of the corner opposite to a rim's edge falls at a constant rate towards it: the flux is
+    # what ∫ ∇x · ∇φ says for that corner.  Half of it belongs to each end.
+    towards = cotangents[third, each][:, None] * (positions[ends[0]] - inner)
+    towards += cotangents[second, each][:, None] * (positions[ends[1]] - inner)
+    for end in ends:
+        np.add.at(flux, end, towards)
+    return flux
 
 
 def squared_edges(pattern: EdgePattern, points: FloatArray) -> FloatArray:

@@ -152,19 +152,19 @@ def _planned(
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
     first, *others = rounds_for(noise)
     pilot_variance = np.square(NOISE_FACTOR * seen / correlation.seen)
-    pilots = []
+    pilots: list[FloatArray] = []
     for one in (track, shadow):
         one.filter(first)
     for families in others:
-        pilots.append(parts.best_shares(*measured(), pilot_variance))
+        pilots.extend(parts.best_shares(*measured(), pilot_variance[None]))
         for one in (track, shadow):
             one.surface = one.mixed(pilots[-1])
             one.filter(families)
     removed, divergence = measured()
     usable = USABLE[features]
     mixtures = np.zeros((len(STRENGTHS), *removed.shape))
-    for shares, factor in zip(mixtures, STRENGTHS, strict=True):
-        shares[usable] = parts.best_shares(removed[usable], divergence[usable], variance(factor))
+    variances = np.stack([variance(factor) for factor in STRENGTHS])
+    mixtures[:, usable] = parts.best_shares(removed[usable], divergence[usable], variances)
     removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
     kept = 1 - removed_noise.mean(axis=1) / correlation.deviation**2
     return DenoisePlan(noise, tuple(pilots), mixtures, kept)

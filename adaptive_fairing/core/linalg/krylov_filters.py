@@ -67,20 +67,21 @@ def removed_by(
     diffusions: Sequence[Diffusion],
     mass: EdgeMatrix,
     stiffness: EdgeMatrix,
-    control: FloatArray,
+    bending: FloatArray,
     is_loose: BoolArray,
     on_solve: Callable[[SolveReport], None],
     tolerance: float = 1e-2,
     precision: Precision = np.float64,
 ) -> list[RealArray]:
-    """Compute what each diffusion removes of control points.
+    """Compute what each diffusion removes of x, from L x.
 
     Parameters
     ----------
     diffusions : sequence of Diffusion
     mass, stiffness : EdgeMatrix, (n, n)
         M and L.
-    control : (n, 3)
+    bending : (n, 3)
+        L x.
     is_loose : (n,) bool
         Vertices without a triangle, of which nothing is removed.
     on_solve : callable
@@ -89,14 +90,13 @@ def removed_by(
         Relative residual of the solves; and what the last direction of the space may add to the
         results, relative to their size.
     precision : numpy float type
-        Of the space and the results; what they start from is computed in that of the matrices.
+        Of the space and the results.
 
     Returns
     -------
     list of (n, 3)
     """
-    columns = np.ascontiguousarray(control.T)
-    bending = (SHARED_TIME * stiffness.product(columns)).astype(precision)
+    columns = np.ascontiguousarray(SHARED_TIME * bending.T, dtype=precision)
     mass, stiffness = mass.in_precision(precision), stiffness.in_precision(precision)
     system = mass.plus(SHARED_TIME, stiffness)
 
@@ -113,7 +113,7 @@ def removed_by(
         return result.T
 
     space = _Space(mass, stiffness, precision)
-    direction = solved(bending, np.zeros_like(bending), FIRST_FACTOR * tolerance)
+    direction = solved(columns, np.zeros_like(columns), FIRST_FACTOR * tolerance)
     while space.add(direction):
         shares = space.shares(diffusions)
         size = np.linalg.norm(shares, axis=0)
@@ -121,7 +121,7 @@ def removed_by(
             break
         direction = solved(space.last_image, space.last, tolerance)
     if not space.n_directions:
-        return [np.zeros_like(control) for _ in diffusions]
+        return [np.zeros_like(bending) for _ in diffusions]
     return [combined.T for combined in space.combined(shares)]
 
 

@@ -5,7 +5,12 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoise.lifted_metric import LiftedMetric
+from adaptive_fairing.core.denoise.lifted_metric import (
+    LiftedMetric,
+    linear_elements,
+    rim_flux,
+    squared_edges,
+)
 from adaptive_fairing.core.linalg.edge_matrix import EdgePattern
 
 BUMPY = meshes.random_closed(2)
@@ -107,3 +112,14 @@ def test_along_a_cylinder_distances_stay_and_around_it_they_grow():
     assert z @ (lifted @ z) == pytest.approx(factor * (z @ (flat @ z)), rel=0.01)
     # The normals at the rims are those of one side: an error of the first order.
     assert x @ (lifted @ x) == pytest.approx((x @ (flat @ x)) / factor, rel=0.015)
+
+
+def test_less_the_flux_through_its_rim_a_plane_has_no_bending():
+    vertices, faces = meshes.flat_grid(7, 5)
+    vertices[:, :2] += np.random.default_rng(0).uniform(-0.2, 0.2, (len(vertices), 2))
+    pattern = EdgePattern(TriangleTopology(faces, len(vertices)))
+    squares = squared_edges(pattern, vertices)
+    _, stiffness = linear_elements(pattern, squares)
+    bending, flux = stiffness.product(vertices.T).T, rim_flux(pattern, squares, vertices)
+    assert abs(bending).max() > 0.1
+    assert abs(bending - flux).max() < 1e-13

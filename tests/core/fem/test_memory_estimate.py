@@ -12,7 +12,6 @@ from support.meshes import bipyramid, flat_grid, icosphere
 from adaptive_fairing.core import FairingError, MemoryNeededError, TriangleTopology, fair_steps
 from adaptive_fairing.core.fem import memory_estimate
 from adaptive_fairing.core.loop.patches import PatchSet
-from adaptive_fairing.core.loop.quadrature import quadrature_choice
 
 ROOT = Path(__file__).resolve().parents[3]
 MEGABYTE = 1_000_000
@@ -21,7 +20,7 @@ MEGABYTE = 1_000_000
 def estimate(mesh, tolerance=1e-3):
     vertices, faces = mesh
     patches = PatchSet(TriangleTopology(faces, len(vertices)))
-    return memory_estimate.estimated_bytes(patches, quadrature_choice(tolerance))
+    return memory_estimate.estimated_bytes(patches, tolerance)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no peak memory of a process")

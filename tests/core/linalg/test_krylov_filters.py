@@ -30,7 +30,8 @@ def matrices_of(metric, vertices, faces):
 def removed(diffusions, matrices, control, is_loose=None, **options):
     reports = []
     is_loose = np.zeros(len(control), dtype=bool) if is_loose is None else is_loose
-    result = removed_by(diffusions, *matrices, control, is_loose, reports.append, **options)
+    bending = matrices[1].product(control.T).T
+    result = removed_by(diffusions, *matrices, bending, is_loose, reports.append, **options)
     assert all(report.converged for report in reports)
     return result
 
