@@ -40,6 +40,7 @@ def draw_options(layout, properties, obj) -> None:
     """Draw where a run works, what it starts from, and what becomes of the result."""
     if properties.method == AUTO:
         layout.prop(properties, "features")
+        layout.prop(properties, "clean")
     draw_region(layout, properties, obj)
     draw_output(layout, properties)
 
