@@ -97,7 +97,7 @@ class TestPanel:
         run()
         record = noisy.adaptive_fairing
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-        assert drawn.properties == ["method", "strength", "strength"]
+        assert drawn.properties == ["method", "strength"]
         noise = f"{float(f'{2 * 100 * record.noise_length:.3g}'):g} cm"
         first, last = record.shapes[0], record.shapes[record.shown]
         volume = 100 * (last.volume / first.volume - 1)
