@@ -103,6 +103,9 @@ class TestPanel:
         volume = 100 * (last.volume / first.volume - 1)
         line = f"Noise {noise}  ·  smoothed {record.radius:.2g} edges  ·  volume {volume:+.2f} %"
         assert line in " ".join(drawn.texts).replace("   ", "  ")
+        record.strength = 0.0
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert "volume +0.00 %" in " ".join(drawn.texts)
         names = [each["name"].removeprefix("object.adaptive_fairing") for each in drawn.operators]
         assert names == ["", "_before", "_split", "_paint", "_apply", "_discard"]
 
