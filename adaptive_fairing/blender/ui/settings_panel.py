@@ -19,7 +19,7 @@ from ..properties import AUTO, OUTPUT_NAMES, copy_settings, copy_solver
 from ..requirements import scipy_problem
 from .layouts import FairingPanel, draw_lines
 from .presets import VIEW3D_PT_adaptive_fairing_presets
-from .result_box import draw_result
+from .result_box import draw_result, live_record
 
 
 class VIEW3D_PT_adaptive_fairing(FairingPanel, bpy.types.Panel):
@@ -39,7 +39,7 @@ class VIEW3D_PT_adaptive_fairing(FairingPanel, bpy.types.Panel):
         current = modal_run.progress()
         column = layout.column()
         column.active = current is None
-        draw_method(column, settings)
+        draw_method(column, settings, live_record(context))
         if current is not None:
             _draw_progress(layout, current)
             return

@@ -139,7 +139,8 @@ def automatic(stage: Stage) -> Scenario:
     yield from stage.picture("auto-after")
     denoised = vertex_positions(obj)
     stage.results["moved"] = float(np.abs(denoised - noisy).max())
-    x, y = yield from stage.find_button("adaptive_fairing.strength", "shift+ctrl+c")
+    slider = 'objects["Icosphere"].adaptive_fairing.strength'
+    x, y = yield from stage.find_button(slider, "shift+ctrl+alt+c")
     yield from stage.enter_value(x, y, 0.5)
     half = vertex_positions(obj)
     stage.results["moved at half"] = float(np.abs(half - noisy).max())
