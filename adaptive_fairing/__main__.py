@@ -1,10 +1,12 @@
 """The program as a process: ``python -m adaptive_fairing`` and the command ``adaptive-fairing``."""
 
 import atexit
+import contextlib
 import os
 import sys
+import warnings
 
-from .cli.main import COULD_NOT, main
+from .cli.interrupts import leave_at_interrupt
 
 
 def run() -> None:
@@ -14,15 +16,24 @@ def run() -> None:
     glTF: the result is complete, but the status of the process says otherwise. So the process ends
     before that, after all that was to be done at exit, Blender's own cleaning up included.
     """
+    leave_at_interrupt()  # before anything that takes time
+
+    from .cli.apart import prepare_standard_streams
+    from .cli.main import COULD_NOT, main
+
     status = COULD_NOT
 
     def leave() -> None:
         for stream in (sys.stdout, sys.stderr):
-            stream.flush()
+            with contextlib.suppress(OSError):  # nobody listens any more
+                stream.flush()
         os._exit(status)
 
     atexit.register(leave)  # registered first, called last
-    status = main()
+    prepare_standard_streams()
+    if not sys.warnoptions:
+        warnings.simplefilter("ignore")  # of libraries: messages are for users
+    status = main(is_apart=True)
 
 
 if __name__ == "__main__":

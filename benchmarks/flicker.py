@@ -35,9 +35,9 @@ BEND = 1.0  # of one end against the other, in radians
 SEED = 20260009
 
 CASES = {
-    "fixed τ, mean edge": ["--tau", "0.004"],
+    "fixed τ, mean edge": ["--method", "timestep", "--tau", "0.004"],
     "until 60 % of the curvature is left": [
-        "--tau", "0.001", "--steps", "12", "--stop-curvature", "0.6",
+        "--method", "timestep", "--tau", "0.001", "--steps", "12", "--stop-curvature", "0.6",
     ],
     "automatic": ["--method", "auto"],
 }  # fmt: skip

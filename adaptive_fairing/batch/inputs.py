@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import glob
+import itertools
+import os
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, NoReturn
 
 from ..files.formats import SUFFIXES, is_supported
 
@@ -31,7 +33,7 @@ def find_sources(inputs: Iterable[str], output_folder: Path) -> list[Source]:
         Files; folders, which stand for every mesh file in them and in their subfolders; patterns
         such as ``scans/**/*.ply``, for shells that do not expand them.
     output_folder
-        Its files are not taken as inputs of folders and patterns.
+        Its files are not taken as inputs of folders and patterns that it lies in.
 
     Returns
     -------
@@ -41,7 +43,8 @@ def find_sources(inputs: Iterable[str], output_folder: Path) -> list[Source]:
     Raises
     ------
     ArgumentsError
-        A pattern or folder without a mesh file, or a file of an unknown kind.
+        A pattern or folder without a mesh file, a folder that cannot be read, or a file of an
+        unknown kind.
     """
     found: dict[Path, Path] = {}
     for text in inputs:
@@ -113,24 +116,48 @@ def _sources_of(text: str, output_folder: Path) -> list[Source]:
     path = Path(text)
     if path.is_dir():
         root = path.resolve()
-        files = [file for file in root.rglob("*") if _is_wanted(file, root, output_folder)]
+        files = [file for file in _files_in(root) if _is_wanted(file, root, output_folder)]
         if not files:
             raise ArgumentsError(f"folder {text} holds no mesh file ({' '.join(SUFFIXES)})")
         return [Source(file, file.relative_to(root)) for file in files]
     if is_pattern(text):
-        matches = (Path(each).resolve() for each in glob.glob(text, recursive=True))
-        files = [file for file in matches if _is_wanted(file, file.parent, output_folder)]
+        root = _folder_of_pattern(path).resolve()
+        matches = (_absolute(Path(each)) for each in glob.glob(text, recursive=True))
+        files = [file for file in matches if _is_wanted(file, root, output_folder)]
         if not files:
             raise ArgumentsError(f"no mesh file matches {text}")
         return [Source(file, Path(file.name)) for file in files]
     if not is_supported(path):
         raise ArgumentsError(f"{path}: unknown kind of file; use one of {' '.join(SUFFIXES)}")
     # A file that does not exist is a failure like that of any other mesh, told with its reason.
-    return [Source(path.resolve(), Path(path.name))]
+    return [Source(_absolute(path), Path(path.name))]
+
+
+def _absolute(path: Path) -> Path:
+    """Write a path from the root on; links stay, because outputs are called after their names."""
+    return Path(os.path.abspath(path))
+
+
+def _files_in(root: Path) -> Iterator[Path]:
+    """Walk through a folder; links to folders are not followed, links to files are."""
+
+    def refuse(error: OSError) -> NoReturn:
+        raise ArgumentsError(f"cannot read folder {error.filename}: {error.strerror}")
+
+    for folder, _, names in os.walk(root, onerror=refuse):
+        yield from (Path(folder, name) for name in names)
+
+
+def _folder_of_pattern(pattern: Path) -> Path:
+    """Folder that everything matched is in: the parts before the first wildcard."""
+    parts = itertools.takewhile(lambda part: not glob.has_magic(part), pattern.parts)
+    return Path(*parts)
 
 
 def _is_wanted(file: Path, root: Path, output_folder: Path) -> bool:
     """Whether to take a file that was not named itself; hidden ones are drafts and the like."""
-    is_hidden = any(part.startswith(".") for part in file.relative_to(root).parts)
-    is_result = output_folder in file.parents
+    inner = file.relative_to(root).parts if file.is_relative_to(root) else (file.name,)
+    is_hidden = any(part.startswith(".") for part in inner)
+    # Of an output folder in the input folder. One around it holds inputs as well.
+    is_result = output_folder in file.parents and root in output_folder.parents
     return file.is_file() and is_supported(file) and not is_hidden and not is_result

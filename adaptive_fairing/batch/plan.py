@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import os
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,6 +14,8 @@ from .inputs import ArgumentsError, Source, frame_numbers
 
 RECORDS = "fairing_records"
 """Folder below the output folder with one record per mesh."""
+
+_LONGEST_NAME = 240
 
 KEYED_SUFFIX = ".ply"
 """Format of frames that are put together to one keyed object: exact, and vertices keep their
@@ -110,7 +114,7 @@ def plan_animation(source: Path, frames: Sequence[int], folder: Path, suffix: st
         _item(
             Path(f"{source.stem}_{frame:0{width}d}{suffix}"),
             folder,
-            source.resolve(),
+            source,
             frame=frame,
             number=frame,
         )
@@ -161,5 +165,13 @@ def _item(
     frame: int | None = None,
     number: int | None = None,
 ) -> Item:
-    record = folder / RECORDS / relative.with_name(f"{relative.name}.json")
+    record = folder / RECORDS / relative.with_name(f"{_short(relative.name)}.json")
     return Item(relative.as_posix(), source, frame, number, folder / relative, record)
+
+
+def _short(name: str) -> str:
+    """Shorten a name that leaves no room for a suffix in the 255 bytes of file systems."""
+    data = os.fsencode(name)
+    if len(data) <= _LONGEST_NAME:
+        return name
+    return f"{os.fsdecode(data[:200])}.{hashlib.sha256(data).hexdigest()[:16]}"

@@ -44,15 +44,10 @@ class WorkerProcess:
             stderr=self._errors,
             encoding="utf-8",
             errors="replace",
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(_python_path())},
+            env=environment(),
         )
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
-
-    @property
-    def process_id(self) -> int:
-        """Number of the process."""
-        return self._process.pid
 
     def send(self, message: dict[str, Any]) -> None:
         """Send a message; one that a dying process cannot take is lost, its end is told anyway."""
@@ -83,10 +78,7 @@ class WorkerProcess:
         lines = self._errors.read().decode("utf-8", "replace").split("\n")
         last = next((line.strip() for line in reversed(lines) if line.strip()), "")
         self._close()
-        how = f"with status {code}"
-        if code < 0:
-            how = f"by signal {-code} ({signal.Signals(-code).name})"
-        return f"the worker process was ended {how}" + (f": {last}" if last else "")
+        return f"the worker process was ended {ending(code)}" + (f": {last}" if last else "")
 
     def _read(self) -> None:
         for line in self._process.stdout:
@@ -103,7 +95,16 @@ class WorkerProcess:
                 pass
 
 
-def _python_path() -> list[str]:
-    """Folders that a worker finds modules in, this package too, wherever it was started from."""
-    given = os.environ.get("PYTHONPATH", "")
-    return [*([given] if given else []), str(PACKAGE_FOLDER)]
+def ending(status: int) -> str:
+    """Name the end of a process that did not say itself how it went, by its exit status."""
+    if status >= 0:
+        return f"with status {status}"
+    known = {each.value: f" ({each.name})" for each in signal.Signals}
+    return f"by signal {-status}{known.get(-status, '')}"
+
+
+def environment() -> dict[str, str]:
+    """Variables for a child: it finds this package too, wherever it was started from."""
+    given = os.environ.get("PYTHONPATH")
+    path = os.pathsep.join([*([given] if given else []), str(PACKAGE_FOLDER)])
+    return {**os.environ, "PYTHONPATH": path}

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from ..core import FairingError, FairingSettings
+from ..core import DenoiseSettings, FairingError, FairingSettings
+from ..files.report import settings_record
 from ..version import program_version
+from .conflicts import identity
 from .messages import Job
 from .plan import Item
 from .records import has_failed, input_stamp, is_finished, read_record, write_record
@@ -50,7 +53,7 @@ class Batch:
     """
 
     items: Sequence[Item]
-    settings: FairingSettings
+    settings: DenoiseSettings | FairingSettings
     object_name: str | None = None
     reference: Item | None = None
     same_strength: bool = False
@@ -62,9 +65,10 @@ class Batch:
         """Name what an output is made with: all that a finished one is compared by."""
         known = {
             "version": program_version(),
-            "settings": asdict(self.settings),
+            "settings": settings_record(self.settings),
             "object": self.object_name,
-            "input_files": input_stamp(item.input),
+            # Of an input that its result replaces nothing is left to compare with.
+            "input_files": None if _replaces_input(item) else input_stamp(item.input),
             "frame": item.frame,
             "output": item.name,
         }
@@ -75,6 +79,10 @@ class Batch:
                 "same_strength": self.same_strength,
             }
         return known
+
+
+def _replaces_input(item: Item) -> bool:
+    return identity(item.output) == identity(item.input)
 
 
 def run_batch(batch: Batch, reporter: Reporter) -> Json:
@@ -131,7 +139,7 @@ def _outcomes(batch: Batch, items: Sequence[Item]) -> Iterator[Outcome]:
     if not items:
         return
     schedule = Schedule(batch.command, batch.jobs, batch.memory)
-    settings, scale = asdict(batch.settings), None
+    settings, scale = settings_record(batch.settings), None
     if batch.reference is not None and batch.same_strength:
         settings, scale = _measure(batch, schedule)
     tasks = [Task(item, _job(batch, item, settings, scale), first_claim(item)) for item in items]
@@ -141,7 +149,9 @@ def _outcomes(batch: Batch, items: Sequence[Item]) -> Iterator[Outcome]:
 def _measure(batch: Batch, schedule: Schedule) -> tuple[Json, float]:
     """Let a worker find what gives all frames the smoothing of the first."""
     first = batch.reference
-    job = Job(str(first.input), first.frame, batch.object_name, asdict(batch.settings), None)
+    job = Job(
+        str(first.input), first.frame, batch.object_name, settings_record(batch.settings), None
+    )
     (outcome,) = schedule.run([Task(first, job, first_claim(first))])
     if outcome.error is not None:
         raise FairingError(f"first frame, {first.input.name}: {outcome.error}")
@@ -155,7 +165,7 @@ def _job(batch: Batch, item: Item, settings: Json, scale: float | None) -> Job:
         item.frame,
         batch.object_name,
         settings,
-        str(item.output.resolve()),
+        os.path.abspath(item.output),
         None if first is None else (str(first.input), first.frame),
         scale,
     )
@@ -165,7 +175,7 @@ def _summary(batch: Batch, entries: list[Json], started: float) -> Json:
     return summary(
         entries,
         version=program_version(),
-        settings=asdict(batch.settings),
+        settings=settings_record(batch.settings),
         arguments={
             "object": batch.object_name,
             "is_sequence": batch.reference is not None,

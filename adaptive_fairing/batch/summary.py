@@ -27,8 +27,8 @@ def mesh_entry(item: Item, status: str, record: Json | None) -> Json:
     """
     record = record or {}
     report = record.get("report") or {}
-    chosen = chosen_record(report.get("steps") or [{}])
-    estimate = chosen.get("auto") or {}
+    steps = report.get("steps", [])
+    outcome = outcome_of(report)
     return {
         "output": item.name,
         "input": str(item.input),
@@ -37,12 +37,12 @@ def mesh_entry(item: Item, status: str, record: Json | None) -> Json:
         "error": record.get("error"),
         "vertices": report.get("mesh", {}).get("vertices"),
         "triangles": report.get("mesh", {}).get("triangles"),
-        "steps": len(report.get("steps", [])),
+        "steps": len(steps),
         "stop_reason": report.get("stop_reason"),
-        "curvature_ratio": chosen.get("curvature_ratio"),
-        "largest_displacement": chosen.get("largest_displacement"),
-        "noise": estimate.get("noise"),
-        "radius": estimate.get("radius"),
+        "curvature_ratio": outcome.get("curvature_ratio"),
+        "largest_displacement": outcome.get("largest_displacement"),
+        "noise": outcome.get("noise"),
+        "radius": outcome.get("radius"),
         "notes": report.get("notes", []),
         "seconds": record.get("seconds"),
         "needed_bytes": record.get("needed_bytes"),
@@ -50,10 +50,12 @@ def mesh_entry(item: Item, status: str, record: Json | None) -> Json:
     }
 
 
-def chosen_record(steps: Sequence[Json]) -> Json:
-    """Take the record of the step that is the result: of "auto" the chosen strength."""
-    chosen = [step for step in steps if (step.get("auto") or {}).get("is_chosen")]
-    return (chosen or steps)[-1]
+def outcome_of(report: Json) -> Json:
+    """Take what a report says of the result: of the strength asked for, or of the last step."""
+    found = report.get("denoise")
+    if found is not None:
+        return {**found, **found["strengths"][found["chosen"]]}
+    return (report.get("steps") or [{}])[-1]
 
 
 def summary(

@@ -20,7 +20,7 @@ def run(arguments: list[str]) -> int:
     # Imported late, because enabling the add-on must cost nothing.
     from ..cli import main as cli
 
-    return cli.main(arguments, worker_command=worker_command())
+    return cli.main(arguments, worker_command=worker_command(), is_apart=True)
 
 
 def worker_command() -> list[str]:

@@ -12,14 +12,18 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from .. import defaults
-
 if TYPE_CHECKING:
-    from ..core import FairingSettings
+    from ..core import DenoiseSettings, FairingSettings
+
+AUTO = "auto"
+"""Method of `denoise`; the other methods are those of the paper."""
+
+DENOISE_NAMES = ("strength", "features", "boundary")
+"""Settings of `denoise`, by their names in `DenoiseSettings`."""
 
 
 class SolverProperties:
-    """The fields of the core's `FairingSettings`, under the same names."""
+    """The algorithm, and the fields of the core's two settings under the same names."""
 
     method: EnumProperty(
         name="Method",
@@ -51,7 +55,7 @@ class SolverProperties:
                 2,
             ),
         ),
-        default=defaults.METHOD,
+        default=AUTO,
     )
     strength: FloatProperty(
         name="Strength",
@@ -270,10 +274,39 @@ class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.Propert
 
 SOLVER_NAMES = tuple(SolverProperties.__annotations__)
 OUTPUT_NAMES = tuple(OutputProperties.__annotations__)
+FAIRING_NAMES = tuple(name for name in SOLVER_NAMES if name not in ("strength", "features"))
+"""Settings of the paper's methods, by their names in `FairingSettings`."""
 
 
-def solver_settings(properties: SolverProperties) -> FairingSettings:
-    """Make the core's settings.
+def names_of(method: str) -> tuple[str, ...]:
+    """Names of the settings that a method has, the method itself among them."""
+    return ("method", *DENOISE_NAMES) if method == AUTO else FAIRING_NAMES
+
+
+def solver_settings(properties: SolverProperties) -> DenoiseSettings | FairingSettings:
+    """Make the core's settings of the algorithm that was chosen.
+
+    Raises
+    ------
+    SettingsError
+        A value makes no sense, such as τ = 0; or a script has given a setting that belongs to the
+        other algorithm.
+    """
+    from ..core import DenoiseSettings, SettingsError
+
+    names = names_of(properties.method)
+    if isinstance(properties, bpy.types.Operator):
+        for name in SOLVER_NAMES:
+            if properties.properties.is_property_set(name) and name not in names:
+                owner = "the paper's methods" if properties.method == AUTO else 'method="auto"'
+                raise SettingsError(f"{name} belongs to {owner}, not to {properties.method!r}")
+    if properties.method != AUTO:
+        return fairing_settings(properties)
+    return DenoiseSettings(**{name: _typed(getattr(properties, name)) for name in DENOISE_NAMES})
+
+
+def fairing_settings(properties: SolverProperties) -> FairingSettings:
+    """Make the settings of the paper's methods; beside "auto" those of its default method.
 
     Raises
     ------
@@ -282,23 +315,26 @@ def solver_settings(properties: SolverProperties) -> FairingSettings:
     """
     from ..core import FairingSettings
 
-    values = {name: getattr(properties, name) for name in SOLVER_NAMES}
-    if isinstance(properties, bpy.types.Operator):
-        # Scripts name what they want; buttons name everything.
-        named = [name for name in SOLVER_NAMES if properties.properties.is_property_set(name)]
-        if "method" not in named and values["method"] == defaults.METHOD:
-            values["method"] = defaults.method_beside(named)
-    for name, value in values.items():
-        if isinstance(value, float):
-            # Blender keeps float32; seven digits give back the number that was typed.
-            values[name] = float(f"{value:.7g}")
+    values = {name: _typed(getattr(properties, name)) for name in FAIRING_NAMES}
+    if values["method"] == AUTO:
+        values["method"] = FairingSettings.method
     for name in ("stop_curvature", "stop_rate"):
         values[name] = values[name] or None
     return FairingSettings(**values)
 
 
+def _typed(value: object) -> object:
+    """Give back the number that was typed: Blender keeps float32, which has seven digits."""
+    return float(f"{value:.7g}") if isinstance(value, float) else value
+
+
+def copy_solver(source: SolverProperties, target: SolverProperties) -> None:
+    """Hand the method and its settings on, as from the scene to a button of the panel."""
+    copy_settings(source, target, names_of(source.method))
+
+
 def copy_settings(source: object, target: object, names: tuple[str, ...]) -> None:
-    """Hand the named properties on, as from the scene to a button of the panel."""
+    """Hand the named properties on."""
     for name in names:
         setattr(target, name, getattr(source, name))
 

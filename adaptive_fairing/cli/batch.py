@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..batch.conflicts import Pair, require_no_conflict
 from ..batch.inputs import ArgumentsError, find_sources, is_pattern, parse_frames
 from ..batch.memory_use import parse_bytes
 from ..batch.plan import (
@@ -25,7 +26,7 @@ from ..batch.summary import DONE, FAILED, MISSING, SKIPPED, is_complete
 from ..files.formats import BLEND, suffix_of
 
 if TYPE_CHECKING:
-    from ..core import FairingSettings
+    from ..core import DenoiseSettings, FairingSettings
 
 BATCH_OPTIONS = ("out_dir", "format", "jobs", "memory", "shard", "merge", "allow_failures")
 
@@ -134,7 +135,12 @@ def plan_of(arguments: argparse.Namespace) -> Plan | None:
         raise ArgumentsError("--same-strength is for frames: add --sequence or --frames")
     if arguments.jobs is not None and arguments.jobs < 1:
         raise ArgumentsError(f"--jobs {arguments.jobs}: give a number of at least 1")
+    if arguments.overwrite_inputs and is_sequence:
+        raise ArgumentsError(
+            "--overwrite-inputs is not for frames: they need the first one's input"
+        )
     items = _items(arguments, folder, is_sequence, keyed)
+    _check_conflicts(arguments, items, keyed)
     shown = items
     if arguments.shard is not None:
         shown = shard_of(items, parse_shard(arguments.shard))
@@ -144,9 +150,8 @@ def plan_of(arguments: argparse.Namespace) -> Plan | None:
 
 def run_plan(
     arguments: argparse.Namespace,
-    settings: FairingSettings,
+    settings: DenoiseSettings | FairingSettings,
     worker_command: Sequence[str],
-    program: str,
 ) -> tuple[dict[str, Any], str | None]:
     """Run the batch.
 
@@ -163,7 +168,7 @@ def run_plan(
         Nothing could be done at all, or a file of the whole batch cannot be written.
     """
     from ..batch.run import Batch, merge_batch, run_batch
-    from ..core.fem.memory_estimate import available_bytes
+    from ..core.runtime.system_memory import available_bytes
     from ..files.atomic_files import writable_place
     from ..files.report import write_report
     from .progress import MeshProgress
@@ -187,9 +192,7 @@ def run_plan(
     else:
         progress = MeshProgress(
             len(plan.items),
-            program,
             show_bar=not arguments.quiet and sys.stderr.isatty(),
-            show_errors=True,
             farm_lines=arguments.flamenco,
         )
         try:
@@ -201,9 +204,9 @@ def run_plan(
     if not is_complete(account["meshes"]):
         return account, _what_is_missing(account)
     if plan.keyed is not None:
-        from ..silence import silent_stdout
+        from ..silence import silent_output
 
-        with silent_stdout():
+        with silent_output():
             from ..blender.jobs.keyed_object import write_keyed_file
 
         write_keyed_file(plan.items, arguments.object, plan.keyed)
@@ -225,6 +228,20 @@ def _is_batch(arguments: argparse.Namespace) -> bool:
     inputs = arguments.input
     is_asked_for = any(getattr(arguments, name) not in (None, False) for name in BATCH_OPTIONS)
     return is_asked_for or len(inputs) > 1 or Path(inputs[0]).is_dir() or is_pattern(inputs[0])
+
+
+def _check_conflicts(
+    arguments: argparse.Namespace, items: Sequence[Item], keyed: Path | None
+) -> None:
+    pairs = [Pair(item.input, item.output) for item in items]
+    if keyed is not None:
+        pairs.append(Pair(items[0].input, keyed))
+    require_no_conflict(
+        pairs,
+        reports=[arguments.report] if arguments.report is not None else [],
+        records=[item.record for item in items],
+        may_overwrite=arguments.overwrite_inputs,
+    )
 
 
 def _keyed_output(arguments: argparse.Namespace, is_sequence: bool) -> Path | None:

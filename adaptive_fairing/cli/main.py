@@ -12,32 +12,48 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NoReturn
 
-from .. import defaults
+from ..batch.conflicts import Pair, require_no_conflict
 from ..batch.inputs import ArgumentsError
-from ..batch.summary import chosen_record
+from ..batch.summary import outcome_of
 from ..files.formats import BLEND, SUFFIXES, is_supported
 from ..version import program_version
 from . import batch
+from .apart import (
+    CHILD,
+    CrashError,
+    follow_parent,
+    keep_to_own_messages,
+    run_apart,
+)
+from .interrupts import INTERRUPTED, raise_at_interrupt
+from .messages import PROGRAM, say
 
 if TYPE_CHECKING:
-    from ..core import FairingSettings
+    from ..core import DenoiseSettings, FairingSettings
 
-PROGRAM = "adaptive-fairing"
-DONE, COULD_NOT, WRONG_ARGUMENTS, INTERRUPTED = 0, 1, 2, 130
+DONE, COULD_NOT, WRONG_ARGUMENTS = 0, 1, 2
 WORKER = "--worker"
 """The only argument of a worker process."""
 
-METHODS = {
-    "uniform": "uniform",
+AUTO = "auto"
+PAPER_METHODS = {
     "timestep": "adaptive_timestep",
     "tensor": "adaptive_tensor",
-    "auto": "auto",
+    "uniform": "uniform",
 }
-METHOD_NAMES = {method: name for name, method in METHODS.items()}
 DENSITIES = {"edge": "edge_length", "area": "area"}
 
+OF_AUTO = ("strength", "features")
+OF_THE_PAPER = ("tau", "steps", "density", "density_passes", "stop_curvature", "stop_rate")
+"""Arguments that belong to `--method auto`, or to the other methods."""
 
-def main(argv: Sequence[str] | None = None, *, worker_command: Sequence[str] | None = None) -> int:
+
+def main(
+    argv: Sequence[str] | None = None,
+    *,
+    worker_command: Sequence[str] | None = None,
+    is_apart: bool = False,
+) -> int:
     """Run the program.
 
     Parameters
@@ -45,23 +61,36 @@ def main(argv: Sequence[str] | None = None, *, worker_command: Sequence[str] | N
     argv
         Arguments without the program's name; None takes those of the process.
     worker_command
-        Starts the program, to which `WORKER` is added, as a worker process of a batch; None for
-        the Python that is running.
+        Starts the program, to which `WORKER` or `CHILD` is added, as a process that does the work;
+        None for the Python that is running.
+    is_apart
+        Whether a single mesh, too, is faired in a process of its own, so that a crash of Blender
+        is told in one line.
 
     Returns
     -------
     int
         Exit status.
     """
-    if list(sys.argv[1:] if argv is None else argv) == [WORKER]:
+    given = list(sys.argv[1:] if argv is None else argv)
+    if given == [WORKER]:
         return _serve()
+    is_child = given[:1] == [CHILD]
+    if is_child:
+        follow_parent()
+        keep_to_own_messages()
+        del given[0]
     try:
-        arguments = parse(argv)
+        arguments = parse(given)
     except SystemExit as request:  # argparse ends the process after --help and after an error
         return int(request.code or DONE)
-    command = [*(worker_command or (sys.executable, "-m", "adaptive_fairing")), WORKER]
+    command = list(worker_command or (sys.executable, "-m", "adaptive_fairing"))
+    if is_apart and not is_child and not arguments.plan:
+        return _run_apart(arguments, [*command, CHILD, *given])
     try:
-        return _run_batch(arguments, command) if arguments.plan else _run(arguments)
+        if arguments.plan:
+            return _run_batch(arguments, [*command, WORKER])
+        return _run(arguments)
     except ModuleNotFoundError as error:
         if error.name not in _MISSING:
             raise
@@ -70,6 +99,19 @@ def main(argv: Sequence[str] | None = None, *, worker_command: Sequence[str] | N
         kept = "what is finished stays, run again to go on" if arguments.plan else None
         _fail(f"interrupted: {kept or 'no output was written'}")
         return INTERRUPTED
+
+
+def _run_apart(arguments: argparse.Namespace, command: Sequence[str]) -> int:
+    try:
+        return run_apart(command, (DONE, COULD_NOT, WRONG_ARGUMENTS, INTERRUPTED))
+    except CrashError as error:
+        from ..files.atomic_files import remove_drafts
+
+        remove_drafts(arguments.output)
+        return _fail(
+            f"Blender or the solver died of {arguments.input}, ended {error}: the file is damaged, "
+            "or there is too little memory"
+        )
 
 
 _MISSING = {
@@ -87,6 +129,9 @@ def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
         arguments.plan = batch.plan_of(arguments)
     except ArgumentsError as error:
         parser.error(str(error))
+    misplaced = _misplaced(arguments)
+    if misplaced is not None:
+        parser.error(misplaced)
     if arguments.plan is not None:
         return arguments
     arguments.input = Path(arguments.input[0])
@@ -95,6 +140,14 @@ def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
     for path in (arguments.input, arguments.output):
         if not is_supported(path):
             parser.error(f"{path}: unknown kind of file; use one of {' '.join(SUFFIXES)}")
+    try:
+        require_no_conflict(
+            [Pair(arguments.input, arguments.output)],
+            reports=[arguments.report] if arguments.report is not None else [],
+            may_overwrite=arguments.overwrite_inputs,
+        )
+    except ArgumentsError as error:
+        parser.error(str(error))
     return arguments
 
 
@@ -107,7 +160,8 @@ class _Parser(argparse.ArgumentParser):
     """A parser whose errors are one line."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(WRONG_ARGUMENTS, f"{self.prog}: error: {message} (see {self.prog} --help)\n")
+        say(f"error: {message} (see {PROGRAM} --help)")
+        raise SystemExit(WRONG_ARGUMENTS)
 
 
 def build_parser() -> argparse.ArgumentParser:
@@ -140,42 +194,44 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--method",
-        choices=tuple(METHODS),
-        help="what follows the density: the timestep, the diffusion tensor, or nothing; auto "
-        "estimates the noise and needs none of --tau, --steps, --density, --density-passes, "
-        "--stop-curvature and --stop-rate (default: timestep if one of these is given, "
-        f"otherwise {METHOD_NAMES[defaults.METHOD]})",
+        choices=(AUTO, *PAPER_METHODS),
+        default=AUTO,
+        help="auto estimates the noise and removes it; the others are geometric diffusion, which "
+        "follows the mesh density by the timestep, by the diffusion tensor, or not at all "
+        "(default: %(default)s)",
     )
     parser.add_argument(
         "--strength",
         type=float,
-        default=1.0,
         metavar="X",
-        help="of auto: factor of the noise that it estimates (default: %(default)s)",
+        help="of auto: factor of the noise that it estimates (default: 1.0)",
     )
     parser.add_argument(
         "--features",
         choices=("auto", "sharp", "smooth"),
-        default="auto",
-        help="of auto: whether there are creases to keep (default: %(default)s, per place)",
+        help="of auto: whether there are creases to keep (default: auto, per place)",
     )
     parser.add_argument(
         "--tau",
         type=float,
         metavar="T",
-        help="time of a step, in the frame where the mesh fits [-3, 3]^3 (default: 0.016)",
+        help="of the others: time of a step, in the frame where the mesh fits [-3, 3]^3 "
+        "(default: 0.016)",
     )
-    parser.add_argument("--steps", type=int, metavar="N", help="number of steps (default: 4)")
+    parser.add_argument(
+        "--steps", type=int, metavar="N", help="of the others: number of steps (default: 4)"
+    )
     parser.add_argument(
         "--density",
         choices=tuple(DENSITIES),
-        help="measure of the density: mean edge length or area around a vertex (default: edge)",
+        help="of the others: measure of the density: mean edge length or area around a vertex "
+        "(default: edge)",
     )
     parser.add_argument(
         "--density-passes",
         type=int,
         metavar="N",
-        help="smoothing passes over the density (default: 3)",
+        help="of the others: smoothing passes over the density (default: 3)",
     )
     parser.add_argument(
         "--boundary",
@@ -187,17 +243,20 @@ def build_parser() -> argparse.ArgumentParser:
         "--stop-curvature",
         type=float,
         metavar="X",
-        help="stop once the curvature energy is at most X times that of the input",
+        help="of the others: stop once the curvature energy is at most X times that of the input",
     )
     parser.add_argument(
         "--stop-rate",
         type=float,
         metavar="X",
-        help="stop once the curvature energy, relative to that of the input, changes by at most X "
-        "per unit of time",
+        help="of the others: stop once the curvature energy, relative to that of the input, "
+        "changes by at most X per unit of time",
     )
     parser.add_argument(
         "--report", type=Path, metavar="FILE.json", help="write settings and measures as JSON"
+    )
+    parser.add_argument(
+        "--overwrite-inputs", action="store_true", help="let a result replace its own input"
     )
     parser.add_argument("--quiet", action="store_true", help="show errors only")
     batch.add_options(parser)
@@ -205,31 +264,37 @@ def build_parser() -> argparse.ArgumentParser:
     return parser
 
 
-def settings_of(arguments: argparse.Namespace) -> FairingSettings:
-    """Translate the arguments into settings of the solver.
+def _misplaced(arguments: argparse.Namespace) -> str | None:
+    """Say which argument belongs to another method than the one that was chosen."""
+    names, owner = OF_AUTO, f"--method {AUTO}"
+    if arguments.method == AUTO:
+        names, owner = OF_THE_PAPER, f"--method {', '.join(PAPER_METHODS)}"
+    for name in names:
+        if getattr(arguments, name) is not None:
+            option = name.replace("_", "-")
+            return f"--{option} belongs to {owner}, not to --method {arguments.method}"
+    return None
+
+
+def settings_of(arguments: argparse.Namespace) -> DenoiseSettings | FairingSettings:
+    """Translate the arguments into settings of the algorithm that they choose.
 
     Raises
     ------
     SettingsError
         A value makes no sense.
     """
-    from ..core import FairingSettings
+    from ..core import DenoiseSettings, FairingSettings
 
-    diffusion = {name: getattr(arguments, name) for name in defaults.DIFFUSION}
-    given = {name: value for name, value in diffusion.items() if value is not None}
+    is_auto = arguments.method == AUTO
+    values = {name: getattr(arguments, name) for name in (OF_AUTO if is_auto else OF_THE_PAPER)}
+    given = {name: value for name, value in values.items() if value is not None}
+    given["boundary"] = arguments.boundary
+    if is_auto:
+        return DenoiseSettings(**given)
     if "density" in given:
         given["density"] = DENSITIES[given["density"]]
-    if arguments.method is not None:
-        method = METHODS[arguments.method]
-    else:
-        method = defaults.method_beside(given)
-    return FairingSettings(
-        method=method,
-        strength=arguments.strength,
-        features=arguments.features,
-        boundary=arguments.boundary,
-        **given,
-    )
+    return FairingSettings(method=PAPER_METHODS[arguments.method], **given)
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -241,20 +306,21 @@ def _run(arguments: argparse.Namespace) -> int:
     except SettingsError as error:
         return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
 
-    from ..silence import silent_stdout
-    from .progress import share_progress, step_progress
+    from ..silence import silent_output
+    from .progress import part_progress, step_progress
 
-    with silent_stdout():  # Blender logs from its very first moment
+    with silent_output():  # Blender logs from its very first moment
         from ..blender.jobs.file_job import FairingJob, run_job
 
+    raise_at_interrupt()
     job = FairingJob(
         arguments.input, arguments.output, settings, arguments.object, arguments.report
     )
     show = not arguments.quiet and sys.stderr.isatty()
     try:
-        if settings.method == "auto":
-            with share_progress(enabled=show) as on_share:
-                report = run_job(job, on_share=on_share)
+        if arguments.method == AUTO:
+            with part_progress(enabled=show) as on_progress:
+                report = run_job(job, on_progress=on_progress)
         else:
             with step_progress(settings.steps, enabled=show) as on_step:
                 report = run_job(job, on_step)
@@ -264,8 +330,8 @@ def _run(arguments: argparse.Namespace) -> int:
         return _fail("not enough memory for this mesh: reduce it, or use a larger machine")
     if not arguments.quiet:
         for note in report["notes"]:
-            print(f"{PROGRAM}: note: {note}", file=sys.stderr)
-        print(_summary(report), file=sys.stderr)
+            say(f"note: {note}")
+        say(_summary(report))
     return DONE
 
 
@@ -276,23 +342,25 @@ def _run_batch(arguments: argparse.Namespace, worker_command: Sequence[str]) -> 
         settings = settings_of(arguments)
     except SettingsError as error:
         return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
+    raise_at_interrupt()
     try:
-        account, problem = batch.run_plan(arguments, settings, worker_command, PROGRAM)
+        account, problem = batch.run_plan(arguments, settings, worker_command)
     except (FairingError, OSError) as error:
         return _fail(str(error))
     if not arguments.quiet:
-        print(f"{PROGRAM}: {batch.describe(account)}", file=sys.stderr)
+        say(batch.describe(account))
     if problem is None or arguments.allow_failures:
         return DONE
     return _fail(problem)
 
 
 def _serve() -> int:
-    from ..silence import silent_stdout
+    from ..silence import silent_output
 
-    with silent_stdout():
+    with silent_output():
         from ..blender.jobs.batch_worker import serve
 
+    raise_at_interrupt()
     serve()
     return DONE
 
@@ -305,22 +373,21 @@ _ENDS = {
 
 
 def _summary(report: dict[str, Any]) -> str:
-    shown = chosen_record(report["steps"])
-    if shown["auto"] is None:
-        how = f"{shown['step']} steps ({_ENDS[report['stop_reason']]})"
-    else:
-        estimate = shown["auto"]
+    outcome = outcome_of(report)
+    if report["denoise"] is not None:
         how = (
-            f"noise {estimate['noise']:.3g}, smoothing radius {estimate['radius']:.3g} local edge "
+            f"noise {outcome['noise']:.3g}, smoothing radius {outcome['radius']:.3g} local edge "
             "lengths"
         )
+    else:
+        how = f"{outcome['step']} steps ({_ENDS[report['stop_reason']]})"
     return (
-        f"{PROGRAM}: {report['mesh']['vertices']} vertices, {how}, curvature energy "
-        f"{shown['curvature_ratio']:.3g} times the input's, largest displacement "
-        f"{shown['largest_displacement']:.3g}; wrote {report['output']}"
+        f"{report['mesh']['vertices']} vertices, {how}, curvature energy "
+        f"{outcome['curvature_ratio']:.3g} times the input's, largest displacement "
+        f"{outcome['largest_displacement']:.3g}; wrote {report['output']}"
     )
 
 
 def _fail(message: str, status: int = COULD_NOT) -> int:
-    print(f"{PROGRAM}: error: {' '.join(message.split())}", file=sys.stderr)
+    say(f"error: {message}")
     return status

@@ -5,12 +5,14 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from typing import Any
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from typing import TYPE_CHECKING, Any
 
 from ..batch.summary import FAILED
-from ..core import FairingStep
+from .messages import say, write_line
 
+if TYPE_CHECKING:
+    from ..blender.jobs.solve import Solve
 try:
     from tqdm import tqdm
 except ImportError:  # Blender's own Python has no tqdm
@@ -18,7 +20,7 @@ except ImportError:  # Blender's own Python has no tqdm
 
 
 @contextmanager
-def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[FairingStep], None]]:
+def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[Solve], None]]:
     """Show a progress bar while the body runs, or a line per step where tqdm is missing.
 
     Parameters
@@ -31,26 +33,27 @@ def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[FairingSte
     Yields
     ------
     callable
-        To be called after every step.
+        To be called with the solve after every step.
     """
     if not enabled:
-        yield lambda step: None
+        yield lambda solve: None
     elif tqdm is None:
-        yield lambda step: _show_line(step, total)
+        yield lambda solve: _show_line(solve, total)
     else:
         options = {"desc": "fairing", "unit": "step", "leave": False, "mininterval": 0}
         with tqdm(total=total, file=sys.stderr, **options) as bar:
 
-            def advance(step: FairingStep) -> None:
-                bar.set_postfix_str(f"{step.solve.iterations} CG iterations", refresh=False)
+            def advance(solve: Solve) -> None:
+                iterations = solve.steps[-1].solve.iterations
+                bar.set_postfix_str(f"{iterations} CG iterations", refresh=False)
                 bar.update()
 
             yield advance
 
 
 @contextmanager
-def share_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
-    """Show a progress bar for a run whose steps come all at once, if there is tqdm.
+def part_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
+    """Show a progress bar for `denoise`, whose result comes all at once, if there is tqdm.
 
     Parameters
     ----------
@@ -60,22 +63,21 @@ def share_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
     Yields
     ------
     callable
-        To be called with the share that is done, up to 1.
+        To be called with the part that is done, up to 1.
     """
     if not enabled or tqdm is None:
-        yield lambda share: None
+        yield lambda part: None
         return
-    form = "{l_bar}{bar}| {elapsed}<{remaining}"
     options = {
-        "desc": "fairing",
+        "desc": "denoising",
         "leave": False,
         "mininterval": 0,
         "miniters": 1e-6,
-        "bar_format": form,
+        "bar_format": "{l_bar}{bar}| {elapsed}<{remaining}",
     }
     with tqdm(total=1.0, file=sys.stderr, **options) as bar:
         # Solves run side by side: their news may come in another order.
-        yield lambda share: bar.update(max(share - bar.n, 0))
+        yield lambda part: bar.update(max(part - bar.n, 0))
 
 
 class MeshProgress:
@@ -85,22 +87,14 @@ class MeshProgress:
     ----------
     total
         Number of meshes.
-    program
-        Name to put before messages.
     show_bar
         Whether to show the bar.
-    show_errors
-        Whether to write the lines.
     farm_lines
         Write a line to standard output for every mesh, in the form that Flamenco counts as
         progress of its task.
     """
 
-    def __init__(
-        self, total: int, program: str, *, show_bar: bool, show_errors: bool, farm_lines: bool
-    ) -> None:
-        self._program = program
-        self._show_errors = show_errors
+    def __init__(self, total: int, *, show_bar: bool, farm_lines: bool) -> None:
         self._farm_lines = farm_lines
         self._started = time.perf_counter()
         self._bar = None
@@ -109,29 +103,27 @@ class MeshProgress:
 
     def finished(self, entry: Mapping[str, Any]) -> None:
         """Take note of a mesh, see `batch.summary.mesh_entry`."""
-        if entry["status"] == FAILED and self._show_errors:
-            self._write(f"{self._program}: {entry['output']}: {entry['error']}")
+        if entry["status"] == FAILED:
+            with self._beside_bar():
+                say(f"{entry['output']}: {entry['error']}")
         if self._bar is not None:
             self._bar.update()
         if self._farm_lines:
             elapsed = time.perf_counter() - self._started
-            sys.stdout.write(f"Time: {elapsed:.1f} s | {entry['output']}: {entry['status']}\n")
-            sys.stdout.flush()
+            line = f"Time: {elapsed:.1f} s | {entry['output']}: {entry['status']}"
+            write_line(line, sys.stdout)
 
     def close(self) -> None:
         """Take the bar away."""
         if self._bar is not None:
             self._bar.close()
 
-    def _write(self, line: str) -> None:
-        if self._bar is not None:
-            self._bar.write(line, file=sys.stderr)
-        else:
-            sys.stderr.write(line + "\n")
-            sys.stderr.flush()
+    def _beside_bar(self) -> AbstractContextManager[None]:
+        return nullcontext() if self._bar is None else self._bar.external_write_mode(sys.stderr)
 
 
-def _show_line(step: FairingStep, total: int) -> None:
+def _show_line(solve: Solve, total: int) -> None:
+    step = solve.steps[-1]
     line = f"fairing: step {step.index} of {total}, {step.solve.iterations} CG iterations"
     sys.stderr.write(line + "\n")
     sys.stderr.flush()

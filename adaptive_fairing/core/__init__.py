@@ -20,6 +20,7 @@ from .linalg.conjugate_gradients import SolveReport
 from .mesh.density import mesh_density
 from .mesh.topology import TriangleTopology
 from .problem.prepared_mesh import PreparedMesh
+from .surface.limit_surface import LimitSurface
 
 __all__ = [
     "DenoisePlan",
@@ -30,6 +31,7 @@ __all__ = [
     "FairingSettings",
     "FairingStep",
     "InputError",
+    "LimitSurface",
     "LoopSpace",
     "MemoryNeededError",
     "PreparedMesh",

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
+
+from .runtime.arrays import LongArray
 
 MAX_LISTED = 5
 
@@ -42,9 +44,9 @@ class TopologyError(FairingError):
         triangles: ArrayLike = (),
     ) -> None:
         super().__init__(message)
-        self.vertices: NDArray[np.int64] = np.asarray(vertices, dtype=np.int64).reshape(-1)
-        self.edges: NDArray[np.int64] = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
-        self.triangles: NDArray[np.int64] = np.asarray(triangles, dtype=np.int64).reshape(-1)
+        self.vertices: LongArray = np.asarray(vertices, dtype=np.int64).reshape(-1)
+        self.edges: LongArray = np.asarray(edges, dtype=np.int64).reshape(-1, 2)
+        self.triangles: LongArray = np.asarray(triangles, dtype=np.int64).reshape(-1)
 
 
 class SolverError(FairingError):

@@ -75,7 +75,7 @@ def replaced_files(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 def remove_drafts(path: str | os.PathLike[str]) -> None:
     """Remove what killed processes have left of a file; no other process may be writing it."""
-    final = Path(path).resolve()
+    final = Path(os.path.realpath(path))
     start = _draft_start(final)
     for draft in final.parent.glob(f"{glob.escape(start)}*"):
         name = draft.name.removeprefix(start).removesuffix(final.suffix)
@@ -87,7 +87,8 @@ def remove_drafts(path: str | os.PathLike[str]) -> None:
 
 
 def _draft_start(final: Path) -> str:
-    return f".{final.stem[:100]}."
+    # Systems count bytes, of which a letter may have several.
+    return f".{os.fsdecode(os.fsencode(final.stem)[:100])}."
 
 
 def writable_place(path: str | os.PathLike[str]) -> Path:
@@ -103,7 +104,13 @@ def writable_place(path: str | os.PathLike[str]) -> Path:
     OSError
         With one line that says what is in the way.
     """
-    final = Path(path).resolve()
+    final = Path(os.path.realpath(path))
+    try:
+        final.stat()
+    except FileNotFoundError:
+        pass
+    except OSError as error:
+        raise OSError(f"cannot write {final}: {error.strerror}") from error
     if final.is_dir():
         raise IsADirectoryError(f"cannot write {final}: it is a folder, add a file name")
     if final.exists() and not final.is_file():

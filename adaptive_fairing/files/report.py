@@ -31,6 +31,25 @@ from .atomic_files import replaced_file
 Json = dict[str, Any]
 
 
+def settings_record(settings: DenoiseSettings | FairingSettings) -> Json:
+    """Write the settings of either algorithm, so that `settings_of_record` can read them."""
+    is_denoise = isinstance(settings, DenoiseSettings)
+    return {"algorithm": "denoise" if is_denoise else "fair", **asdict(settings)}
+
+
+def settings_of_record(record: Mapping[str, Any]) -> DenoiseSettings | FairingSettings:
+    """Read a `settings_record`.
+
+    Raises
+    ------
+    SettingsError
+        A value makes no sense.
+    """
+    values = {name: value for name, value in record.items() if name != "algorithm"}
+    is_denoise = record["algorithm"] == "denoise"
+    return DenoiseSettings(**values) if is_denoise else FairingSettings(**values)
+
+
 def step_record(step: FairingStep, start: ArrayLike, seconds: float) -> Json:
     """Describe one step of the paper's diffusion.
 
@@ -164,7 +183,8 @@ def write_report(path: str | os.PathLike[str], report: Mapping[str, Any]) -> Non
     """
     text = json.dumps(strict(report), indent=2, ensure_ascii=False, allow_nan=False)
     with replaced_file(path) as draft:
-        draft.write_text(text + "\n", encoding="utf-8")
+        # A name that is no UTF-8 has surrogates; written this way they are JSON, too.
+        draft.write_text(text + "\n", encoding="utf-8", errors="backslashreplace")
 
 
 def strict(value: Any) -> Any:

@@ -3,6 +3,8 @@
     python -m benchmarks.denoising                             the held-out shapes, main noise
     python -m benchmarks.denoising --shapes gear foot --noise normal:0.1 correlated:0.2
     python -m benchmarks.denoising --pairs FOLDER --output FOLDER --pictures
+    python -m benchmarks.denoising --noise all --peers research   by kind of noise
+    python -m benchmarks.denoising --group none --cases --peers research --output FOLDER --pictures
 
 Prints tables in Markdown. What auto may be tuned on is the group "tuning" alone.
 """
@@ -19,14 +21,13 @@ from tqdm import tqdm
 from . import shapes, tables
 from .contest import Entry, contest
 from .ours import PAPER_SCHEMES, core_digest
-from .pairs import ALL_NOISE, CLEAN, MAIN_NOISE, Pair, in_folder, made, noise_name
-from .peers import PEERS
+from .pairs import ALL_NOISE, CASES, CLEAN, MAIN_NOISE, Pair, in_folder, made, noise_name
+from .peers import IN_USE, PEERS, RESEARCH, Peer
 from .pictures import picture
-from .verdict import clean_criterion, criteria, grouped
+from .verdict import clean_criterion, criteria, grouped, research_criteria, standing
 
 GROUPS = {
-    "held-out": tuple(shapes.HELD_OUT),
-    "tuning": tuple(shapes.TUNING),
+    **{name: tuple(members) for name, members in shapes.GROUPS.items()},
     "all": tuple(shapes.SHAPES),
     "none": (),
 }
@@ -36,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run the contest on the pairs that the command line names."""
     options = _parser().parse_args(arguments)
     schemes = PAPER_SCHEMES if options.paper_schemes else ()
-    peers = [peer for peer in PEERS if not options.peers or peer.name in options.peers]
+    peers = _peers(options.peers)
     entries = [
         # On a clean mesh no peer has anything to do: its best parameter would be none.
         contest(
@@ -62,6 +63,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def report(entries: Sequence[Entry], peers: Sequence, schemes: Sequence) -> str:
     """Return all tables of a run as one text in Markdown."""
     names = [peer.name for peer in peers]
+    research = [peer for peer in peers if peer.published]
     noisy = _noisy(entries)
     clean = [entry for entry in entries if entry.pair.noise == CLEAN and entry.auto]
     parts = []
@@ -73,6 +75,14 @@ def report(entries: Sequence[Entry], peers: Sequence, schemes: Sequence) -> str:
             groups = grouped(noisy, lambda entry: entry.pair.noise)
             if len(groups) > 1:
                 parts += ["## By kind of noise", tables.by_noise(groups, names)]
+            if research:
+                kinds = {kind: standing(some, research) for kind, some in groups.items()}
+                overall = standing(noisy, research)
+                rows = {kind: (len(groups[kind]), found) for kind, found in kinds.items()}
+                rows["all"] = len(noisy), overall
+                parts += ["## Against the research literature", tables.by_noise_research(rows)]
+                judged = research_criteria([*kinds.values()], overall)
+                parts += [tables.of_criteria(judged)]
         parts += ["## Method by method", tables.by_peer(noisy, [*peers, *schemes])]
     if clean:
         parts += ["## Clean meshes", tables.of_clean(clean)]
@@ -80,13 +90,24 @@ def report(entries: Sequence[Entry], peers: Sequence, schemes: Sequence) -> str:
     return "\n\n".join(parts)
 
 
+def _peers(names: Sequence[str]) -> list[Peer]:
+    groups = {"research": RESEARCH, "in-use": IN_USE}
+    asked = {
+        name for each in names for name in [each, *(peer.name for peer in groups.get(each, ()))]
+    }
+    return [peer for peer in PEERS if not names or peer.name in asked]
+
+
 def _noisy(entries: Sequence[Entry]) -> list[Entry]:
     return [entry for entry in entries if entry.pair.noise != CLEAN]
 
 
 def _chosen(options: argparse.Namespace) -> Iterator[Pair]:
+    if options.cases:
+        for name, noise in CASES:
+            yield from made([name], [noise])
     names = options.shapes if options.shapes is not None else GROUPS[options.group]
-    yield from made(names, options.noise)
+    yield from made(names, ALL_NOISE if "all" in options.noise else options.noise)
     for folder in options.pairs:
         yield from in_folder(folder)
 
@@ -109,10 +130,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--noise",
         nargs="+",
-        type=noise_name,
+        type=lambda text: text if text == "all" else noise_name(text),
         default=[MAIN_NOISE, CLEAN],
         metavar="KIND:AMPLITUDE",
-        help=f"in local edge lengths: {', '.join(ALL_NOISE)} (default {MAIN_NOISE} {CLEAN})",
+        help=f"in edges: {', '.join(ALL_NOISE)}, or all of them (default {MAIN_NOISE} {CLEAN})",
+    )
+    parser.add_argument(
+        "--cases", action="store_true", help="eight pairs of new shapes as well, for pictures"
     )
     parser.add_argument(
         "--pairs",
@@ -120,14 +144,16 @@ def _parser() -> argparse.ArgumentParser:
         type=Path,
         default=[],
         metavar="FOLDER",
-        help="folders of NAME.clean.EXT and NAME.noisy.EXT as well",
+        help="folders of NAME.clean.EXT and NAME.noisy.EXT, or NAME.scan.EXT and "
+        "NAME.reference.EXT, as well",
     )
     parser.add_argument(
         "--peers",
         nargs="+",
-        choices=[peer.name for peer in PEERS],
+        choices=["research", "in-use", *(peer.name for peer in PEERS)],
+        default=[],
         metavar="NAME",
-        help="only these",
+        help="only these, or only the research peers or those in use",
     )
     parser.add_argument(
         "--paper-schemes", action="store_true", help="the paper's schemes as well, over their radii"

@@ -23,6 +23,41 @@ def _sides(faces: Faces) -> NDArray[np.int64]:
     return np.sort(faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1).astype(np.int64)
 
 
+def inner_edges(faces: Faces, opposite: bool = False) -> tuple[NDArray, NDArray]:
+    """Return the edges that have two triangles, and these.
+
+    Parameters
+    ----------
+    faces
+        (m, 3) triangles.
+    opposite
+        Give the corners of both triangles, (k, 4): an end of the edge, the corner opposite to the
+        edge in the first triangle, the other end, and the corner opposite in the second one. Else
+        the ends alone, (k, 2).
+
+    Returns
+    -------
+    edges, triangles
+        The corners, and (k, 2) indices of the triangles.
+    """
+    order = np.lexsort(_sides(faces).T)
+    first, second = order[:-1], order[1:]
+    ends = _sides(faces)[order]
+    twice = (ends[:-1] == ends[1:]).all(axis=1)
+    first, second = first[twice], second[twice]
+    start = faces[first // 3, first % 3]
+    end = faces[first // 3, (first + 1) % 3]
+    corners = [start, end]
+    if opposite:
+        corners = [
+            start,
+            faces[first // 3, (first + 2) % 3],
+            end,
+            faces[second // 3, (second + 2) % 3],
+        ]
+    return np.stack(corners, axis=1), np.stack([first // 3, second // 3], axis=1)
+
+
 def local_edge_lengths(vertices: FloatArray, faces: Faces) -> FloatArray:
     """Return the mean length (n,) of the edges at every vertex, 0 at loose ones."""
     edges = edges_of(faces)

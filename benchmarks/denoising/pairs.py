@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,18 +13,24 @@ import numpy as np
 from .geometry import Faces, FloatArray
 from .noise import KINDS, add_noise
 
-STAIRCASE = "staircase"
+STAIRCASE, CAMERA, SCANNER = "staircase", "camera", "scanner"
 CLEAN = "none"
 
 AMPLITUDES = {
     "normal": (0.05, 0.1, 0.2, 0.4),
-    "uniform": (0.2,),
+    "uniform": (0.1, 0.2, 0.3, 0.5, 0.7),
     "isotropic": (0.2,),
-    "correlated": (0.2,),
+    "impulsive": (0.3,),
+    "heavy-tailed": (0.3,),
+    "correlated-2": (0.2,),
+    "correlated-4": (0.3,),
+    "correlated-6": (0.4,),
+    CAMERA: (2.0,),
+    SCANNER: (0.3,),
     STAIRCASE: (0.0,),
     CLEAN: (0.0,),
 }
-"""Strengths of every kind of noise, over the local edge length."""
+"""Strengths of every kind of noise, in edges (see `noise`) or distances of rays (see `scans`)."""
 
 ALL_NOISE = tuple(
     f"{kind}:{amplitude:g}" if amplitude else kind
@@ -36,7 +41,17 @@ ALL_NOISE = tuple(
 
 MAIN_NOISE = "normal:0.2"
 
-PAIR_NAME = re.compile(r"(?P<name>.+)\.(clean|noisy)$")
+CASES = (
+    ("block", "uniform:0.3"),
+    ("heat_sink", "uniform:0.2"),
+    ("die", "impulsive:0.3"),
+    ("hand", "heavy-tailed:0.3"),
+    ("wall", "camera:2"),
+    ("fish", "scanner:0.3"),
+    ("brain", "correlated-4:0.3"),
+    ("mushroom", "normal:0.2"),
+)
+"""Eight pictures of the new shapes."""
 
 
 @dataclass(frozen=True)
@@ -90,28 +105,35 @@ def made(names: list[str], noises: list[str]) -> Iterator[Pair]:
 
 
 def in_folder(folder: Path) -> Iterator[Pair]:
-    """Read every NAME.clean.EXT and NAME.noisy.EXT of a folder, in alphabetical order.
+    """Read the pairs of a folder, in alphabetical order.
 
-    The clean mesh is a pair without noise as well.
+    NAME.clean.EXT and NAME.noisy.EXT have the same triangles; the clean mesh is a pair without
+    noise as well. NAME.scan.EXT is a real scan and NAME.reference.EXT the surface, of any
+    triangles: clean are its points nearest to the vertices of the scan.
     """
-    for clean_path in sorted(folder.iterdir()):
-        match = PAIR_NAME.match(clean_path.stem)
-        if not match or not clean_path.stem.endswith(".clean"):
-            continue
-        noisy_path = clean_path.with_name(f"{match['name']}.noisy{clean_path.suffix}")
-        clean, faces = _read(clean_path)
-        noisy, other_faces = _read(noisy_path)
-        if not np.array_equal(faces, other_faces):
-            raise ValueError(f"{noisy_path} has other faces than {clean_path}")
-        yield Pair(match["name"], "given", folder.name, "file", clean, noisy, faces)
-        yield Pair(match["name"], "given", folder.name, CLEAN, clean, clean, faces)
+    import igl
+
+    for path in sorted(folder.iterdir()):
+        name, _, role = path.stem.rpartition(".")
+        if role == "clean":
+            noisy_path = path.with_name(f"{name}.noisy{path.suffix}")
+            (clean, faces), (noisy, other_faces) = _read(path), _read(noisy_path)
+            if not np.array_equal(faces, other_faces):
+                raise ValueError(f"{noisy_path} has other faces than {path}")
+            yield Pair(name, "given", folder.name, "file", clean, noisy, faces)
+            yield Pair(name, "given", folder.name, CLEAN, clean, clean, faces)
+        elif role == "scan":
+            noisy, faces = _read(path)
+            surface = _read(path.with_name(f"{name}.reference{path.suffix}"))
+            clean = igl.point_mesh_squared_distance(noisy, surface[0], surface[1].astype(int))[2]
+            yield Pair(name, "real", folder.name, "scan", clean, noisy, faces)
 
 
 def _made(name: str, noise: str) -> Pair | None:
     from . import shapes  # takes seconds: Blender and pymeshlab
 
     shape = shapes.SHAPES[name]
-    group = "tuning" if name in shapes.TUNING else "held-out"
+    group = next(group for group, members in shapes.GROUPS.items() if name in members)
     kind, _, amplitude = noise.partition(":")
     if kind == STAIRCASE:
         if not shape.voxels:
@@ -121,8 +143,14 @@ def _made(name: str, noise: str) -> Pair | None:
         return Pair(name, shape.kind, group, noise, *staircase(*_shape(name), shape.voxels))
     clean, faces = _shape(name)
     noisy = clean
+    seed = int.from_bytes(hashlib.sha256(f"{name} {noise}".encode()).digest()[:4], "big")
+    if kind in (CAMERA, SCANNER):
+        from . import scans
+
+        scan = scans.depth_camera if kind == CAMERA else scans.range_scanner
+        found = scan(clean, faces, float(amplitude), np.random.default_rng(seed))
+        return Pair(name, shape.kind, group, noise, *found)
     if kind != CLEAN:
-        seed = int.from_bytes(hashlib.sha256(f"{name} {noise}".encode()).digest()[:4], "big")
         noisy = add_noise(clean, faces, kind, float(amplitude), seed)
     return Pair(name, shape.kind, group, noise, clean, noisy, faces)
 
@@ -146,6 +174,6 @@ def noise_name(text: str) -> str:
     kind, _, amplitude = text.partition(":")
     if kind in (STAIRCASE, CLEAN) and not amplitude:
         return text
-    if kind in KINDS and float(amplitude) > 0:
+    if kind in (*KINDS, CAMERA, SCANNER) and float(amplitude) > 0:
         return text
     raise ValueError(f"{text}: not one of {', '.join(ALL_NOISE)}")

@@ -17,6 +17,8 @@ from scipy.sparse.linalg import cg
 
 from . import blender_modifiers
 from .geometry import Faces, FloatArray, edges_of
+from .l0_minimisation import l0_minimisation
+from .normal_filters import bilateral_filter, guided_filter
 
 ITERATIONS = (
     1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 14, 17, 20, 24, 29, 35, 42, 50, 60, 72, 86, 103, 124, 149, 179,
@@ -48,6 +50,10 @@ class Peer:
         The other parameters' values, by what they are called in the tables.
     starts_at_least
         The first value of the sweep is the least there is, such as one iteration.
+    goes_on
+        Every result is made from the one before, so that its time is that of all together.
+    published
+        The parameter that the authors give, for methods of the research literature.
     """
 
     name: str
@@ -59,6 +65,8 @@ class Peer:
         default_factory=lambda: {"": {}}
     )
     starts_at_least: bool = True
+    goes_on: bool = True
+    published: str | None = None
 
     @property
     def version(self) -> str:
@@ -150,7 +158,7 @@ def spread(first: float, last: float, count: int) -> Values:
     return tuple(float(f"{value:.3g}") for value in np.geomspace(first, last, count))
 
 
-PEERS: Sequence[Peer] = (
+IN_USE: Sequence[Peer] = (
     Peer(
         "MeshLab Laplacian",
         ("pymeshlab",),
@@ -216,6 +224,7 @@ PEERS: Sequence[Peer] = (
         windowed_sinc,
         {f"{count} iterations": {"iterations": count} for count in (10, 15, 20, 30, 50, 100)},
         starts_at_least=False,
+        goes_on=False,
     ),
     Peer(
         "cotangent flow (libigl)",
@@ -225,6 +234,7 @@ PEERS: Sequence[Peer] = (
         cotangent_flow,
         {"1 step": {"steps": 1}, "4 steps": {"steps": 4}},
         starts_at_least=False,
+        goes_on=False,
     ),
     Peer(
         "Blender Smooth",
@@ -241,6 +251,7 @@ PEERS: Sequence[Peer] = (
         blender_modifiers.laplacian_smooth,
         {f"{count} iterations": {"iterations": count} for count in (1, 4)},
         starts_at_least=False,
+        goes_on=False,
     ),
     Peer(
         "Blender Corrective Smooth",
@@ -251,4 +262,42 @@ PEERS: Sequence[Peer] = (
         {"simple": {"weights": "SIMPLE"}, "length weighted": {"weights": "LENGTH_WEIGHTED"}},
     ),
 )
-"""All of them. The parameters that are not named are at the program's defaults."""
+"""What people use. The parameters that are not named are at the program's defaults."""
+
+SIGMAS = {f"σ {sigma:g}": {"sigma": sigma} for sigma in (0.2, 0.35, 0.5)}
+
+RESEARCH: Sequence[Peer] = (
+    Peer(
+        "bilateral normals",
+        ("scipy",),
+        "iterations",
+        (2, 5, 10, 20, 40),
+        bilateral_filter,
+        SIGMAS,
+        starts_at_least=False,
+        published="iterations 20, σ 0.35",
+    ),
+    Peer(
+        "guided normals",
+        ("scipy",),
+        "iterations",
+        (2, 5, 10, 20, 40, 75),
+        guided_filter,
+        SIGMAS,
+        starts_at_least=False,
+        published="iterations 20, σ 0.35",
+    ),
+    Peer(
+        "L0 minimisation",
+        ("scipy",),
+        "λ",
+        (0.05, 0.1, 0.2, 0.4, 0.8),
+        l0_minimisation,
+        starts_at_least=False,
+        goes_on=False,
+        published="λ 0.2",
+    ),
+)
+"""What the research literature compares with, at the values that its authors give and around."""
+
+PEERS: Sequence[Peer] = (*IN_USE, *RESEARCH)

@@ -1,4 +1,4 @@
-"""One picture per mesh: noisy, auto, best peer and clean, whole and where they differ most."""
+"""One picture per mesh: noisy, ours, peers and clean, whole and where they differ most."""
 
 from __future__ import annotations
 
@@ -20,6 +20,9 @@ TOOLS = Path(__file__).resolve().parents[2] / "tools"
 VIEWS = ((0.5, -1, 0.6), (-0.8, -0.7, 0.5), (0.8, 0.7, 0.5), (-0.6, 0.9, 0.5), (0.3, -0.5, -0.9))
 """Towards the camera; of these, the one that sees the place of the close-up best is taken."""
 
+BESIDE = ("guided normals", "L0 minimisation")
+"""Research peers that are shown."""
+
 CLOSE = 10
 """Half the width of a close-up, in local edges of its place."""
 
@@ -27,18 +30,26 @@ WHOLE_SIZE, CLOSE_SIZE, SAMPLES = (430, 360), (430, 400), 6
 
 
 def picture(entry: Entry, peers: Sequence[Peer], folder: Path) -> Path:
-    """Render the four meshes side by side, flat shaded, into FOLDER/LABEL.png."""
+    """Render the meshes side by side, flat shaded, into FOLDER/LABEL.png.
+
+    Beside ours the best of the peers at its best parameter; but where guided filtering and L0
+    minimisation are among the peers, these two, at the parameters of their authors.
+    """
     if str(TOOLS) not in sys.path:
         sys.path.append(str(TOOLS))  # where scripts know each other by their bare names
     from figures.layout import Panel, Shot, figure
     from render import View
 
     pair = entry.pair
-    best = best_peer(entry, [peer.name for peer in peers])
-    peer = next(peer for peer in peers if peer.name == best.peer)
-    ours = auto(pair.noisy, pair.faces).positions
-    theirs = peer.result(pair.noisy, pair.faces, best.parameter)
-    vertex = _most_different(Reference(pair.clean, pair.faces), ours, theirs)
+    by_name = {peer.name: peer for peer in peers}
+    shown = [
+        (name, by_name[name].published, entry.peers[name][by_name[name].published])
+        for name in BESIDE
+        if name in by_name
+    ] or [best_peer(entry, list(by_name))]
+    theirs = [by_name[name].result(pair.noisy, pair.faces, value) for name, value, _ in shown]
+    ours = auto(pair.noisy, pair.faces)
+    vertex = _most_different(Reference(pair.clean, pair.faces), ours, theirs[0])
     normal = vertex_normals(pair.clean, pair.faces)[vertex]
     reach = CLOSE * local_edge_lengths(pair.clean, pair.faces)[vertex]
     place = pair.clean[vertex]
@@ -47,9 +58,12 @@ def picture(entry: Entry, peers: Sequence[Peer], folder: Path) -> Path:
     shots = [[Shot(View(whole), WHOLE_SIZE), Shot(close, CLOSE_SIZE)]]
     panels = [
         Panel(pair.noisy, f"{pair.label}: noisy", _text(entry.noisy)),
-        Panel(ours, "auto", _text(entry.auto)),
-        Panel(theirs, best.peer, f"{best.parameter}; {_text(best.score)}"),
-        Panel(pair.clean, "clean", "below: where auto and the peer differ most"),
+        Panel(ours, "ours", _text(entry.auto)),
+        *(
+            Panel(positions, name, f"{value}; {_text(score)}")
+            for positions, (name, value, score) in zip(theirs, shown, strict=True)
+        ),
+        Panel(pair.clean, "clean", "below: where ours and the first peer differ most"),
     ]
     path = folder / f"{pair.label.replace(':', '_')}.png"
     figure(path, [panels], pair.faces, shots, SAMPLES)
@@ -77,4 +91,4 @@ def _slanted(normal: FloatArray) -> FloatArray:
 
 
 def _text(score: Score) -> str:
-    return f"error {score['mean']:.3f}"
+    return f"error {score['mean']:.3f}, angle {score['angle']:.1f}°"

@@ -10,6 +10,7 @@ from .measures import Score
 from .peers import Peer
 from .verdict import (
     Criterion,
+    Standing,
     best_of,
     best_peer,
     criteria,
@@ -24,7 +25,7 @@ def by_mesh(entries: Sequence[Entry], names: Sequence[str]) -> str:
     """Auto against the best peer at its best parameter, mesh by mesh."""
     header = (
         "mesh", "vertices", "noisy", "auto", "best peer", "ratio", "worst class", "ratio",
-        "normals", "volume", "flips", "seconds", "which peer",
+        "angle", "volume", "flips", "seconds", "which peer",
     )  # fmt: skip
     rows: Rows = []
     for entry in entries:
@@ -40,10 +41,10 @@ def by_mesh(entries: Sequence[Entry], names: Sequence[str]) -> str:
                 f"{own['mean'] / best.score['mean']:.2f}",
                 f"{own['worst']:.4f}",
                 f"{own['worst'] / worst.score['worst']:.2f}",
-                f"{own['normals']:.1f}° / {best.score['normals']:.1f}°",
+                f"{own['angle']:.1f}° / {best.score['angle']:.1f}°",
                 f"{_percent(own['volume'])} / {_percent(best.score['volume'])}",
                 f"{own['flips']} / {best.score['flips']}",
-                f"{entry.seconds:.1f}",
+                f"{own['seconds']:.1f}",
                 f"{best.peer}, {best.parameter}",
             ]
         )
@@ -116,6 +117,26 @@ def by_noise(groups: dict[str, list[Entry]], names: Sequence[str]) -> str:
     return table(header, rows)
 
 
+def by_noise_research(standings: dict[str, tuple[int, Standing]]) -> str:
+    """Auto over the best research peer by kind of noise: error / angle, geometric means."""
+    header = (
+        "noise", "meshes", "over published parameters", "over the best parameter", "largest error",
+        "no more flips", "processor time",
+    )  # fmt: skip
+    rows = [
+        [
+            noise,
+            str(count),
+            *("{:.2f} / {:.2f}".format(*pair) for pair in (found.published, found.best)),
+            f"{found.largest:.2f}",
+            f"{found.flips:.0%}",
+            f"{found.seconds:.2g}",
+        ]
+        for noise, (count, found) in standings.items()
+    ]
+    return table(header, rows)
+
+
 def of_clean(entries: Sequence[Entry]) -> str:
     """How far auto moves meshes without noise."""
     rows = [
@@ -137,7 +158,6 @@ def as_data(entries: Sequence[Entry], peers: Sequence[Peer]) -> list[dict]:
             "triangles": len(entry.pair.faces),
             "noisy": entry.noisy,
             "auto": entry.auto,
-            "auto_seconds": entry.seconds,
             "peers": {
                 peer.name: {
                     key: _point(entry, peer, measure)

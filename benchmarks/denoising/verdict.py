@@ -10,8 +10,12 @@ import numpy as np
 
 from .contest import Entry
 from .measures import Score
+from .peers import Peer
 
 MEAN_GOAL, MEAN_LIMIT, WORST_GOAL, CLEAN_GOAL = 0.90, 1.05, 0.95, 0.01
+
+PUBLISHED_GOALS, BEST_GOALS, KIND_LIMITS, MESH_LIMIT = (0.80, 0.85), (0.95, 1.0), (1.0, 1.1), 1.2
+"""Error and angle over the research peers', see `Standing`."""
 
 
 class Point(NamedTuple):
@@ -121,6 +125,87 @@ def criteria(entries: Sequence[Entry], names: Sequence[str]) -> list[Criterion]:
         at_most("the same, largest of all meshes", max(low), MEAN_LIMIT),
         all_of("flipped faces no more than the best peer's", flips),
     ]
+
+
+@dataclass(frozen=True)
+class Standing:
+    """Auto over the best of the research peers, on meshes with one kind of noise.
+
+    Attributes
+    ----------
+    published, best
+        Geometric means of error and angle over the least of any peer: at its published parameters,
+        and at the best of its grid on every mesh.
+    largest
+        Of the errors over the best, on one mesh.
+    flips
+        Share of the meshes without more flipped faces than the peer with the least error at its
+        published parameters.
+    seconds
+        Processor time over that peer's, geometric mean.
+    """
+
+    published: tuple[float, float]
+    best: tuple[float, float]
+    largest: float
+    flips: float
+    seconds: float
+
+
+def standing(entries: Sequence[Entry], peers: Sequence[Peer]) -> Standing:
+    """Compare auto with research peers."""
+    ours = [entry.auto for entry in entries]
+    at_published = [[entry.peers[peer.name][peer.published] for peer in peers] for entry in entries]
+    on_grid = [
+        [score for peer in peers for score in entry.peers[peer.name].values()] for entry in entries
+    ]
+
+    def ratios(scores: list[list[Score]], measure: str) -> list[float]:
+        least = [min(score[measure] for score in some) for some in scores]
+        return [own[measure] / other for own, other in zip(ours, least, strict=True)]
+
+    def means(scores: list[list[Score]]) -> tuple[float, float]:
+        return geometric_mean(ratios(scores, "mean")), geometric_mean(ratios(scores, "angle"))
+
+    rivals = [min(some, key=lambda score: score["mean"]) for some in at_published]
+    both = list(zip(ours, rivals, strict=True))
+    return Standing(
+        means(at_published),
+        means(on_grid),
+        max(ratios(on_grid, "mean")),
+        float(np.mean([own["flips"] <= rival["flips"] for own, rival in both])),
+        geometric_mean([own["seconds"] / rival["seconds"] for own, rival in both]),
+    )
+
+
+def research_criteria(kinds: Sequence[Standing], overall: Standing) -> list[Criterion]:
+    """Judge auto against research peers: kind by kind, and on all meshes together."""
+
+    def at_most(text: str, found: Sequence[float], goals: Sequence[float]) -> Criterion:
+        return Criterion(
+            f"{text} ≤ {_slashed(goals)}",
+            _slashed(found),
+            all(value <= goal for value, goal in zip(found, goals, strict=True)),
+        )
+
+    def worst(which: str) -> list[float]:
+        return [max(values) for values in zip(*(getattr(kind, which) for kind in kinds))]  # noqa: B905
+
+    return [
+        at_most("published parameters, worst kind of noise", worst("published"), PUBLISHED_GOALS),
+        at_most("best parameter per mesh, all", overall.best, BEST_GOALS),
+        at_most("best parameter per mesh, worst kind of noise", worst("best"), KIND_LIMITS),
+        at_most("best parameter, error on the worst mesh", [overall.largest], [MESH_LIMIT]),
+        Criterion(
+            "no more flipped faces, on nine meshes of ten",
+            f"{overall.flips:.0%}",
+            overall.flips >= 0.9,
+        ),
+    ]
+
+
+def _slashed(values: Sequence[float]) -> str:
+    return " / ".join(f"{value:.2f}" for value in values)
 
 
 def clean_criterion(entries: Sequence[Entry]) -> Criterion:

@@ -51,7 +51,8 @@ def test_the_command_and_the_operator_agree(app, script, command):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code"), [(["missing.obj"], 1), (["noisy.obj", "--steps", "0"], 2), ([], 2)]
+    ("arguments", "code"),
+    [(["missing.obj"], 1), (["noisy.obj", "--method", "timestep", "--steps", "0"], 2), ([], 2)],
 )
 def test_the_commands_exit_code_says_what_is_wrong(app, script, arguments, code):
     paths = [str(script["folder"] / each) if each.endswith(".obj") else each for each in arguments]

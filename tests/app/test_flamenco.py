@@ -24,7 +24,7 @@ pytestmark = pytest.mark.app
 SCRIPT = ROOT / "flamenco" / "adaptive_fairing.js"
 N_MESHES = 12
 SETTINGS = {"method": "timestep", "steps": 2, "tau": 0.008, "density": "area"}
-ARGUMENTS = ["--steps", "2", "--tau", "0.008", "--density", "area"]
+ARGUMENTS = ["--method", "timestep", "--steps", "2", "--tau", "0.008", "--density", "area"]
 
 
 class Farm:

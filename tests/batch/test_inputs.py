@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from itertools import chain
 from pathlib import Path
 
@@ -81,10 +83,11 @@ def test_a_missing_file_is_a_mesh_that_will_fail(folder):
     [
         ("notes.txt", "unknown kind of file"),
         ("*.xyz", "no mesh file matches"),
-        (".hidden/../out", "holds no mesh file"),
+        ("sub/../empty", "holds no mesh file"),
     ],
 )
 def test_what_holds_no_mesh_is_refused(folder, argument, message):
+    (folder / "empty").mkdir()
     with pytest.raises(ArgumentsError, match=message):
         find_sources([argument], OUT)
 
@@ -174,3 +177,36 @@ def test_the_memory_of_this_process_is_known_where_it_can_be():
     resident, peak = resident_bytes(), peak_bytes()
     if resident is not None:
         assert 10**7 < resident < 1.1 * peak  # the system counts the peak a little late
+
+
+def test_links_to_files_are_followed_and_links_to_folders_are_not(folder, tmp_path_factory):
+    elsewhere = tmp_path_factory.mktemp("elsewhere")
+    (elsewhere / "far.ply").touch()
+    (folder / "sub" / "near.ply").symlink_to(elsewhere / "far.ply")
+    (folder / "sub" / "round").symlink_to(folder, target_is_directory=True)
+    (folder / "sub" / "loop.ply").symlink_to("loop.ply")
+    (folder / "sub" / "nowhere.ply").symlink_to("gone.ply")
+    expected = ["a.ply", "deep/c.stl", "near.ply"]
+    found = find_sources([str(folder / "sub")], OUT)
+    assert names(found) == expected
+    assert all(source.path.is_relative_to(folder) for source in found)
+    # Outputs are called after the links.
+    assert names(find_sources(["sub/*.ply"], OUT)) == ["a.ply", "near.ply"]
+    assert names(find_sources(["sub/loop.ply"], OUT)) == ["loop.ply"]
+
+
+def test_a_folder_that_cannot_be_read_is_named(folder, monkeypatch):
+    scandir = os.scandir
+
+    def refuse(path):
+        if str(path).endswith("deep"):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
+        return scandir(path)
+
+    monkeypatch.setattr(os, "scandir", refuse)
+    with pytest.raises(ArgumentsError, match=r"cannot read folder .*sub/deep: Permission denied"):
+        find_sources([str(folder)], OUT)
+
+
+def test_an_output_folder_around_the_inputs_hides_none_of_them(folder):
+    assert names(find_sources(["sub"], Path())) == ["a.ply", "deep/c.stl"]

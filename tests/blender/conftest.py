@@ -18,18 +18,8 @@ def _empty_scene():
     empty_scene()
 
 
-@pytest.fixture(autouse=True, scope="session")
-def _method_of_the_paper():
-    """A test that names no method means the core's default, whatever users start with."""
-    from adaptive_fairing import defaults
-
-    started_with, defaults.METHOD = defaults.METHOD, "adaptive_timestep"
-    yield
-    defaults.METHOD = started_with
-
-
 @pytest.fixture(scope="session")
-def addon(_method_of_the_paper):
+def addon():
     """Register the add-on for the rest of the session."""
     import adaptive_fairing.blender
 
@@ -51,11 +41,12 @@ def five_meshes(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def five_faired(_method_of_the_paper, five_meshes, tmp_path_factory):
+def five_faired(five_meshes, tmp_path_factory):
     """Give a folder with their results, made one by one."""
     from adaptive_fairing.cli import main as cli
 
     folder = tmp_path_factory.mktemp("one by one")
     for path in five_meshes.iterdir():
-        assert cli.main([str(path), "-o", str(folder / path.name), "--quiet"]) == 0
+        arguments = [str(path), "-o", str(folder / path.name), "--quiet"]
+        assert cli.main(arguments) == 0
     return folder

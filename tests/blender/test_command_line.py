@@ -12,7 +12,6 @@ import pytest
 from support.meshes import bumpy_disc, icosphere, noisy_ball, random_closed
 from support.objects import add_object
 
-from adaptive_fairing import defaults
 from adaptive_fairing.blender.files.mesh_files import (
     empty_scene,
     export_mesh,
@@ -20,10 +19,11 @@ from adaptive_fairing.blender.files.mesh_files import (
     save_blend,
 )
 from adaptive_fairing.cli import main as cli
-from adaptive_fairing.core import FairingSettings
+from adaptive_fairing.core import DenoiseSettings, FairingSettings
 from adaptive_fairing.version import program_version
 
 ROOT = Path(__file__).resolve().parents[2]
+PAPER = ("--method", "timestep")
 
 
 @pytest.fixture
@@ -60,7 +60,7 @@ def error_of(capsys, *arguments, status):
 
 def test_the_main_job_end_to_end(noisy, tmp_path):
     out, report = tmp_path / "out.blend", tmp_path / "r.json"
-    options = ["--method", "timestep", "--steps", 2, "--report", report]
+    options = [*PAPER, "--steps", 2, "--report", report]
     result = run(noisy, "-o", out, *options)
     assert result.returncode == 0
     assert result.stdout == ""
@@ -72,17 +72,17 @@ def test_the_main_job_end_to_end(noisy, tmp_path):
 
 @pytest.mark.parametrize("suffix", [".obj", ".glb", ".fbx", ".usda", ".abc", ".stl", ".blend"])
 def test_standard_output_stays_empty(noisy, tmp_path, suffix):
-    assert cli.main([str(noisy), "-o", str(tmp_path / f"one{suffix}"), "--steps", "1"]) == 0
-    result = run(tmp_path / f"one{suffix}", "-o", tmp_path / f"two{suffix}", "--steps", 1)
+    assert cli.main([str(noisy), "-o", str(tmp_path / f"one{suffix}"), *PAPER, "--steps", "1"]) == 0
+    result = run(tmp_path / f"one{suffix}", "-o", tmp_path / f"two{suffix}", *PAPER, "--steps", 1)
     assert (result.returncode, result.stdout) == (0, "")
 
 
 @pytest.mark.parametrize(
     ("arguments", "end"),
     [
-        (["--steps", "2"], "2 steps (all done)"),
-        (["--stop-curvature", "100"], "1 steps (ended by --stop-curvature)"),
-        (["--stop-rate", "1e9"], "1 steps (ended by --stop-rate)"),
+        ([*PAPER, "--steps", "2"], "2 steps (all done)"),
+        ([*PAPER, "--stop-curvature", "100"], "1 steps (ended by --stop-curvature)"),
+        ([*PAPER, "--stop-rate", "1e9"], "1 steps (ended by --stop-rate)"),
     ],
 )
 def test_the_summary_says_why_the_run_ended(noisy, tmp_path, capsys, arguments, end):
@@ -106,8 +106,11 @@ def test_the_summary_of_auto_tells_noise_and_radius(tmp_path, capsys):
 
 
 def test_auto_has_settings_of_its_own():
-    settings = settings_for("--method", "auto", "--strength", "0.5", "--features", "sharp")
-    assert settings == FairingSettings(method="auto", strength=0.5, features="sharp")
+    expected = DenoiseSettings(strength=0.5, features="sharp")
+    assert settings_for("--strength", "0.5", "--features", "sharp") == expected
+    assert settings_for("--method", "auto", "--boundary", "free") == DenoiseSettings(
+        boundary="free"
+    )
 
 
 def test_what_the_format_cannot_hold_is_said(tmp_path, capsys):
@@ -122,9 +125,9 @@ def test_too_little_memory_is_status_1(capsys, noisy, tmp_path, monkeypatch):
     def give_up(*arguments, **options):
         raise MemoryError
 
-    monkeypatch.setattr("adaptive_fairing.blender.jobs.file_job.fair_steps", give_up)
+    monkeypatch.setattr("adaptive_fairing.blender.jobs.solve.fair_steps", give_up)
     line = error_of(
-        capsys, noisy, "-o", tmp_path / "o.ply", "--report", tmp_path / "r.json", status=1
+        capsys, noisy, *PAPER, "-o", tmp_path / "o.ply", "--report", tmp_path / "r.json", status=1
     )
     assert "not enough memory for this mesh" in line
     assert json.loads((tmp_path / "r.json").read_text())["error"] == "not enough memory"
@@ -141,7 +144,8 @@ def test_default_output_lies_beside_the_input(noisy):
 
 
 def test_defaults_are_those_of_the_core():
-    assert settings_for() == FairingSettings()
+    assert settings_for() == DenoiseSettings()
+    assert settings_for(*PAPER) == FairingSettings()
 
 
 @pytest.mark.parametrize("name", ["tau", "steps", "density_passes"])
@@ -158,39 +162,43 @@ def test_help_tells_the_defaults_of_the_core(name):
         (["--method", "uniform"], "method", "uniform"),
         (["--method", "timestep"], "method", "adaptive_timestep"),
         (["--method", "tensor"], "method", "adaptive_tensor"),
-        (["--tau", "0.5"], "tau", 0.5),
-        (["--steps", "7"], "steps", 7),
-        (["--density", "edge"], "density", "edge_length"),
-        (["--density", "area"], "density", "area"),
-        (["--density-passes", "0"], "density_passes", 0),
-        (["--boundary", "free"], "boundary", "free"),
-        (["--stop-curvature", "0.4"], "stop_curvature", 0.4),
-        (["--stop-rate", "2"], "stop_rate", 2.0),
+        ([*PAPER, "--tau", "0.5"], "tau", 0.5),
+        ([*PAPER, "--steps", "7"], "steps", 7),
+        ([*PAPER, "--density", "edge"], "density", "edge_length"),
+        ([*PAPER, "--density", "area"], "density", "area"),
+        ([*PAPER, "--density-passes", "0"], "density_passes", 0),
+        ([*PAPER, "--boundary", "free"], "boundary", "free"),
+        ([*PAPER, "--stop-curvature", "0.4"], "stop_curvature", 0.4),
+        ([*PAPER, "--stop-rate", "2"], "stop_rate", 2.0),
     ],
 )
 def test_every_argument_reaches_its_setting(arguments, field, value):
     assert settings_for(*arguments) == FairingSettings(**{field: value})
 
 
-@pytest.mark.parametrize(
-    ("arguments", "method"),
-    [
-        ([], "auto"),
-        (["--strength", "2"], "auto"),
-        (["--boundary", "free"], "auto"),
-        (["--tau", "0.016"], "adaptive_timestep"),
-        (["--steps", "4"], "adaptive_timestep"),
-        (["--density", "edge"], "adaptive_timestep"),
-        (["--density-passes", "3"], "adaptive_timestep"),
-        (["--stop-rate", "2"], "adaptive_timestep"),
-        (["--stop-curvature", "0.4"], "adaptive_timestep"),
-        (["--method", "auto", "--tau", "0.02"], "auto"),
-        (["--method", "tensor", "--tau", "0.02"], "adaptive_tensor"),
-    ],
-)
-def test_who_says_how_far_to_diffuse_does_not_want_it_estimated(monkeypatch, arguments, method):
-    monkeypatch.setattr(defaults, "METHOD", "auto")
-    assert settings_for(*arguments).method == method
+PAPER_OPTIONS = [
+    ("--tau", "0.016"),
+    ("--steps", "4"),
+    ("--density", "edge"),
+    ("--density-passes", "3"),
+    ("--stop-rate", "2"),
+    ("--stop-curvature", "0.4"),
+]
+
+
+@pytest.mark.parametrize("option", PAPER_OPTIONS)
+@pytest.mark.parametrize("method", [[], ["--method", "auto"]])
+def test_an_option_of_the_papers_methods_beside_auto_is_refused(capsys, method, option):
+    line = error_of(capsys, "a.ply", *method, *option, status=2)
+    owners = "--method timestep, tensor, uniform"
+    assert f"{option[0]} belongs to {owners}, not to --method auto" in line
+
+
+@pytest.mark.parametrize("option", [("--strength", "2"), ("--features", "sharp")])
+@pytest.mark.parametrize("method", ["timestep", "tensor", "uniform"])
+def test_an_option_of_auto_beside_a_method_of_the_paper_is_refused(capsys, method, option):
+    line = error_of(capsys, "a.ply", "--method", method, *option, status=2)
+    assert f"{option[0]} belongs to --method auto, not to --method {method}" in line
 
 
 @pytest.mark.parametrize(
@@ -199,11 +207,11 @@ def test_who_says_how_far_to_diffuse_does_not_want_it_estimated(monkeypatch, arg
         ([], "the following arguments are required: INPUT"),
         (["a.ply", "--what"], "unrecognized arguments: --what"),
         (["a.ply", "--tau", "much"], "argument --tau: invalid float value: 'much'"),
-        (["a.ply", "--tau", "-1"], "tau must be a number greater than"),
-        (["a.ply", "--tau", "nan"], "tau must be a number"),
-        (["a.ply", "--steps", "0"], "steps must be a whole number of at least 1, not 0"),
-        (["a.ply", "--density-passes", "-1"], "density_passes must be"),
-        (["a.ply", "--stop-rate", "0"], "stop_rate must be"),
+        (["a.ply", *PAPER, "--tau", "-1"], "tau must be a number greater than"),
+        (["a.ply", *PAPER, "--tau", "nan"], "tau must be a number"),
+        (["a.ply", *PAPER, "--steps", "0"], "steps must be a whole number of at least 1, not 0"),
+        (["a.ply", *PAPER, "--density-passes", "-1"], "density_passes must be"),
+        (["a.ply", *PAPER, "--stop-rate", "0"], "stop_rate must be"),
         (["a.ply", "--method", "magic"], "argument --method: invalid choice: 'magic'"),
         (["a.txt"], "a.txt: unknown kind of file; use one of .blend .obj .ply"),
         (["a"], "a: unknown kind of file"),
@@ -219,7 +227,10 @@ def test_wrong_arguments_are_status_2(capsys, arguments, message):
 def test_names_of_files_may_be_in_capitals(tmp_path):
     path = tmp_path / "NOISY.PLY"
     export_mesh(add_object(*random_closed(seed=1)), path, alone=True)
-    assert cli.main([str(path), "-o", str(tmp_path / "OUT.OBJ"), "--quiet", "--steps", "1"]) == 0
+    assert (
+        cli.main([str(path), "-o", str(tmp_path / "OUT.OBJ"), "--quiet", *PAPER, "--steps", "1"])
+        == 0
+    )
     assert (tmp_path / "OUT.OBJ").is_file()
 
 
@@ -261,7 +272,7 @@ def test_a_file_without_a_mesh_is_status_1(capsys, tmp_path):
 def test_a_solve_that_does_not_converge_is_status_1(capsys, noisy, tmp_path, monkeypatch):
     settings = FairingSettings(cg_max_iterations=1, cg_tolerance=1e-12)
     monkeypatch.setattr(cli, "settings_of", lambda arguments: settings)
-    line = error_of(capsys, noisy, "-o", tmp_path / "out.ply", status=1)
+    line = error_of(capsys, noisy, *PAPER, "-o", tmp_path / "out.ply", status=1)
     assert "step 1 did not converge: residual" in line
     assert "choose a smaller tau" in line
 
@@ -291,7 +302,7 @@ def test_a_full_disk_is_status_1_and_leaves_the_old_file(tmp_path, suffix):
     export_mesh(add_object(*icosphere(3)), given / "in.ply", alone=True)
     out = tmp_path / f"out{suffix}"
     out.write_text("old")
-    result = run(given / "in.ply", "-o", out, "--steps", 1, preexec_fn=full_disk)
+    result = run(given / "in.ply", "-o", out, *PAPER, "--steps", 1, preexec_fn=full_disk)
     assert result.returncode == 1
     assert result.stdout == ""
     assert result.stderr.splitlines()[-1].startswith("adaptive-fairing: error: cannot write")
@@ -362,7 +373,7 @@ def _read(terminal):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo terminals")
 def test_a_terminal_gets_a_progress_bar(noisy, tmp_path):
-    options = ["--method", "timestep", "--steps", 3]
+    options = [*PAPER, "--steps", 3]
     status, shown = on_a_terminal(
         "-m", "adaptive_fairing", noisy, "-o", tmp_path / "out.ply", *options
     )
@@ -379,7 +390,7 @@ def test_a_terminal_gets_a_progress_bar_of_auto(tmp_path):
         "-m", "adaptive_fairing", path, "-o", tmp_path / "out.ply", "--method", "auto"
     )
     assert status == 0
-    assert "fairing: 100%" in shown
+    assert "denoising: 100%" in shown
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo terminals")
@@ -396,7 +407,7 @@ def test_without_tqdm_a_terminal_gets_a_line_per_step(noisy, tmp_path):
         "import sys; sys.modules['tqdm'] = None\n"
         "from adaptive_fairing.cli.main import main; sys.exit(main(sys.argv[1:]))"
     )
-    options = ["--method", "timestep", "--steps", 3]
+    options = [*PAPER, "--steps", 3]
     status, shown = on_a_terminal("-c", code, noisy, "-o", tmp_path / "out.ply", *options)
     assert status == 0
     lines = shown.splitlines()
@@ -407,15 +418,15 @@ def test_without_tqdm_a_terminal_gets_a_line_per_step(noisy, tmp_path):
 
 
 def test_ctrl_c_leaves_nothing_behind(capsys, noisy, tmp_path, monkeypatch):
-    from adaptive_fairing.blender.jobs import file_job
+    from adaptive_fairing.blender.jobs import solve
 
     def interrupt(*arguments, **options):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(file_job, "fair_steps", interrupt)
+    monkeypatch.setattr(solve, "fair_steps", interrupt)
     out = tmp_path / "out.ply"
     out.write_text("old")
-    line = error_of(capsys, noisy, "-o", out, status=130)
+    line = error_of(capsys, noisy, *PAPER, "-o", out, status=130)
     assert "interrupted: no output was written" in line
     assert out.read_text() == "old"
 
@@ -425,6 +436,6 @@ def test_a_second_run_in_one_process_starts_afresh(noisy, tmp_path):
     export_mesh(add_object(*bumpy_disc(seed=0)), tmp_path / "disc.ply", alone=True)
     for name in ("noisy", "disc"):
         source, out = tmp_path / f"{name}.ply", tmp_path / f"{name}.blend"
-        assert cli.main([str(source), "-o", str(out), "--quiet", "--steps", "1"]) == 0
+        assert cli.main([str(source), "-o", str(out), "--quiet", *PAPER, "--steps", "1"]) == 0
     import_mesh(tmp_path / "disc.blend")
     assert [obj.name for obj in bpy.data.objects] == ["disc"]

@@ -1,4 +1,4 @@
-"""Standard output kept clean, whoever writes to it."""
+"""Standard output and standard error kept clean, whoever writes to them."""
 
 import ctypes
 import os
@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from adaptive_fairing.silence import silent_stdout
+from adaptive_fairing.silence import silent_output
 
 
 def write_in_every_way(text):
@@ -19,9 +19,11 @@ def write_in_every_way(text):
 
 def test_nothing_comes_through_and_nothing_else_is_lost(capfd):
     write_in_every_way("before ")
-    with silent_stdout():
+    with silent_output():
         write_in_every_way("inside ")
-        sys.stderr.write("error\n")
+        sys.stderr.write("inside\n")
+        os.write(2, b"inside")
+    sys.stderr.write("error\n")
     write_in_every_way("after ")
     ctypes.CDLL("ucrtbase" if sys.platform == "win32" else None).fflush(None)
     out, err = capfd.readouterr()
@@ -32,7 +34,7 @@ def test_nothing_comes_through_and_nothing_else_is_lost(capfd):
 
 
 def test_an_error_inside_turns_it_back(capfd):
-    with pytest.raises(ValueError, match="bad"), silent_stdout():
+    with pytest.raises(ValueError, match="bad"), silent_output():
         raise ValueError("bad")
     os.write(1, b"heard")
     assert capfd.readouterr().out == "heard"

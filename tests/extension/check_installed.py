@@ -171,7 +171,7 @@ def check_command(options: argparse.Namespace) -> str:
     """Run the registered command's function: output, and the exit codes 0, 1 and 2."""
     command = importlib.import_module(f"{MODULE}.{EXTENSION}.blender.command")
     source, output = options.work / "noisy.ply", options.work / "command.ply"
-    settings = ["--steps", str(STEPS)]
+    settings = ["--method", "timestep", "--steps", str(STEPS)]
     status = command.run([str(source), "-o", str(output), *settings, "--quiet"])
     assert status == 0, f"exit code {status} for a good mesh"
     assert output.stat().st_size > 0
@@ -291,7 +291,7 @@ def _run_operator() -> np.ndarray:
     bpy.ops.object.select_all(action="DESELECT")
     sphere.select_set(True)
     bpy.context.view_layer.objects.active = sphere
-    status = bpy.ops.object.adaptive_fairing(steps=STEPS)
+    status = bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=STEPS)
     assert status == {"FINISHED"}, status
     vertices, _ = noisy_sphere()
     keys = sphere.data.shape_keys.key_blocks

@@ -85,7 +85,7 @@ def field_values(
 
 def _is_final_shape(obj: bpy.types.Object) -> bool:
     """Whether a run has moved the vertices themselves, so that no key holds the shape before."""
-    return obj.data.shape_keys is None and bool(obj.adaptive_fairing.steps)
+    return obj.data.shape_keys is None and bool(obj.adaptive_fairing.shapes)
 
 
 def shown_positions(obj: bpy.types.Object, undeformed: FloatArray) -> FloatArray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+import numpy as np
 from bpy.props import (
     BoolProperty,
     CollectionProperty,
@@ -12,19 +13,20 @@ from bpy.props import (
     StringProperty,
 )
 
+from ..properties import AUTO
 
-class FairingStepRecord(bpy.types.PropertyGroup):
-    """Measures of the surface after one step; the first record is the input.
 
-    `strength` is 0 but for the method "auto", whose steps have one each.
+class FairingShapeMeasures(bpy.types.PropertyGroup):
+    """Measures of one shape of a run: its step or strength; the first is the input.
+
+    `strength` is 0 for the steps of the paper's methods.
     """
 
+    strength: FloatProperty()
     curvature_energy: FloatProperty()
     area: FloatProperty()
     volume: FloatProperty()
-    iterations: IntProperty()
     displacement: FloatProperty()
-    strength: FloatProperty()
 
 
 def _shown_evolution(record: FairingRecord) -> float:
@@ -44,17 +46,18 @@ def _show_evolution(record: FairingRecord, value: float) -> None:
 class FairingRecord(bpy.types.PropertyGroup):
     """A finished run.
 
-    `chosen` is the number of the step that is its result. What follows it is known of the method
-    "auto" only, see the core's `AutoEstimate`.
+    `shown` is the number of the shape that is its result. From `noise` to `is_sharp` all
+    is known of `denoise` only, see `DenoiseResult`.
     """
 
-    steps: CollectionProperty(type=FairingStepRecord)
+    shapes: CollectionProperty(type=FairingShapeMeasures)
     method: StringProperty()
     tau: FloatProperty()
     stop_reason: StringProperty()
     seconds: FloatProperty()
+    iterations: IntProperty()
     notes: StringProperty(description="What had to be done to make the mesh solvable, in lines")
-    chosen: IntProperty()
+    shown: IntProperty()
     noise: FloatProperty()
     noise_length: FloatProperty()
     radius: FloatProperty()
@@ -78,23 +81,20 @@ class FairingRecord(bpy.types.PropertyGroup):
 
 
 def is_of_strengths(record: FairingRecord) -> bool:
-    """Whether the steps of a run are strengths of the method "auto"."""
-    return record.steps[-1].strength > 0
+    """Whether a run was one of `denoise`, whose shapes are strengths."""
+    return record.method == AUTO
 
 
 def shown_strength(record: FairingRecord) -> float:
     """Strength that the Evolution slider stands at, which is 0 at the mesh before."""
-    steps = record.steps
-    place = record.evolution * (len(steps) - 1)
-    below = min(int(place), len(steps) - 2)
-    low, high = steps[below].strength, steps[below + 1].strength
-    return low + (place - below) * (high - low)
+    strengths = [shape.strength for shape in record.shapes]
+    place = record.evolution * (len(strengths) - 1)
+    return float(np.interp(place, range(len(strengths)), strengths))
 
 
-def result_step(record: FairingRecord) -> FairingStepRecord:
-    """Take the measures of the result: of the chosen strength, otherwise of the last step."""
-    # A file of a version that did not know "auto" has no number here.
-    return record.steps[record.chosen or -1]
+def result_measures(record: FairingRecord) -> FairingShapeMeasures:
+    """Take the measures of the result: of the strength asked for, otherwise of the last step."""
+    return record.shapes[record.shown]
 
 
 def evolution_keys(obj: bpy.types.Object) -> bpy.types.Key | None:
@@ -104,7 +104,7 @@ def evolution_keys(obj: bpy.types.Object) -> bpy.types.Key | None:
 
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(
-    (FairingStepRecord, FairingRecord)
+    (FairingShapeMeasures, FairingRecord)
 )
 
 

@@ -2,29 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import os
+import tempfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import bpy
-import numpy as np
 
-from ...core import FairingError, InputError
-from ...core.errors import listed
 from ...files.atomic_files import replaced_file, replaced_files, require_space
+from ...files.errors import FileError
 from ...files.formats import BLEND, MESH_FORMATS, OBJ, PLY, suffix_of
-from ...silence import silent_stdout
+from ...files.inspection import inspect
+from ...files.inspection.contents import Contents
+from ...files.inspection.ply import without_faces
+from ...silence import silent_output
 from ..compatibility import known_options
-from ..data.mesh_arrays import read_positions
 from ..data.targets import find_mesh_object
 from .obj_precision import restore_precision
 from .ply_export import prepare_for_ply
+from .validation import validate
 
 _AXES_AS_IN_FILE = {"forward_axis": "Y", "up_axis": "Z"}
-
-
-class FileError(FairingError):
-    """A file that Blender cannot read or write."""
 
 
 def import_mesh(
@@ -48,11 +48,10 @@ def import_mesh(
     FairingError
         No mesh, several meshes without a name, or no mesh of that name.
     InputError
-        Coordinates that are not finite numbers.
+        Coordinates that are not finite numbers, faces whose vertices do not exist.
     """
-    path = Path(path).resolve()
-    if not path.is_file():
-        raise FileError(f"cannot read {path}: there is no such file")
+    path = Path(os.path.abspath(path))
+    _require_readable(path)
     if suffix_of(path) == BLEND:
         _call(path, "wm.open_mainfile", {"filepath": str(path), "use_scripts": False})
     else:
@@ -135,33 +134,49 @@ def save_blend(path: Path) -> None:
 
 def empty_scene() -> None:
     """Load Blender's factory start-up scene without its objects; add-ons stay enabled."""
-    with silent_stdout():
+    with silent_output():
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
 
 
+def _require_readable(path: Path) -> None:
+    try:
+        path.open("rb").close()
+    except FileNotFoundError as error:
+        raise FileError(f"cannot read {path}: there is no such file") from error
+    except OSError as error:
+        raise FileError(f"cannot read {path}: {error.strerror}") from error
+
+
 def _import_into_empty_scene(path: Path, *, split: bool, keep_axes: bool) -> None:
+    contents = inspect(path)
     file_format = MESH_FORMATS[suffix_of(path)]
     options = dict(file_format.import_options)
     if split and "use_split_objects" in options:
         # Whoever names an object of the file wants its objects apart.
         options["use_split_objects"] = True
+    if contents.has_faces_before_groups:
+        # Blender 5.0 dies of them.
+        options["import_vertex_groups"] = False
     if file_format.keeps_axes and keep_axes:
         options |= _AXES_AS_IN_FILE
     empty_scene()
-    _call(path, file_format.importer, {**options, "filepath": str(path)})
+    with _deterministic(path, contents) as file:
+        _call(path, file_format.importer, {**options, "filepath": str(file)})
     for mesh in bpy.data.meshes:
-        _require_finite(mesh)
-        # The importers' own validation is off, because it hides what `_require_finite` finds.
-        mesh.validate(clean_customdata=False)
+        validate(mesh)
 
 
-def _require_finite(mesh: bpy.types.Mesh) -> None:
-    bad = np.flatnonzero(~np.isfinite(read_positions(mesh)).all(axis=1))
-    if len(bad):
-        raise InputError(
-            f"{len(bad)} vertices of mesh {mesh.name!r} have coordinates that are not finite "
-            f"numbers: {listed(bad)}; delete or repair them"
-        )
+@contextmanager
+def _deterministic(path: Path, contents: Contents) -> Iterator[Path]:
+    """Give the file, or a copy without the faces that the importer would drop in any order."""
+    if len(contents.repeated_faces) == 0:
+        yield path
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        # Blender names the mesh after the file.
+        copy = Path(folder) / path.name
+        copy.write_bytes(without_faces(path, contents.repeated_faces))
+        yield copy
 
 
 def _size_bound() -> int:
@@ -191,13 +206,20 @@ def _call(path: Path, name: str, options: Mapping[str, Any]) -> None:
     operator = _operator(name)
     verb = "write" if "export" in name or "save" in name else "read"
     try:
-        with silent_stdout():
+        with silent_output():
             outcome = operator(**known_options(operator, dict(options)))
     except RuntimeError as error:
-        reason = " ".join(str(error).removeprefix("Error: ").split())
-        raise FileError(f"cannot {verb} {path}: {reason}") from error
+        raise FileError(f"cannot {verb} {path}: {_reason(str(error))}") from error
     if outcome != {"FINISHED"}:
         raise FileError(f"cannot {verb} {path}: Blender gave up without a reason")
+
+
+def _reason(text: str) -> str:
+    """Take the reason from the message of an operator, of a traceback its last line."""
+    lines = [line.strip() for line in text.removeprefix("Error: ").splitlines() if line.strip()]
+    if any("Traceback (most recent call last)" in line for line in lines):
+        lines = [line for line in lines if not line.startswith("Location:")][-1:]
+    return " ".join(lines)
 
 
 def _operator(name: str) -> Callable[..., set[str]]:

@@ -10,23 +10,24 @@ import queue
 import sys
 import threading
 import time
-from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from ...batch.memory_use import peak_bytes, resident_bytes
 from ...batch.messages import Job, decode, encode
 from ...batch.schedule import START_BYTES
-from ...core import FairingError, FairingSettings, PreparedMesh
+from ...core import DenoiseSettings, FairingError, PreparedMesh
+from ...core.denoise.plan import STRENGTHS
 from ...files.atomic_files import remove_drafts
 from ...files.formats import keeps_axes
-from ...files.report import strict
+from ...files.report import settings_of_record, settings_record, strict
 from ..data.mesh_arrays import MeshData
 from .file_job import FairingJob, Preparation, run_job
 from .frame_sequence import Place, Preparations, read_place, same_strength
+from .solve import Settings
 
 KEY_BYTES = 24
-"""Of a vertex in the list of results and in a shape key, for each step."""
+"""Of a vertex in the list of results and in a shape key, for each step or strength."""
 
 EXPORT_BYTES = 200
 """Of a vertex while the output is written, with the copies that exporters make."""
@@ -96,7 +97,7 @@ class _Server:
         return {"event": "done", **account, "seconds": seconds, **self._memory()}
 
     def _fair(self, job: Job) -> dict[str, Any]:
-        settings = FairingSettings(**job.settings)
+        settings = settings_of_record(job.settings)
         source, output = Path(job.input), Path(job.output)
         self._preparations.turn_to(
             _place(job.reference),
@@ -118,16 +119,18 @@ class _Server:
 
     def _measure(self, job: Job) -> dict[str, Any]:
         data = read_place((Path(job.input), job.frame), job.object_name)
-        settings, scale = same_strength(data, FairingSettings(**job.settings))
-        return {"settings": asdict(settings), "scale": scale}
+        settings, scale = same_strength(data, settings_of_record(job.settings))
+        return {"settings": settings_record(settings), "scale": scale}
 
-    def _ask_for_memory(self, prepared: PreparedMesh, settings: FairingSettings) -> None:
+    def _ask_for_memory(self, prepared: PreparedMesh, settings: Settings) -> None:
         if self._last is None or self._last[0] is not prepared:
+            is_denoise = isinstance(settings, DenoiseSettings)
+            n_shapes = len(STRENGTHS) if is_denoise else settings.steps
             n_vertices = len(prepared.surface.vertex_of)
             needed = (
                 (resident_bytes() or START_BYTES)
-                + prepared.needed_bytes
-                + (KEY_BYTES * settings.steps + EXPORT_BYTES) * n_vertices
+                + prepared.needed_bytes("denoise" if is_denoise else "fair")
+                + (KEY_BYTES * n_shapes + EXPORT_BYTES) * n_vertices
             )
             self._last = prepared, needed
         _send({"event": "needs", "bytes": self._last[1]})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import platform
-import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -14,32 +13,31 @@ import numpy as np
 import scipy
 
 from ...core import (
+    DenoisePlan,
+    DenoiseSettings,
     FairingError,
     FairingSettings,
-    FairingStep,
     PreparedMesh,
     SolverError,
-    fair_steps,
 )
-from ...core.denoise.plan import AutoPlan
 from ...files.atomic_files import writable_place
 from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
-from ...files.report import build_report, step_record, write_report
+from ...files.report import build_report, denoise_record, step_record, write_report
 from ...version import program_version
-from ..data.attributes import write_density
 from ..data.mesh_arrays import MeshData, read_mesh, welded
-from ..data.shape_keys import animate_evolution, write_absolute_keys, write_final_shape
+from ..data.shape_keys import animate_evolution, write_final_shape
 from ..data.targets import needs_copy, writable_object
 from ..files.import_losses import import_notes
 from ..files.mesh_files import export_mesh, import_mesh, save_blend
-from .fairing_task import not_converged
 from .frames import object_at_frame
+from .solve import Settings, Solve
+from .store_result import write_shapes
 
 FRAMES_PER_STEP = 10
 """Length of one step on the timeline of an output .blend, in frames."""
 
-OnStep = Callable[[FairingStep], None]
-OnShare = Callable[[float], None]
+OnStep = Callable[[Solve], None]
+OnProgress = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -49,10 +47,10 @@ class FairingJob:
     Attributes
     ----------
     input, output
-        Files; their suffixes choose the formats. A .blend output gets every step as a shape key,
-        a mesh format the last step.
+        Files; their suffixes choose the formats. A .blend output gets every step, or strength, a
+        mesh format the result alone.
     settings
-        For the solver.
+        Decide the algorithm.
     object_name
         Mesh object of the input; None if it holds a single one.
     report
@@ -64,7 +62,7 @@ class FairingJob:
 
     input: Path
     output: Path
-    settings: FairingSettings = field(default_factory=FairingSettings)
+    settings: Settings = field(default_factory=DenoiseSettings)
     object_name: str | None = None
     report: Path | None = None
     frame: int | None = None
@@ -79,11 +77,11 @@ class Preparation:
     mesh
         Its analysis.
     plan
-        How "auto" is to mix its filters; None lets it find out.
+        How `denoise` is to mix its filters; None lets it find out.
     """
 
     mesh: PreparedMesh
-    plan: AutoPlan | None = None
+    plan: DenoisePlan | None = None
 
 
 Prepare = Callable[[MeshData], Preparation]
@@ -94,7 +92,7 @@ def run_job(
     job: FairingJob,
     on_step: OnStep | None = None,
     *,
-    on_share: OnShare | None = None,
+    on_progress: OnProgress | None = None,
     prepare: Prepare | None = None,
     admit: Admit | None = None,
 ) -> dict[str, Any]:
@@ -108,9 +106,9 @@ def run_job(
     job
         What to do.
     on_step
-        Called after every step.
-    on_share
-        Called with the share of the solve that is done, up to 1.
+        Called with the solve after every step of the paper's methods.
+    on_progress
+        Called with the part of `denoise` that is done, up to 1.
     prepare
         Gives the preparation of a surface, by default a new one; a caller of many jobs may have
         one already.
@@ -141,7 +139,7 @@ def run_job(
         admit or (lambda prepared: None),
     )
     try:
-        run.execute(on_step or (lambda step: None), on_share)
+        run.execute(on_step or (lambda solve: None), on_progress or (lambda part: None))
     except (FairingError, OSError, MemoryError) as error:
         if job.report is not None:
             write_report(job.report, run.report(str(error) or "not enough memory"))
@@ -161,29 +159,16 @@ class _Run:
         self.admit = admit
         self.object_name = job.object_name
         self.mesh: Mapping[str, int] = {}
-        self.records: list[dict[str, Any]] = []
-        self.last: FairingStep | None = None
-        self.chosen = -1  # of the steps: the result for a format that holds one
+        self.solve: Solve | None = None
         self.notes: list[str] = []
 
-    def execute(self, on_step: OnStep, on_share: OnShare | None) -> None:
+    def execute(self, on_step: OnStep, on_progress: OnProgress) -> None:
         job = self.job
         obj = import_mesh(job.input, job.object_name, keep_axes=keeps_axes(job.input, job.output))
         self.object_name = obj.name
         self.notes = import_notes(job.input)
         if job.frame is not None:
             obj = object_at_frame(obj, job.frame)
-        shapes, density, failure = self._solve(obj, on_step, on_share)
-        if shapes:
-            self._write(obj, shapes, density)
-        if failure is not None:
-            written = f"the {len(shapes)} before it are in {job.output}" if shapes else "no output"
-            raise SolverError(f"{failure} ({written})") from failure
-
-    def _solve(
-        self, obj: bpy.types.Object, on_step: OnStep, on_share: OnShare | None
-    ) -> tuple[list[np.ndarray], np.ndarray | None, FairingError | None]:
-        """Run the solver; give the good steps, the density of the last, and what went wrong."""
         data = read_mesh(obj.data)
         self.mesh = {
             "vertices": len(data.vertices),
@@ -191,50 +176,38 @@ class _Run:
             "polygons": len(obj.data.polygons),
             "triangles": len(data.triangles),
         }
-        surface, surface_vertex = solved_surface(data, self.job.input)
+        surface, surface_vertex = solved_surface(data, job.input)
         preparation = self.prepare(surface)
         self.admit(preparation.mesh)
-        shapes: list[np.ndarray] = []
-        density = None
-        given_notes = self.notes
-        started = time.perf_counter()
-        try:
-            for step in fair_steps(
-                surface.vertices,
-                surface.triangles,
-                self.job.settings,
-                prepared=preparation.mesh,
-                plan=preparation.plan,
-                progress=on_share,
-            ):
-                now = time.perf_counter()
-                self.records.append(step_record(step, surface.vertices, now - started))
-                self.last = step
-                self.notes = [*given_notes, *step.notes]
-                on_step(step)
-                if not step.solve.converged:
-                    return shapes, density, SolverError(not_converged(step))
-                # Blender keeps float32: half the memory for the same result.
-                shapes.append(step.positions[surface_vertex].astype(np.float32))
-                if step.auto is not None and step.auto.is_chosen:
-                    self.chosen = len(shapes) - 1
-                density = step.density[surface_vertex]
-                started = time.perf_counter()
-        except SolverError as error:
-            return shapes, density, error
-        return shapes, density, None
+        self.solve = solve = Solve(
+            surface.vertices,
+            surface.triangles,
+            job.settings,
+            prepared=preparation.mesh,
+            plan=preparation.plan,
+            on_progress=on_progress,
+        )
+        for _ in solve.run():
+            on_step(solve)
+        if solve.has_result:
+            self._write(obj, surface_vertex)
+        if isinstance(solve.failure, SolverError):
+            n_steps = len(solve.steps)
+            written = f"the {n_steps} before it are in {job.output}" if n_steps else "no output"
+            raise SolverError(f"{solve.failure} ({written})") from solve.failure
+        if solve.failure is not None:
+            raise solve.failure
 
-    def _write(self, obj: bpy.types.Object, shapes: list[np.ndarray], density: np.ndarray) -> None:
-        job = self.job
+    def _write(self, obj: bpy.types.Object, surface_vertex: np.ndarray | slice) -> None:
+        job, solve = self.job, self.solve
         is_copy = needs_copy(obj)
         obj = writable_object(obj)
         if suffix_of(job.output) == BLEND:
-            write_absolute_keys(obj, shapes)
-            write_density(obj.data, density)
-            _put_on_timeline(obj, self.chosen, extend=suffix_of(job.input) == BLEND)
+            write_shapes(obj, solve, vertex_of=surface_vertex)
+            _put_on_timeline(obj, solve.shown, extend=suffix_of(job.input) == BLEND)
             save_blend(job.output)
         else:
-            write_final_shape(obj, shapes[self.chosen])
+            write_final_shape(obj, solve.shapes[solve.shown][surface_vertex])
             self.notes += export_mesh(
                 obj,
                 job.output,
@@ -243,25 +216,41 @@ class _Run:
             )
 
     def report(self, error: str | None) -> dict[str, Any]:
-        job, last = self.job, self.last
+        job, solve = self.job, self.solve
+        has_result = solve is not None and solve.has_result
+        result = solve.denoised if has_result else None
         return build_report(
             settings=job.settings,
             program=_versions(),
             files={"input": job.input, "output": job.output, "object": self.object_name},
             mesh=self.mesh,
-            initial=None if last is None else last.initial,
-            steps=self.records,
-            stop_reason=None if last is None else last.stop_reason,
-            notes=self.notes,
+            initial=solve.measures[0] if has_result else None,
+            denoise=None if result is None else denoise_record(result, solve.seconds),
+            steps=[] if solve is None else _step_records(solve),
+            stop_reason=None if solve is None else solve.stop_reason,
+            notes=[*self.notes, *(() if solve is None else solve.notes)],
             error=error,
         )
 
 
-def prepared_alone(
-    data: MeshData, settings: FairingSettings, scale: float | None = None
-) -> Preparation:
+def _step_records(solve: Solve) -> list[dict[str, Any]]:
+    """Describe the steps of the paper's methods, one that did not converge among them."""
+    if solve.is_denoise:
+        return []
+    tried = [*solve.steps, *([] if solve.failed_step is None else [solve.failed_step])]
+    return [
+        step_record(step, solve.vertices, seconds)
+        for step, seconds in zip(tried, solve.step_seconds, strict=True)
+    ]
+
+
+def prepared_alone(data: MeshData, settings: Settings, scale: float | None = None) -> Preparation:
     """Analyse a surface that has nothing in common with others but perhaps the scale."""
-    return Preparation(PreparedMesh(data.vertices, data.triangles, settings, scale=scale))
+    options = {}
+    if isinstance(settings, FairingSettings):
+        options["quadrature_tolerance"] = settings.quadrature_tolerance
+        options["normalize"] = settings.normalize
+    return Preparation(PreparedMesh(data.vertices, data.triangles, scale=scale, **options))
 
 
 def solved_surface(data: MeshData, source: Path) -> tuple[MeshData, np.ndarray | slice]:

@@ -6,13 +6,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ...core import FairingError, FairingSettings, FairingStep, PreparedMesh, fair
-from ...core.results import chosen_step
+from ...core import DenoiseSettings, FairingError, FairingSettings, denoise, fair
 from ..data.mesh_arrays import MeshData, read_mesh
 from ..files.mesh_files import import_mesh
-from .fairing_task import FairingTask, RunCancelledError, run_tasks
 from .file_job import Preparation, prepared_alone, solved_surface
 from .frames import object_at_frame
+from .solve import RunCancelledError, Settings, Solve, run_solves
 
 Place = tuple[Path, int | None]
 """A file, and a frame in it; None for the mesh as it is stored."""
@@ -33,7 +32,7 @@ class Preparations:
         self,
         reference: Place | None,
         object_name: str | None,
-        settings: FairingSettings,
+        settings: Settings,
         *,
         scale: float | None,
         keep_axes: bool,
@@ -55,7 +54,7 @@ class Preparations:
             is_one_strength = scale is not None
             self._kept = prepared_first(data, settings, scale, is_one_strength=is_one_strength)
 
-    def of(self, data: MeshData, settings: FairingSettings, scale: float | None) -> Preparation:
+    def of(self, data: MeshData, settings: Settings, scale: float | None) -> Preparation:
         """Give the kept preparation if it is one of this surface, otherwise a new one."""
         kept = self._kept
         if kept is not None and kept.mesh.serves(data.triangles, len(data.vertices)):
@@ -65,23 +64,23 @@ class Preparations:
 
 def prepared_first(
     data: MeshData,
-    settings: FairingSettings,
+    settings: Settings,
     scale: float | None,
     *,
     is_one_strength: bool,
     progress: Callable[[float], None] | None = None,
 ) -> Preparation:
-    """Analyse the first frame of a sequence; fair it too, if all are to have its plan.
+    """Analyse the first frame of a sequence; denoise it too, if all are to have its plan.
 
-    `progress` is as for `fair_steps`.
+    `progress` is as for `denoise`.
     """
     preparation = prepared_alone(data, settings, scale)
-    if settings.method == "auto" and is_one_strength:
-        result = fair(
-            data.vertices, data.triangles, settings, prepared=preparation.mesh, progress=progress
-        )
-        preparation = replace(preparation, plan=result.chosen.auto.plan)
-    return preparation
+    if not (is_one_strength and isinstance(settings, DenoiseSettings)):
+        return preparation
+    result = denoise(
+        data.vertices, data.triangles, settings, prepared=preparation.mesh, progress=progress
+    )
+    return replace(preparation, plan=result.plan)
 
 
 def read_place(place: Place, object_name: str | None, *, keep_axes: bool = False) -> MeshData:
@@ -94,7 +93,7 @@ def read_place(place: Place, object_name: str | None, *, keep_axes: bool = False
     return surface
 
 
-def same_strength(data: MeshData, settings: FairingSettings) -> tuple[FairingSettings, float]:
+def same_strength(data: MeshData, settings: Settings) -> tuple[Settings, float]:
     """Find what gives every frame the same smoothing as the first.
 
     Parameters
@@ -107,31 +106,31 @@ def same_strength(data: MeshData, settings: FairingSettings) -> tuple[FairingSet
 
     Returns
     -------
-    FairingSettings
+    DenoiseSettings or FairingSettings
         Without anything that each frame would choose for itself.
     float
         Scale into the solver's frame, see `PreparedMesh`.
     """
-    prepared = PreparedMesh(data.vertices, data.triangles, settings)
-    if settings.stop_curvature is not None or settings.stop_rate is not None:
+    prepared = prepared_alone(data, settings).mesh
+    if isinstance(settings, FairingSettings) and (settings.stop_curvature or settings.stop_rate):
         result = fair(data.vertices, data.triangles, settings, prepared=prepared)
         settings = replace(settings, steps=len(result.steps), stop_curvature=None, stop_rate=None)
     return settings, prepared.own_scale
 
 
-def run_frames(tasks: Sequence[FairingTask], *, one_strength: bool) -> Iterator[FairingTask]:
-    """Fair frames with the same triangles; yield the task at hand after every step.
+def run_frames(solves: Sequence[Solve], *, one_strength: bool) -> Iterator[Solve]:
+    """Run frames with the same triangles; yield the solve at hand after every step.
 
-    Touches no Blender data. Of a finished task only the chosen step is kept.
+    Touches no Blender data. Of a finished frame only the result is kept.
 
     Parameters
     ----------
-    tasks
+    solves
         The frames, with one settings for all.
     one_strength
         Whether to smooth all of them as the first, see `same_strength`.
     """
-    first = tasks[0]
+    first = solves[0]
     data, settings, scale = MeshData(first.vertices, first.triangles), first.settings, None
     try:
         if one_strength:
@@ -145,19 +144,14 @@ def run_frames(tasks: Sequence[FairingTask], *, one_strength: bool) -> Iterator[
         )
     except RunCancelledError:
         return
-    except FairingError as error:
-        first.error = str(error)
+    except (FairingError, MemoryError) as error:
+        first.failure = error
         return
-    for task in tasks:
-        if task.is_cancelled:
+    for solve in solves:
+        if solve.is_cancelled:
             return
-        task.settings = settings
-        yield from run_tasks([task], preparation.mesh, preparation.plan)
-        task.steps = [kept_step(task.steps)] if task.steps else []
-        if task.is_cancelled:
+        solve.settings, solve.prepared, solve.plan = settings, preparation.mesh, preparation.plan
+        yield from run_solves([solve])
+        solve.keep_result_only()
+        if solve.is_cancelled:
             return
-
-
-def kept_step(steps: Sequence[FairingStep]) -> FairingStep:
-    """Take the chosen step of a finished run, with the reason that ended it, without its plan."""
-    return replace(chosen_step(steps), stop_reason=steps[-1].stop_reason, auto=None)

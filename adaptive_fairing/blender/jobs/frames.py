@@ -11,8 +11,8 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import NDArray
 
 from ...core import InputError
+from ...files.errors import FileError
 from ..data.mesh_arrays import MeshData, read_mesh
-from ..files.mesh_files import FileError
 
 
 @dataclass(frozen=True)

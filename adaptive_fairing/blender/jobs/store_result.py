@@ -1,4 +1,4 @@
-"""Write what a run computed into Blender's data: shape keys, attributes, the record."""
+"""Write the result of a solve into Blender's data: shape keys, attributes, the record."""
 
 from __future__ import annotations
 
@@ -6,27 +6,29 @@ import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ...core import FairingError, FairingStep
-from ...core.results import chosen_step
+from ...core import FairingError, FairingSettings
 from ..data.attributes import write_density
 from ..data.coloring import color_by_field
 from ..data.mesh_arrays import read_positions
 from ..data.rollback import written_or_restored
 from ..data.shape_keys import write_absolute_keys, write_final_shape, write_relative_keys
-from .fairing_task import FairingTask
+from ..properties import AUTO
+from .solve import Solve
 
 
-def store_task(task: FairingTask, *, output: str, store_density: bool) -> bpy.types.Object:
-    """Write the finished steps of a task, of which there must be one at least.
+def store_solve(solve: Solve, *, output: str, store_density: bool) -> bpy.types.Object:
+    """Write the result of a solve that has one.
 
     Parameters
     ----------
-    task
-        A task that has been run.
+    solve
+        A solve that has been run.
     output
         Identifier of `OutputProperties.output`.
     store_density
         Whether to store the density of the last step as attributes.
+
+    An object that is coloured by a field is coloured anew.
 
     Returns
     -------
@@ -38,77 +40,93 @@ def store_task(task: FairingTask, *, output: str, store_density: bool) -> bpy.ty
     FairingError
         The object is gone, or its mesh has been changed since it was read.
     """
-    with written_or_restored(find_object(task)) as obj:
-        write_steps(obj, task, output=output, store_density=store_density)
+    with written_or_restored(find_object(solve)) as obj:
+        write_shapes(obj, solve, output=output, store_density=store_density)
+        write_record(obj, solve)
+        if obj.adaptive_fairing.view:
+            settings = FairingSettings() if solve.is_denoise else solve.settings
+            color_by_field(obj, obj.adaptive_fairing.view, settings, solve.vertices)
     return obj
 
 
-def write_steps(
-    obj: bpy.types.Object, task: FairingTask, *, output: str, store_density: bool
+def write_shapes(
+    obj: bpy.types.Object,
+    solve: Solve,
+    *,
+    output: str = "ABSOLUTE_KEYS",
+    store_density: bool = True,
+    vertex_of: np.ndarray | slice = slice(None),
 ) -> None:
-    """Write the steps to an object that may be written: shape, density and record.
+    """Write the shapes of a result, and the density, to an object that may be written.
 
-    An object that is coloured by a field is coloured anew.
-
-    Parameters: as in `store_task`; the object has the vertices of the task.
+    Parameters
+    ----------
+    obj, solve, output, store_density
+        As in `store_solve`.
+    vertex_of
+        Vertex of the solve for each vertex of the object.
     """
-    positions = [step.positions for step in task.steps]
-    chosen = chosen_step(task.steps)
+    shapes = [shape[vertex_of] for shape in solve.shapes]
     if output == "FINAL_SHAPE":
-        write_final_shape(obj, chosen.positions)
+        write_final_shape(obj, shapes[solve.shown])
     elif output == "RELATIVE_KEYS":
-        write_relative_keys(obj, positions, chosen.index - 1)
+        write_relative_keys(obj, shapes, solve.shown)
     else:
-        write_absolute_keys(obj, positions, chosen.index - 1)
-    if store_density:
-        write_density(obj.data, chosen.density)
-    _write_record(obj, task)
-    if obj.adaptive_fairing.view:
-        color_by_field(obj, obj.adaptive_fairing.view, task.settings, task.vertices)
+        write_absolute_keys(obj, shapes, solve.shown)
+    if store_density and solve.steps:
+        write_density(obj.data, solve.steps[-1].density[vertex_of])
 
 
-def find_object(task: FairingTask) -> bpy.types.Object:
-    """Find the object of a task again, in Object Mode and as it was when it was read.
+def find_object(solve: Solve) -> bpy.types.Object:
+    """Find the object of a solve again, whatever its name is now, with the mesh that was read.
 
     Raises
     ------
     FairingError
-        As `store_task`.
+        As `store_solve`.
     """
-    obj = bpy.data.objects.get((task.name, task.library))
+    obj = object_of(solve.session_uid)
     if obj is None or obj.type != "MESH":
-        raise FairingError(rpt_("the object was deleted or renamed during the run"))
+        raise FairingError(rpt_("the object was deleted during the run"))
     now = read_positions(obj.data)
-    if now.shape != task.vertices.shape or not np.array_equal(now, task.vertices):
+    if now.shape != solve.vertices.shape or not np.array_equal(now, solve.vertices):
         raise FairingError(rpt_("the mesh was changed during the run; nothing was written"))
     return obj
 
 
-def _write_record(obj: bpy.types.Object, task: FairingTask) -> None:
+def object_of(session_uid: int) -> bpy.types.Object | None:
+    """Find an object by the number that it keeps as long as the file is open."""
+    return next((obj for obj in bpy.data.objects if obj.session_uid == session_uid), None)
+
+
+def write_record(obj: bpy.types.Object, solve: Solve) -> None:
+    """Keep on the object what the run has measured and found; needs the add-on registered."""
     record = obj.adaptive_fairing
-    record.method = task.settings.method
-    record.tau = task.settings.tau
-    record.stop_reason = task.steps[-1].stop_reason or "stopped"
-    record.seconds = task.seconds
-    record.notes = "\n".join(task.steps[-1].notes)
-    chosen = chosen_step(task.steps)
-    record.chosen = chosen.index
-    if chosen.auto is not None:
-        record.noise = chosen.auto.noise
-        record.noise_length = chosen.auto.noise_length
-        record.radius = chosen.auto.radius
-        record.is_sharp = chosen.auto.is_sharp
-    record.steps.clear()
-    for measures in (chosen.initial, *task.steps):
-        item = record.steps.add()
+    result = solve.denoised
+    record.method = AUTO if solve.is_denoise else solve.settings.method
+    record.tau = 0.0 if solve.is_denoise else solve.settings.tau
+    record.stop_reason = "" if solve.is_denoise else solve.stop_reason or "stopped"
+    record.seconds = solve.seconds
+    record.notes = "\n".join(solve.notes)
+    record.shown = solve.shown + 1
+    record.iterations = (
+        sum(step.solve.iterations for step in solve.steps)
+        if result is None
+        else result.solve.iterations
+    )
+    if result is not None:
+        record.noise = result.noise_level
+        record.noise_length = result.noise_length
+        record.radius = result.radius
+        record.is_sharp = result.is_sharp
+    strengths = [0.0] * len(solve.shapes) if result is None else result.strengths
+    record.shapes.clear()
+    for strength, shape, measures in zip(
+        [0.0, *strengths], [solve.vertices, *solve.shapes], solve.measures, strict=True
+    ):
+        item = record.shapes.add()
+        item.strength = strength
         item.curvature_energy = measures.curvature_energy
         item.area = measures.area
         item.volume = measures.volume
-    for step, item in zip(task.steps, record.steps[1:], strict=True):
-        item.iterations = step.solve.iterations
-        item.displacement = _largest_move(task, step)
-        item.strength = step.auto.strength if step.auto is not None else 0.0
-
-
-def _largest_move(task: FairingTask, step: FairingStep) -> float:
-    return float(np.linalg.norm(step.positions - task.vertices, axis=1).max())
+        item.displacement = np.linalg.norm(shape - solve.vertices, axis=1).max()

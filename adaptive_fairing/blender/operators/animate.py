@@ -18,7 +18,7 @@ class _OnEvolution:
     def poll(cls, context):
         obj = context.active_object
         has_evolution = obj is not None and evolution_keys(obj) is not None
-        is_ours = has_evolution and bool(obj.adaptive_fairing.steps)
+        is_ours = has_evolution and bool(obj.adaptive_fairing.shapes)
         return is_allowed(cls, None if is_ours else NO_EVOLUTION)
 
 

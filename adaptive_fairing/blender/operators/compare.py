@@ -10,7 +10,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
 from ..data.regions import refusal
-from ..properties import SolverProperties, solver_settings
+from ..properties import AUTO, SolverProperties, solver_settings
 from ..requirements import scipy_problem
 from .modal_run import ModalRun
 from .object_mode import object_mode
@@ -18,10 +18,6 @@ from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
 
 GAP = 0.25
 """Space between two copies, as a share of the object's size."""
-
-BESIDE_AUTO = {"method": "adaptive_timestep", "density": "area", "tau": 0.0107, "steps": 4}
-"""Best setting of the adaptive schemes (measured); the uniform copy beside one of "auto", which has
-no τ, gets the τ that belongs to it."""
 
 LABEL_GAP = 0.06
 """Space between a copy and its label, as a share of the object's size."""
@@ -55,31 +51,33 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
     def prepare(self, context):
         from dataclasses import replace
 
+        from ...core import FairingSettings
         from ...core.diffusion.smoothing_radius import equivalent_uniform_tau
         from ..data.mesh_arrays import read_mesh
-        from ..jobs.fairing_task import FairingTask
+        from ..jobs.solve import Solve
 
-        adaptive = solver_settings(self)
-        if adaptive.method == "uniform":
-            adaptive = replace(adaptive, method="adaptive_timestep")
-        beside = replace(adaptive, **BESIDE_AUTO) if adaptive.method == "auto" else adaptive
+        settings = solver_settings(self)
+        # Beside `denoise`, which has no τ: the best setting of the adaptive schemes (measured).
+        best = FairingSettings(density="area", tau=0.0107, steps=4)
+        beside = best if self.method == AUTO else settings
+        if beside.method == "uniform":
+            settings = beside = replace(beside, method="adaptive_timestep")
         obj = context.active_object
         with object_mode(context):
             data = read_mesh(obj.data)
         tau = self.uniform_tau or equivalent_uniform_tau(data.vertices, data.triangles, beside)
         uniform = replace(beside, method="uniform", tau=float(f"{tau:.3g}"))
-        library = obj.library.filepath if obj.library is not None else None
         return [
-            FairingTask(obj.name, data.vertices, data.triangles, None, settings, library)
-            for settings in (uniform, adaptive)
+            Solve(data.vertices, data.triangles, each, name=obj.name, session_uid=obj.session_uid)
+            for each in (uniform, settings)
         ]
 
-    def conclude(self, context, tasks, *, is_stopped):
+    def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
         from ..jobs.store_result import find_object
 
-        failed = [task.error for task in tasks if task.error is not None]
-        unfinished = not all(task.steps for task in tasks)
+        failed = [solve.error for solve in solves if solve.error is not None]
+        unfinished = not all(solve.has_result for solve in solves)
         if failed or unfinished:
             message = failed[0] if failed else rpt_("Stopped before both copies were done")
             self.report({"ERROR"} if failed else {"INFO"}, message)
@@ -87,11 +85,11 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         try:
-            source = find_object(tasks[0])
+            source = find_object(solves[0])
         except FairingError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        made = _lay_out(context, source, tasks)
+        made = _lay_out(context, source, solves)
         for obj in context.selected_objects:
             obj.select_set(False)
         for obj in made:
@@ -100,12 +98,12 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         return {"FINISHED"}
 
 
-def _lay_out(context, source, tasks) -> list[bpy.types.Object]:
+def _lay_out(context, source, solves) -> list[bpy.types.Object]:
     """Put labelled copies to the right of the source, in a collection of their own.
 
     The source itself stands for the mesh before, unless shape keys make it show something else.
     """
-    from ..jobs.store_result import write_steps
+    from ..jobs.store_result import write_record, write_shapes
 
     low, high = _world_box(source)
     size = max(high - low)
@@ -114,7 +112,7 @@ def _lay_out(context, source, tasks) -> list[bpy.types.Object]:
     context.scene.collection.children.link(collection)
 
     def add(title, label, place):
-        copy = _plain_copy(source, f"{source.name} {title.lower()}", tasks[0].vertices)
+        copy = _plain_copy(source, f"{source.name} {title.lower()}", solves[0].vertices)
         copy.matrix_world.translation.x += place * stride
         collection.objects.link(copy)
         add_label(label, place)
@@ -132,27 +130,26 @@ def _lay_out(context, source, tasks) -> list[bpy.types.Object]:
         place = 1
         add(before, before, place)
     made = []
-    for task in tasks:
+    for solve in solves:
         place += 1
-        copy = add(*_title_and_label(task), place)
-        write_steps(copy, task, output="ABSOLUTE_KEYS", store_density=False)
+        copy = add(*_title_and_label(solve), place)
+        write_shapes(copy, solve, store_density=False)
+        write_record(copy, solve)
         made.append(copy)
     return made
 
 
-def _title_and_label(task) -> tuple[str, str]:
+def _title_and_label(solve) -> tuple[str, str]:
     """Name a copy, for the outliner and for the label below it."""
-    from ...core.results import chosen_step
-
-    settings, chosen = task.settings, chosen_step(task.steps)
-    with_what = f"τ = {settings.tau:.3g}"
-    if chosen.auto is not None:
-        title, with_what = data_("Automatic"), f"{data_('Noise')} {chosen.auto.noise:.2g}"
-    elif settings.method == "uniform":
-        title = data_("Uniform")
+    if solve.is_denoise:
+        title, with_what = data_("Automatic"), f"{data_('Noise')} {solve.denoised.noise_level:.2g}"
     else:
-        title = data_("Adaptive")
-    return title, f"{title}\n{with_what}\nH {100 * chosen.curvature_ratio:.0f} %"
+        is_uniform = solve.settings.method == "uniform"
+        title = data_("Uniform") if is_uniform else data_("Adaptive")
+        with_what = f"τ = {solve.settings.tau:.3g}"
+    before, after = solve.measures[0], solve.measures[solve.shown + 1]
+    left = after.curvature_energy / before.curvature_energy if before.curvature_energy else 0.0
+    return title, f"{title}\n{with_what}\nH {100 * left:.0f} %"
 
 
 def _plain_copy(source, name, vertices) -> bpy.types.Object:

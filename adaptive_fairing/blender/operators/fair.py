@@ -11,6 +11,7 @@ from ..requirements import scipy_problem
 from .modal_run import ModalRun, progress, stop_run
 from .object_mode import object_mode
 from .polls import busy_refusal, is_allowed
+from .settings_layout import draw_operator
 
 
 class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, bpy.types.Operator):
@@ -27,8 +28,6 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
         return is_allowed(cls, busy_refusal(), scipy_problem(), refusal(context))
 
     def draw(self, context):
-        from ..ui.settings_panel import draw_operator
-
         draw_operator(self.layout, self, context.active_object)
 
     def prepare(self, context):
@@ -36,52 +35,56 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
         objects = target_objects(context)
         mode = objects[0].mode
         with object_mode(context):
-            return [self._task(obj, mode, settings) for obj in objects]
+            return [self._solve(obj, mode, settings) for obj in objects]
 
-    def conclude(self, context, tasks, *, is_stopped):
+    def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
-        from ..jobs.store_result import store_task
+        from ..jobs.store_result import object_of, store_solve
 
         results, problems = [], []
         with object_mode(context):
-            for task in tasks:
+            for solve in solves:
                 try:
-                    if task.steps:
-                        obj = store_task(task, output=self.output, store_density=self.store_density)
+                    if solve.has_result:
+                        obj = store_solve(
+                            solve, output=self.output, store_density=self.store_density
+                        )
                         results.append(obj)
-                        for note in task.steps[-1].notes:
-                            self.report({"INFO"}, f"{task.name}: {note}")
-                        _take_over_selection(context, task.name, obj)
+                        for note in solve.notes:
+                            self.report({"INFO"}, f"{obj.name}: {note}")
+                        _take_over_selection(context, object_of(solve.session_uid), obj)
                 except FairingError as error:
-                    task.error = str(error)
-                if task.error is not None:
-                    problems.append(f"{task.name}: {task.error}")
+                    solve.failure = error
+                if solve.error is not None:
+                    problems.append(f"{solve.name}: {solve.error}")
         for problem in problems:
             self.report({"WARNING"} if results else {"ERROR"}, problem)
         if not results:
             if not problems:
                 self.report({"INFO"}, rpt_("Stopped: nothing was changed"))
             return {"CANCELLED"}
-        self.report({"INFO"}, _summary(tasks, is_stopped))
+        self.report({"INFO"}, _summary(solves, is_stopped))
         return {"FINISHED"}
 
-    def _task(self, obj, mode, settings):
-        from ...core import FairingError
+    def _solve(self, obj, mode, settings):
+        from ...core import FairingError, InputError
         from ..data.mesh_arrays import read_mesh
         from ..data.targets import needs_copy
-        from ..jobs.fairing_task import FairingTask
+        from ..jobs.solve import Solve
 
         data = read_mesh(obj.data)
-        library = obj.library.filepath if obj.library is not None else None
-        task = FairingTask(obj.name, data.vertices, data.triangles, None, settings, library)
-        if self.existing_keys == "REFUSE" and needs_copy(obj):
-            task.error = rpt_(
-                "has shape keys of its own, or is linked from another file: "
-                "allow to work on a copy, or make one without them"
-            )
-            return task
+        solve = Solve(
+            data.vertices, data.triangles, settings, name=obj.name, session_uid=obj.session_uid
+        )
         try:
-            task.weights = vertex_weights(
+            if self.existing_keys == "REFUSE" and needs_copy(obj):
+                raise InputError(
+                    rpt_(
+                        "has shape keys of its own, or is linked from another file: "
+                        "allow to work on a copy, or make one without them"
+                    )
+                )
+            solve.weights = vertex_weights(
                 obj,
                 mode,
                 use_region=self.use_region,
@@ -89,8 +92,8 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
                 invert=self.invert_vertex_group,
             )
         except FairingError as error:
-            task.error = str(error)
-        return task
+            solve.failure = error
+        return solve
 
 
 class OBJECT_OT_adaptive_fairing_stop(bpy.types.Operator):
@@ -111,25 +114,26 @@ class OBJECT_OT_adaptive_fairing_stop(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _take_over_selection(context: bpy.types.Context, name: str, result: bpy.types.Object) -> None:
+def _take_over_selection(
+    context: bpy.types.Context, source: bpy.types.Object, result: bpy.types.Object
+) -> None:
     """Select a result that is a copy in place of the object it was made from."""
-    if result.name == name or result.name not in context.view_layer.objects:
+    if result == source or result.name not in context.view_layer.objects:
         return
-    active = context.view_layer.objects.active
     result.select_set(True)
-    if active is not None and active.name == name:
+    if context.view_layer.objects.active == source:
         context.view_layer.objects.active = result
 
 
-def _summary(tasks, is_stopped: bool) -> str:
-    done = [task for task in tasks if task.steps]
-    n_vertices = sum(len(task.vertices) for task in done)
-    seconds = sum(task.seconds for task in done)
-    if done[0].is_auto:
-        text = rpt_("Faired {:d} vertices, {:.1f} s").format(n_vertices, seconds)
+def _summary(solves, is_stopped: bool) -> str:
+    done = [solve for solve in solves if solve.has_result]
+    n_vertices = sum(len(solve.vertices) for solve in done)
+    seconds = sum(solve.seconds for solve in done)
+    if done[0].is_denoise:
+        text = rpt_("Denoised {:d} vertices, {:.1f} s").format(n_vertices, seconds)
     else:
         text = rpt_("Faired {:d} vertices in {:d} steps, {:.1f} s").format(
-            n_vertices, sum(len(task.steps) for task in done), seconds
+            n_vertices, sum(len(solve.steps) for solve in done), seconds
         )
     return rpt_("Stopped early. {:s}").format(text) if is_stopped else text
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ..properties import SolverProperties, solver_settings
+from ..properties import SolverProperties, fairing_settings
 
 if TYPE_CHECKING:
     from ...core.diffusion.smoothing_radius import RadiusScale
@@ -39,7 +39,7 @@ def measure(obj: bpy.types.Object, properties: SolverProperties) -> RadiusScale 
 
     data = read_mesh(obj.data)
     try:
-        settings = solver_settings(properties)
+        settings = fairing_settings(properties)
         scale = radius_scale(data.vertices, data.triangles, settings)
     except FairingError as error:
         scale = str(error)

@@ -1,4 +1,4 @@
-"""Run tasks beside Blender's window: a worker thread computes, a timer looks in, Esc stops.
+"""Run solves beside Blender's window: a worker thread computes, a timer looks in, Esc stops.
 
 From scripts, in background and in the redo panel the same operators block until all is done.
 """
@@ -17,7 +17,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ..jobs.worker_thread import Worker
 
 if TYPE_CHECKING:
-    from ..jobs.fairing_task import FairingTask
+    from ..jobs.solve import Solve
 
 TIMER_SECONDS = 0.1
 QUIT_SECONDS = 5.0
@@ -29,17 +29,17 @@ class Progress:
 
     Attributes
     ----------
-    tasks
-        All meshes of the run; the thread fills in their steps.
+    solves
+        All meshes of the run; the thread fills in their results.
     worker
         The thread.
     n_known
-        Steps that the main thread has seen; a run of "auto" counts as one.
+        Steps that the main thread has seen; `denoise` counts as one.
     last_news, step_seconds
         When the last step was seen, and how long it had taken.
     """
 
-    tasks: list[FairingTask]
+    solves: list[Solve]
     worker: Worker
     n_known: int = 0
     last_news: float = field(default_factory=time.perf_counter)
@@ -53,50 +53,46 @@ class Progress:
         self.last_news = now
 
     @property
-    def task(self) -> FairingTask:
+    def solve(self) -> Solve:
         """The mesh at hand."""
-        return next((task for task in self.tasks if not _is_over(task)), self.tasks[-1])
+        return next((solve for solve in self.solves if not solve.is_over), self.solves[-1])
 
     @property
     def factor(self) -> float:
-        """Share of the run that is done; within a step guessed from how long the last one took."""
-        n_steps = sum(1 if task.is_auto else task.settings.steps for task in self.tasks)
+        """Part of the run that is done; within a step guessed from how long the last one took."""
+        n_steps = sum(1 if each.is_denoise else each.settings.steps for each in self.solves)
         within = 0.0
-        if self.task.is_auto:
-            within = self.task.share
+        if self.solve.is_denoise:
+            within = 0.0 if self.solve.is_over else self.solve.progress
         elif self.step_seconds > 0:
             within = min((time.perf_counter() - self.last_news) / self.step_seconds, 0.95)
         return min((self.n_known + within) / n_steps, 1.0)
 
     def describe_step(self) -> str:
         """Name the step that is being computed, of how many."""
-        task = self.task
-        if task.is_auto:
-            text = iface_("Removing noise: {:.0f} %").format(100 * task.share)
+        solve = self.solve
+        if solve.is_denoise:
+            text = iface_("Removing noise: {:.0f} %").format(100 * solve.progress)
         else:
             text = iface_("Step {:d} of {:d}").format(
-                min(len(task.steps) + 1, task.settings.steps), task.settings.steps
+                min(len(solve.steps) + 1, solve.settings.steps), solve.settings.steps
             )
-        return f"{task.name}: {text}" if len(self.tasks) > 1 else text
+        return f"{solve.name}: {text}" if len(self.solves) > 1 else text
 
     def stop(self) -> None:
-        """Ask the run to stop: after the step it is computing, or at once if that is of "auto"."""
+        """Ask the run to stop: after the step it is computing, `denoise` at once."""
         self.worker.stop()
-        for task in self.tasks:
-            task.is_cancelled = True
+        for solve in self.solves:
+            solve.is_cancelled = True
 
     def solver_details(self) -> str:
         """Tell iterations and H of the last step of the mesh at hand; empty before the first."""
-        steps = self.task.steps
-        if not steps or self.task.is_auto:
+        if not self.solve.steps:
             return ""
+        last = self.solve.steps[-1]
         return iface_("{:d} solver iterations  ·  H at {:.1f} %").format(
-            steps[-1].solve.iterations, 100 * steps[-1].curvature_ratio
+            last.solve.iterations, 100 * last.curvature_ratio
         )
-
-
-def _is_over(task: FairingTask) -> bool:
-    return task.error is not None or bool(task.steps and task.steps[-1].stop_reason is not None)
 
 
 _progress: list[Progress] = []  # of the run that is going on; at most one
@@ -137,28 +133,28 @@ class ModalRun:
     A subclass has two methods, which are called in the main thread; Blender's classes cannot have
     abstract ones:
 
-    - ``prepare(context)`` reads the meshes and gives a list of tasks.
-    - ``conclude(context, tasks, *, is_stopped)`` writes the results and gives what an operator
+    - ``prepare(context)`` reads the meshes and gives a list of solves.
+    - ``conclude(context, solves, *, is_stopped)`` writes the results and gives what an operator
       returns. It is also called after a stop, with the steps that were finished by then.
     """
 
     _timer: bpy.types.Timer | None = None
 
     def execute(self, context):
-        tasks = self._prepared(context)
-        if tasks is None:
+        solves = self._prepared(context)
+        if solves is None:
             return {"CANCELLED"}
-        for _ in self._generator(tasks):
+        for _ in self._generator(solves):
             pass
-        return self.conclude(context, tasks, is_stopped=False)
+        return self.conclude(context, solves, is_stopped=False)
 
     def invoke(self, context, event):
         if bpy.app.background:
             return self.execute(context)
-        tasks = self._prepared(context)
-        if tasks is None:
+        solves = self._prepared(context)
+        if solves is None:
             return {"CANCELLED"}
-        _progress[:] = [Progress(tasks, Worker(self._generator(tasks)))]
+        _progress[:] = [Progress(solves, Worker(self._generator(solves)))]
         manager = context.window_manager
         self._timer = manager.event_timer_add(TIMER_SECONDS, window=context.window)
         manager.modal_handler_add(self)
@@ -188,13 +184,13 @@ class ModalRun:
             return {"PASS_THROUGH"}
         is_stopped = current.worker.is_stopping
         self._leave(context)
-        return self.conclude(context, current.tasks, is_stopped=is_stopped)
+        return self.conclude(context, current.solves, is_stopped=is_stopped)
 
     def cancel(self, context):
         """Blender ends the operator: another file is loaded, or the window is closed."""
         self._leave(context)
 
-    def _prepared(self, context: bpy.types.Context) -> list[FairingTask] | None:
+    def _prepared(self, context: bpy.types.Context) -> list[Solve] | None:
         from ...core import FairingError
 
         try:
@@ -203,10 +199,10 @@ class ModalRun:
             self.report({"ERROR"}, str(error))
             return None
 
-    def _generator(self, tasks: list[FairingTask]) -> Iterator[FairingTask]:
-        from ..jobs.fairing_task import run_tasks
+    def _generator(self, solves: list[Solve]) -> Iterator[Solve]:
+        from ..jobs.solve import run_solves
 
-        return run_tasks(tasks)
+        return run_solves(solves)
 
     def _leave(self, context: bpy.types.Context) -> None:
         forget_run()
@@ -230,11 +226,11 @@ def redraw_panels(context: bpy.types.Context) -> None:
 
 def _show_progress(context: bpy.types.Context) -> None:
     current = progress()
-    is_auto = current.task.is_auto
+    is_denoise = current.solve.is_denoise
     if current.worker.is_stopping:
-        hint = rpt_("stopping") if is_auto else rpt_("stopping after this step")
+        hint = rpt_("stopping") if is_denoise else rpt_("stopping after this step")
     else:
-        hint = rpt_("Esc: stop") if is_auto else rpt_("Esc: stop, keep the finished steps")
+        hint = rpt_("Esc: stop") if is_denoise else rpt_("Esc: stop, keep the finished steps")
     parts = ["Adaptive Fairing", current.describe_step(), current.solver_details(), hint]
     if context.workspace is not None:
         context.workspace.status_text_set("   ·   ".join(part for part in parts if part))

@@ -41,42 +41,41 @@ class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.
 
     def prepare(self, context):
         from ...core import InputError
-        from ..jobs.fairing_task import FairingTask
         from ..jobs.frames import read_frames
+        from ..jobs.solve import Solve
 
         settings = solver_settings(self)
         if self.frame_end <= self.frame_start:
             raise InputError(rpt_("The last frame must come after the first"))
         obj = context.active_object
         numbers = range(self.frame_start, self.frame_end + 1)
-        self._name = obj.name
+        self._session_uid = obj.session_uid
         self._frames = read_frames(obj, numbers)
         return [
-            FairingTask(
-                rpt_("Frame {:d}").format(frame.number),
+            Solve(
                 frame.data.vertices,
                 frame.data.triangles,
-                None,
                 settings,
+                name=rpt_("Frame {:d}").format(frame.number),
             )
             for frame in self._frames
         ]
 
-    def conclude(self, context, tasks, *, is_stopped):
-        from ...core.results import chosen_step
+    def conclude(self, context, solves, *, is_stopped):
         from ..jobs.keyed_object import show_frames
+        from ..jobs.store_result import object_of
 
         done = [
-            (frame, chosen_step(task.steps).positions)
-            for frame, task in zip(self._frames, tasks, strict=True)
-            if task.error is None and task.steps and task.steps[-1].stop_reason is not None
+            (frame, solve.kept)
+            for frame, solve in zip(self._frames, solves, strict=True)
+            if solve.kept is not None
         ]
-        problems = [f"{task.name}: {task.error}" for task in tasks if task.error is not None]
+        problems = [f"{each.name}: {each.error}" for each in solves if each.error is not None]
         for problem in problems:
             self.report({"WARNING"} if done else {"ERROR"}, problem)
-        obj = bpy.data.objects.get(self._name)
+        obj = object_of(self._session_uid)
         if obj is None:
-            self.report({"ERROR"}, rpt_("the object was deleted or renamed during the run"))
+            self.report({"ERROR"}, rpt_("the object was deleted during the run"))
             return {"CANCELLED"}
         if not done:
             if not problems:
@@ -88,15 +87,15 @@ class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.
         result.select_set(True)
         context.view_layer.objects.active = result
         text = rpt_("Faired {:d} frames, {:.1f} s").format(
-            len(done), sum(task.seconds for task in tasks)
+            len(done), sum(solve.seconds for solve in solves)
         )
         self.report({"INFO"}, rpt_("Stopped early. {:s}").format(text) if is_stopped else text)
         return {"FINISHED"}
 
-    def _generator(self, tasks):
+    def _generator(self, solves):
         from ..jobs.frame_sequence import run_frames
 
-        return run_frames(tasks, one_strength=self.same_strength)
+        return run_frames(solves, one_strength=self.same_strength)
 
 
 register, unregister = bpy.utils.register_classes_factory((OBJECT_OT_adaptive_fairing_sequence,))

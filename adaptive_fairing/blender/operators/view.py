@@ -6,7 +6,7 @@ import bpy
 from bpy.app.translations import pgettext_tip as tip_
 
 from ..data.regions import refusal, target_objects
-from ..properties import solver_settings
+from ..properties import fairing_settings
 from ..requirements import scipy_problem
 from . import viewport
 from .object_mode import object_mode
@@ -58,7 +58,7 @@ class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
         shown = 0
         objects = target_objects(context)
         try:
-            settings = solver_settings(context.scene.adaptive_fairing)
+            settings = fairing_settings(context.scene.adaptive_fairing)
         except FairingError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

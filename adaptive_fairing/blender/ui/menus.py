@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..operators.compare import OBJECT_OT_adaptive_fairing_compare
-from ..properties import SOLVER_NAMES, copy_settings
+from ..properties import copy_solver
 from .settings_panel import draw_run_button
 
 
@@ -14,7 +14,7 @@ def draw_object_menu(self, context) -> None:
     self.layout.separator()
     draw_mode_menu(self, context)
     compare = self.layout.operator(OBJECT_OT_adaptive_fairing_compare.bl_idname)
-    copy_settings(context.scene.adaptive_fairing, compare, SOLVER_NAMES)
+    copy_solver(context.scene.adaptive_fairing, compare)
 
 
 def draw_mode_menu(self, context) -> None:

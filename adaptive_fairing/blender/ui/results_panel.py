@@ -8,7 +8,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..data.color_map import SIGNED_FIELDS
-from ..data.run_record import evolution_keys, is_of_strengths, result_step, shown_strength
+from ..data.run_record import evolution_keys, is_of_strengths, result_measures, shown_strength
 from ..operators.animate import (
     OBJECT_OT_adaptive_fairing_animate,
     OBJECT_OT_adaptive_fairing_animate_clear,
@@ -21,7 +21,7 @@ from ..operators.view import (
     OBJECT_OT_adaptive_fairing_view,
     OBJECT_OT_adaptive_fairing_view_end,
 )
-from ..properties import SOLVER_NAMES, copy_settings
+from ..properties import copy_settings, copy_solver
 from . import pictures
 from .layouts import draw_lines, length_text
 from .settings_panel import FairingPanel
@@ -40,7 +40,7 @@ class VIEW3D_PT_adaptive_fairing_results(FairingPanel, bpy.types.Panel):
     @classmethod
     def poll(cls, context):
         obj = context.active_object
-        return obj is not None and obj.type == "MESH" and bool(obj.adaptive_fairing.steps)
+        return obj is not None and obj.type == "MESH" and bool(obj.adaptive_fairing.shapes)
 
     def draw(self, context):
         layout = self.layout
@@ -86,19 +86,19 @@ class VIEW3D_PT_adaptive_fairing_compare(FairingPanel, bpy.types.Panel):
         operator = self.layout.operator(
             OBJECT_OT_adaptive_fairing_compare.bl_idname, icon="MOD_ARRAY"
         )
-        copy_settings(context.scene.adaptive_fairing, operator, SOLVER_NAMES)
+        copy_solver(context.scene.adaptive_fairing, operator)
 
 
 def _draw_evolution(context, layout, obj) -> None:
     record = obj.adaptive_fairing
-    n_steps = len(record.steps) - 1
+    n_steps = len(record.shapes) - 1
     row = layout.row()
     row.scale_y = 1.3
     row.prop(record, "evolution", slider=True)
     mark = "NONE"
     if is_of_strengths(record):
         strength = shown_strength(record)
-        if math.isclose(strength, result_step(record).strength, rel_tol=1e-4):
+        if math.isclose(strength, result_measures(record).strength, rel_tol=1e-4):
             mark = "CHECKMARK"
         shown = iface_("Strength {:.2f}").format(strength)
     else:
@@ -126,7 +126,7 @@ def _draw_estimate(context, layout, record) -> None:
     """Draw what "auto" has found and chosen."""
     noise = _world_length_text(context, record, record.noise_length)
     chosen = iface_("{:d} of {:d}, strength {:.4g}").format(
-        record.chosen, len(record.steps) - 1, result_step(record).strength
+        record.shown, len(record.shapes) - 1, result_measures(record).strength
     )
     rows = [
         ("Chosen", chosen),
@@ -139,8 +139,8 @@ def _draw_estimate(context, layout, record) -> None:
 
 def _draw_course(layout, record) -> None:
     """Draw H over the steps, with its first value and that of the result beside it."""
-    energies = [step.curvature_energy for step in record.steps]
-    after = result_step(record).curvature_energy
+    energies = [shape.curvature_energy for shape in record.shapes]
+    after = result_measures(record).curvature_energy
     split = layout.box().split(factor=0.55)
     split.template_icon(icon_value=pictures.plot_icon(energies), scale=6.5)
     column = split.column(align=True)
@@ -154,18 +154,16 @@ def _draw_course(layout, record) -> None:
 
 
 def _draw_measures(context, layout, record) -> None:
-    first, last = record.steps[0], result_step(record)
-    if is_of_strengths(record):
-        how, iterations = [], last.iterations  # the solves serve all strengths
-    else:
-        iterations = sum(step.iterations for step in record.steps)
+    first, last = record.shapes[0], result_measures(record)
+    how = []
+    if not is_of_strengths(record):
         how = [
-            ("Steps", f"{len(record.steps) - 1}  ·  τ = {record.tau:.4g}"),
+            ("Steps", f"{len(record.shapes) - 1}  ·  τ = {record.tau:.4g}"),
             ("Ended by", iface_(STOP_REASONS.get(record.stop_reason, record.stop_reason))),
         ]
     rows = [
         *how,
-        ("Time", iface_("{:.2f} s, {:d} iterations").format(record.seconds, iterations)),
+        ("Time", iface_("{:.2f} s, {:d} iterations").format(record.seconds, record.iterations)),
         ("Volume", _change(first.volume, last.volume)),
         ("Area", _change(first.area, last.area)),
         ("Largest move", _world_length_text(context, record, last.displacement)),

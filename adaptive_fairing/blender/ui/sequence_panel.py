@@ -7,7 +7,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ..operators import modal_run
 from ..operators.sequence import OBJECT_OT_adaptive_fairing_sequence
-from ..properties import SOLVER_NAMES, copy_settings
+from ..properties import copy_settings, copy_solver
 from .settings_panel import FairingPanel
 
 
@@ -40,7 +40,8 @@ class VIEW3D_PT_adaptive_fairing_sequence(FairingPanel, bpy.types.Panel):
             text=iface_("Fair {:d} Frames").format(n_frames),
             icon="RENDER_ANIMATION",
         )
-        copy_settings(settings, operator, (*SOLVER_NAMES, "same_strength"))
+        copy_solver(settings, operator)
+        operator.same_strength = settings.same_strength
         copy_settings(scene, operator, ("frame_start", "frame_end"))
 
 

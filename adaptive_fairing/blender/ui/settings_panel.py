@@ -8,17 +8,21 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..data.regions import refusal, target_objects
 from ..operators import mesh_scale, modal_run
 from ..operators.fair import OBJECT_OT_adaptive_fairing
+from ..operators.settings_layout import (
+    draw_accuracy,
+    draw_density,
+    draw_method,
+    draw_output,
+    draw_region,
+)
 from ..operators.tau import (
     OBJECT_OT_adaptive_fairing_measure,
     OBJECT_OT_adaptive_fairing_suggest_tau,
 )
-from ..properties import OUTPUT_NAMES, SOLVER_NAMES, copy_settings
+from ..properties import AUTO, OUTPUT_NAMES, copy_settings, copy_solver
 from ..requirements import scipy_problem
 from .layouts import draw_lines
 from .presets import VIEW3D_PT_adaptive_fairing_presets
-
-NAMES = SOLVER_NAMES + OUTPUT_NAMES
-AUTO = "auto"
 
 
 class FairingPanel:
@@ -97,73 +101,12 @@ class VIEW3D_PT_adaptive_fairing_output(_SettingsPanel, bpy.types.Panel):
 class VIEW3D_PT_adaptive_fairing_accuracy(_SettingsPanel, bpy.types.Panel):
     bl_label = "Stopping and Accuracy"
 
+    @classmethod
+    def poll(cls, context):
+        return context.scene.adaptive_fairing.method != AUTO
+
     def draw_settings(self, context, layout, settings):
         draw_accuracy(layout, settings)
-
-
-def draw_operator(layout, operator, obj) -> None:
-    """Draw all properties of the operator, for the redo panel."""
-    layout.use_property_split = True
-    layout.use_property_decorate = False
-    draw_method(layout.column(), operator)
-    parts = (draw_output, draw_accuracy)
-    for draw_part in parts if operator.method == AUTO else (draw_density, *parts):
-        layout.separator()
-        draw_part(layout, operator)
-    layout.separator()
-    draw_region(layout, operator, obj)
-
-
-def draw_method(layout, properties) -> None:
-    """Draw the method and what it needs to know."""
-    layout.prop(properties, "method")
-    names = ("strength", "features") if properties.method == AUTO else ("tau", "steps")
-    for name in names:
-        layout.prop(properties, name)
-
-
-def draw_density(layout, properties) -> None:
-    """Draw how the density is measured."""
-    column = layout.column()
-    column.active = properties.method != "uniform"
-    column.prop(properties, "density")
-    column.prop(properties, "density_passes")
-
-
-def draw_region(layout, properties, obj) -> None:
-    """Draw where the smoothing works."""
-    layout.prop(properties, "use_region")
-    row = layout.row(align=True)
-    if obj is not None and obj.type == "MESH":
-        row.prop_search(properties, "vertex_group", obj, "vertex_groups")
-    else:
-        row.prop(properties, "vertex_group")
-    row.prop(properties, "invert_vertex_group", text="", icon="ARROW_LEFTRIGHT")
-    layout.prop(properties, "boundary")
-
-
-def draw_output(layout, properties) -> None:
-    """Draw what becomes of the result."""
-    column = layout.column()
-    column.prop(properties, "output")
-    column.prop(properties, "existing_keys")
-    column.prop(properties, "store_density")
-
-
-def draw_accuracy(layout, properties) -> None:
-    """Draw when to stop and how exactly to solve."""
-    if properties.method == AUTO:
-        # It ends by itself and knows how exactly its systems must be solved.
-        layout.prop(properties, "quadrature_tolerance", text=iface_("Integration"))
-        return
-    column = layout.column(align=True)
-    column.prop(properties, "stop_curvature", text=iface_("Stop at Curvature"))
-    column.prop(properties, "stop_rate", text=iface_("Stop at Rate"))
-    column = layout.column(align=True)
-    column.prop(properties, "cg_tolerance")
-    column.prop(properties, "cg_max_iterations", text=iface_("Iterations"))
-    column.prop(properties, "quadrature_tolerance", text=iface_("Integration"))
-    layout.prop(properties, "normalize")
 
 
 def _draw_radius(context, layout, settings) -> None:
@@ -220,7 +163,8 @@ def _draw_run(context, layout, settings) -> None:
 def draw_run_button(layout, settings, **appearance) -> None:
     """Draw a button that runs with the settings of the scene."""
     operator = layout.operator(OBJECT_OT_adaptive_fairing.bl_idname, **appearance)
-    copy_settings(settings, operator, NAMES)
+    copy_solver(settings, operator)
+    copy_settings(settings, operator, OUTPUT_NAMES)
 
 
 def _draw_progress(layout, current) -> None:
@@ -232,7 +176,7 @@ def _draw_progress(layout, current) -> None:
     row = layout.row()
     row.scale_y = 1.6
     row.enabled = not current.worker.is_stopping
-    text = iface_("Stop") if current.task.is_auto else iface_("Stop, Keep Steps")
+    text = iface_("Stop") if current.solve.is_denoise else iface_("Stop, Keep Steps")
     if current.worker.is_stopping:
         text = iface_("Stopping…")
     row.operator("object.adaptive_fairing_stop", text=text, icon="CANCEL")

@@ -293,8 +293,7 @@ GERMAN = {
     "has shape keys of its own, or is linked from another file: allow to work on a copy, or make "
     "one without them": "hat eigene Formen oder ist aus einer anderen Datei verknüpft: Arbeit an "
     "einer Kopie erlauben oder eine Kopie ohne sie machen",
-    "the object was deleted or renamed during the run": "das Objekt wurde während des Laufs "
-    "gelöscht oder umbenannt",
+    "the object was deleted during the run": "das Objekt wurde während des Laufs gelöscht",
     "the mesh was changed during the run; nothing was written": "das Netz wurde während des Laufs "
     "geändert; nichts wurde geschrieben",
     "the shape before the smoothing was not kept: choose another Result than Final Shape Only to "
@@ -302,7 +301,7 @@ GERMAN = {
     "Ergebnis als Nur Endform wählen",
     "the mesh is linked from another file: make it local to colour it": "das Netz ist aus einer "
     "anderen Datei verknüpft: zum Einfärben lokal machen",
-    "Faired {:d} vertices, {:.1f} s": "{:d} Punkte geglättet, {:.1f} s",
+    "Denoised {:d} vertices, {:.1f} s": "{:d} Punkte entrauscht, {:.1f} s",
     "Faired {:d} vertices in {:d} steps, {:.1f} s": "{:d} Punkte in {:d} Schritten geglättet, "
     "{:.1f} s",
     "No problem vertices": "Keine Problempunkte",

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError, SolverError
 from ..linalg.conjugate_gradients import SolveReport
@@ -13,14 +13,13 @@ from ..mesh.normals import triangle_normals, unit_vectors
 from ..mesh.topology import TriangleTopology
 from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import CallerMesh, SolverProblem
+from ..runtime.arrays import BoolArray, FloatArray
 from .filter_rounds import KEEPS_CREASES
 from .local_frame import spacing_of
 from .mixing import mixed_surfaces
 from .plan import STRENGTHS, DenoisePlan
 from .result import DenoiseResult
 from .settings import DenoiseSettings
-
-FloatArray = NDArray[np.float64]
 
 # An edge is a crease if the normals beside it differ by this many radians. Smooth meshes have fewer
 # creases than this part of their edges.
@@ -151,7 +150,7 @@ def _require_converged(solve: SolveReport) -> None:
         )
 
 
-def _median_where(judged: NDArray[np.bool_], values: FloatArray) -> float:
+def _median_where(judged: BoolArray, values: FloatArray) -> float:
     return float(np.median(values[judged])) if judged.any() else 0.0
 
 

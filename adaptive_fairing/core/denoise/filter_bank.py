@@ -20,7 +20,6 @@ from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..fem.loop_space import LoopSpace
 from ..linalg.conjugate_gradients import SolveReport, conjugate_gradients
@@ -28,12 +27,10 @@ from ..linalg.krylov_filters import MAX_ITERATIONS, Diffusion, removed_by
 from ..linalg.symmetric_matrix import SymmetricMatrix
 from ..mesh.limit_surface import limit_matrix, near_control_points
 from ..mesh.normals import triangle_normals, unit_vectors
+from ..runtime.arrays import FloatArray, IntArray
 from .lifted_metric import LiftedMetric
 from .local_frame import spacing_of
 from .normal_filter import Smoothing, smoothed_normals, triangles_around, turns_between
-
-FloatArray = NDArray[np.float64]
-
 
 # With at most this angle a metric keeps creases, without one it rounds them; those between keep
 # what stands out of the noise.
@@ -224,7 +221,7 @@ class FilterBank:
             yield surface - self._limit @ removed
 
     @cached_property
-    def _around(self) -> NDArray[np.int32]:
+    def _around(self) -> IntArray:
         return triangles_around(self._space.topology)
 
     def _matrices(

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import FloatArray
 from .filter_bank import GENTLE, STEEP, FilterFamily, NormalFamily
 from .lifted_metric import LiftedMetric
 from .normal_filter import Smoothing
-
-FloatArray = NDArray[np.float64]
 
 # Filters of each round, in metrics of the mixture of the rounds before it.  The angles of the
 # metrics are for noise of `COARSE_NOISE` or more; with less noise the normals are less disturbed,

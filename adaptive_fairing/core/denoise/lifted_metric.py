@@ -20,14 +20,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..fem.differential_geometry import Metric
 from ..fem.loop_space import LoopSpace
 from ..fem.surface_evaluation import SurfaceBlock
 from ..linalg.symmetric_matrix import SymmetricMatrix
-
-FloatArray = NDArray[np.float64]
+from ..runtime.arrays import FloatArray
 
 # Metric of a triangle with unit edges in its parametric coordinates: m11, m12, m22.
 EQUILATERAL = (1.0, 0.5, 1.0)

@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from ..mesh.density import mesh_density
 from ..mesh.normals import vertex_normals
 from ..mesh.topology import TriangleTopology
-
-FloatArray = NDArray[np.float64]
+from ..runtime.arrays import FloatArray
 
 
 @dataclass(frozen=True)

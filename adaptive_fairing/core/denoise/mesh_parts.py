@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csgraph
 
 from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import BoolArray, FloatArray
 from .local_frame import LocalFrame
 from .noise.clean_detail import NOISE, CleanDetail
 from .noise.level import CLEAN_ROUGHNESS, beyond_clean, noise_model
 from .noise.order_decay import Fading
 from .noise.roughness import Roughness
 from .unbiased_risk import density_classes, least_risk_shares
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 # What is rough and has fewer vertices may be noise or shape; with fewer still nothing can be told.
 FEWEST_TO_TELL, FEWEST_VERTICES = 300, 50

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ..fem.loop_space import LoopSpace
 from ..linalg.conjugate_gradients import SolveReport
+from ..runtime.arrays import BoolArray, FloatArray
 from .filter_bank import SOLVES_PER_METRIC, FilterBank, FilterFamily, NormalFamily
 from .filter_rounds import FAMILIES, USABLE, rounds_for
 from .local_frame import LocalFrame
@@ -31,9 +32,6 @@ from .noise.order_decay import Fading
 from .noise.own_numbers import own_signs
 from .plan import STRENGTHS, DenoisePlan
 from .tangential_limit import Sliding
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 # Least risk at the estimated noise leaves a little more of it than looks and measures best, because
 # the estimate is a lower bound; found on meshes with known noise.

@@ -14,14 +14,11 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..mesh.normals import unit_vectors
 from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import FloatArray, IntArray
 from ..runtime.threads import ordered_map
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int32]
 
 TRIANGLES_PER_PIECE = 16384
 

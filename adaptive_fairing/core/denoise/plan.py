@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from ..runtime.arrays import FloatArray
 
 # Strengths that every run computes, as factors of the estimated noise.
 STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)

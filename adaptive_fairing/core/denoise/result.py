@@ -5,14 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..fem.differential_geometry import SurfaceMeasures
 from ..linalg.conjugate_gradients import SolveReport
+from ..runtime.arrays import FloatArray
 from .plan import STRENGTHS, DenoisePlan
 from .settings import DenoiseSettings
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -13,9 +13,8 @@ from numpy.typing import NDArray
 
 from ..mesh.normals import triangle_normals, unit_vectors, vertex_normals
 from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import BoolArray, FloatArray
 from .local_frame import LocalFrame
-
-FloatArray = NDArray[np.float64]
 
 # The share of the way along the surface that vertices go; found on meshes with known noise.
 SLIDING_SHARE = 0.75
@@ -80,10 +79,10 @@ class Sliding:
             judged = np.flatnonzero(self._may_turn & is_near)
         return result
 
-    def _is_turned(self, positions: FloatArray, faces: NDArray[np.intp]) -> NDArray[np.bool_]:
+    def _is_turned(self, positions: FloatArray, faces: NDArray[np.intp]) -> BoolArray:
         """Which of some triangles are turned over."""
         normal = unit_vectors(triangle_normals(positions, self._triangles[faces]))
         is_down = np.einsum("fd,fd->f", normal, self._upwards[faces]) < TURNED
         is_against = np.einsum("fd,fd->f", normal, self._before[faces]) < 0
-        turned: NDArray[np.bool_] = is_down & (self._was_upright[faces] | is_against)
+        turned: BoolArray = is_down & (self._was_upright[faces] | is_against)
         return turned

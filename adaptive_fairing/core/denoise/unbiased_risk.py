@@ -15,10 +15,9 @@ filters after T. Blu and F. Luisier, The SURE-LET approach to image denoising, 2
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-FloatArray = NDArray[np.float64]
+from ..runtime.arrays import BoolArray, FloatArray
 
 # Vertices per group of their own in the density classes below, and classes at most.
 VERTICES_PER_CLASS = 200
@@ -82,7 +81,7 @@ def least_risk_shares(
     return result
 
 
-def density_classes(size: FloatArray, is_counted: NDArray[np.bool_]) -> FloatArray:
+def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:
     """Overlapping classes of vertices from dense to coarse, (c, n), adding up to 1.
 
     Parameters

@@ -4,14 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ..fem.differential_geometry import SurfaceMeasures, energy_ratio
 from ..linalg.conjugate_gradients import SolveReport
+from ..runtime.arrays import FloatArray
 from .settings import FairingSettings
-
-FloatArray = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

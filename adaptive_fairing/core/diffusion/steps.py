@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import SolverError
 from ..fem.differential_geometry import SurfaceMeasures, energy_ratio
@@ -14,11 +14,10 @@ from ..linalg.conjugate_gradients import SolveReport, conjugate_gradients
 from ..mesh.density import mesh_density
 from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import CallerMesh, SolverProblem
-from ..runtime.precision import SINGLE_TIMES, SINGLE_TOLERANCE, SINGLE_TRIANGLES
+from ..runtime.arrays import FloatArray
+from ..runtime.precision import SINGLE
 from .results import FairingResult, FairingStep
 from .settings import FairingSettings
-
-FloatArray = NDArray[np.float64]
 
 # Diffusion lowers the curvature energy until a triangle, a tip or a thin part shrinks to nothing,
 # where curvature has no bound: a rise by this factor over the least so far is taken as its sign.
@@ -165,7 +164,6 @@ def _system(
     field = settings.tau * weights
     if settings.method != "uniform":
         field *= density
-    in_single = in_single and SINGLE_TIMES[0] < field.max() < SINGLE_TIMES[1]
     if settings.method == "adaptive_tensor":
         return density, space.step_system(current, diffusivity=field, in_single=in_single)
     return density, space.step_system(current, timestep=_positive(field), in_single=in_single)
@@ -173,10 +171,8 @@ def _system(
 
 def _serves_single(space: LoopSpace, settings: FairingSettings) -> bool:
     """Whether single precision is enough for a mesh, if its surfaces and times allow it."""
-    return (
-        settings.normalize
-        and settings.quadrature_tolerance >= SINGLE_TOLERANCE
-        and len(space.topology.triangles) >= SINGLE_TRIANGLES
+    return SINGLE.serves_mesh(
+        space.topology.n_triangles, settings.quadrature_tolerance, settings.normalize
     )
 
 

@@ -1,103 +1,118 @@
-"""Blocks: the triangles that are integrated in one go.
+"""What is integrated together.
 
-A block is as many triangles as one numpy call should work on.  It may hold parts of
-several patch classes that have equally many points: what differs by class is a matrix product per
-part, everything between the products runs over all points of the block at once.
+    chunk     neighbouring triangles, up to 32,768: the work of one thread, scattered together
+    block     triangles of a chunk with equally many quadrature points: the work of one numpy call
+    segment   triangles of a block, or of a chunk, that one `PatchTables` serves
+
+What differs by class is a matrix product per segment; everything between the products runs over
+all points of a block at once.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..loop.patches import Segment
+from ..runtime.arrays import IntArray
 from ..runtime.precision import Precision
-from .class_tables import ClassTables
-from .table_cache import Piece, SpaceTables, Tables
+from .patch_tables import PatchTables
+from .table_cache import SpaceTables
 
 Value = TypeVar("Value", np.float32, np.float64, np.int32)
 
 # Large enough to hide the cost of a numpy call, and of threads taking turns at the interpreter;
-# small enough for the cache: in single precision, half or twice as many points take longer.
+# small enough for the cache: half or twice as many points take longer.
 POINTS_PER_BLOCK = 24576
 
 
-class Part(NamedTuple):
-    """Triangles of one class within a block, or of several rare classes.
+class BlockSegment(NamedTuple):
+    """Where the triangles of a segment are in the arrays of their block and chunk.
 
     Attributes
     ----------
-    tables : Tables
+    tables : PatchTables
     columns : slice
-        The triangles' places among those of the block.
+        Among the triangles of the block.
     control : slice
-        Place of the (K, n) control points among those of the block.
+        Of the (K, n) control points, among those of the block.
+    entries : slice
+        Of the (p, n) local matrix entries, among those of the chunk.
     """
 
-    tables: Tables
+    tables: PatchTables
     columns: slice
     control: slice
+    entries: slice
 
-    @property
-    def n_triangles(self) -> int:
-        """Number of triangles."""
-        return int(self.columns.stop - self.columns.start)
-
-    @property
-    def n_entries(self) -> int:
-        """Number of local matrix entries."""
-        return len(self.tables.pairs[0]) * self.n_triangles
-
-    def tables_in(self, precision: Precision) -> Tables:
+    def tables_in(self, precision: Precision) -> PatchTables:
         """Return the tables in single or double precision."""
         return self.tables if precision is np.float64 else self.tables.single
 
     def of_control(self, values: NDArray[Value]) -> NDArray[Value]:
-        """View values (…, n_control) at a block's control points as those of this part's."""
+        """View values (…, n_control) at a block's control points as (…, K, n)."""
         own = values[..., self.control]
         return own.reshape(*values.shape[:-1], self.tables.n_control_points, -1)
 
+    def of_entries(self, values: NDArray[Value]) -> NDArray[Value]:
+        """View values (n_entries,) of a chunk's local matrices as (p, n)."""
+        return values[self.entries].reshape(len(self.tables.pairs[0]), -1)
+
 
 class Block:
-    """Triangles of one or several classes with q quadrature points each.
+    """Triangles with q quadrature points each.
+
+    Parameters
+    ----------
+    segments : list of pairs (PatchTables, Segment)
+    control_points : (n_control,) int32
+        Vertex numbers relative to the chunk's lowest one, segment by segment.
+    first_control, first_entry : int
+        Numbers of the block's first control point and local matrix entry in the chunk.
 
     Attributes
     ----------
-    parts : list of Part
+    segments : list of BlockSegment
+    control_points : (n_control,) int32
+    control : slice
+        Of the control points, among those of the chunk.
     n_points : int
         Points of one triangle, q.
     n_triangles : int
-    control_points : (n_control,) int32
-        Vertex numbers relative to the chunk's lowest one, part by part.
     triangles : (n_triangles,) int32
         Which triangles of the topology.
     weights : (q, k), weight_starts : (k,) int
         Quadrature weights, and the first of the triangles that have them.
     """
 
-    def __init__(self, pieces: list[Piece], control_points: NDArray[np.int32]) -> None:
-        self.n_points = pieces[0].tables.n_points
+    def __init__(
+        self,
+        segments: list[tuple[PatchTables, Segment]],
+        control_points: IntArray,
+        first_control: int,
+        first_entry: int,
+    ) -> None:
         self.control_points = control_points
-        self.triangles = np.concatenate([p.triangles for p in pieces]).astype(np.int32)
+        self.control = slice(first_control, first_control + len(control_points))
+        self.n_points = segments[0][0].n_points
+        self.triangles = np.concatenate([each.triangles for _, each in segments]).astype(np.int32)
         self.n_triangles = len(self.triangles)
-        self.parts: list[Part] = []
-        column = control = 0
-        for piece in pieces:
-            ends = column + len(piece.triangles), control + piece.control_points.size
-            self.parts.append(Part(piece.tables, slice(column, ends[0]), slice(control, ends[1])))
-            column, control = ends
-        self.weights = np.concatenate([part.tables.weights for part in self.parts], axis=1)
+        self.segments: list[BlockSegment] = []
+        column, control, entry = 0, 0, first_entry
+        for tables, segment in segments:
+            n = len(segment.triangles)
+            columns = slice(column, column + n)
+            controls = slice(control, control + segment.control_points.size)
+            entries = slice(entry, entry + n * len(tables.pairs[0]))
+            self.segments.append(BlockSegment(tables, columns, controls, entries))
+            column, control, entry = columns.stop, controls.stop, entries.stop
+        self.weights = np.concatenate([tables.weights for tables, _ in segments], axis=1)
         self.weight_starts = np.concatenate(
-            [part.columns.start + np.arange(part.tables.weights.shape[1]) for part in self.parts]
+            [s.columns.start + np.arange(s.tables.weights.shape[1]) for s in self.segments]
         )
-
-    @property
-    def n_entries(self) -> int:
-        """Number of local matrix entries."""
-        return sum(part.n_entries for part in self.parts)
 
 
 class Chunk:
@@ -115,37 +130,38 @@ class Chunk:
     """
 
     def __init__(self, segments: list[Segment], tables: SpaceTables) -> None:
-        self.low = min(int(segment.control_points.min()) for segment in segments)
-        self.high = max(int(segment.control_points.max()) for segment in segments) + 1
-        groups = list(_blocks(tables.pieces(segments)))
-        flat = [piece.control_points.reshape(-1) for pieces in groups for piece in pieces]
-        self.control_points = np.concatenate(flat)
+        groups = list(_block_wise(tables.of_chunk(segments)))
+        self.control_points = np.concatenate(
+            [segment.control_points.reshape(-1) for group in groups for _, segment in group]
+        )
+        self.low, self.high = int(self.control_points.min()), int(self.control_points.max()) + 1
         self.control_points -= np.int32(self.low)
-        self.blocks = []
-        n_done = 0
-        for pieces in groups:
-            n_control = sum(piece.control_points.size for piece in pieces)
-            own = self.control_points[n_done : n_done + n_control]
-            self.blocks.append(Block(pieces, own))
-            n_done += n_control
-        self.n_entries = sum(block.n_entries for block in self.blocks)
+        self.blocks: list[Block] = []
+        control = self.n_entries = 0
+        for group in groups:
+            n_control = sum(segment.control_points.size for _, segment in group)
+            own = self.control_points[control : control + n_control]
+            self.blocks.append(Block(group, own, control, self.n_entries))
+            control += n_control
+            self.n_entries = self.blocks[-1].segments[-1].entries.stop
 
 
-def _blocks(pieces: list[Piece]) -> Iterator[list[Piece]]:
-    """Cut pieces, and gather those of equally many points to full blocks."""
-    gathered: list[Piece] = []
+def _block_wise(
+    segments: Iterable[tuple[PatchTables, Segment]],
+) -> Iterator[list[tuple[PatchTables, Segment]]]:
+    """Cut segments, and gather those of equally many points to full blocks."""
+    gathered: list[tuple[PatchTables, Segment]] = []
     room = 0
-    for piece in sorted(pieces, key=lambda piece: piece.tables.n_points):
-        n_points = piece.tables.n_points
-        if gathered and gathered[0].tables.n_points != n_points:
+    for tables, segment in sorted(segments, key=lambda each: each[0].n_points):
+        if gathered and gathered[0][0].n_points != tables.n_points:
             yield gathered
             gathered = []
-        first, count = 0, len(piece.triangles)
+        first, count = 0, len(segment.triangles)
         while first < count:
-            room = room if gathered else max(POINTS_PER_BLOCK // n_points, 1)
-            # Tables of single triangles stay together, the block may become a little larger.
-            last = min(first + room, count) if isinstance(piece.tables, ClassTables) else count
-            gathered.append(piece.part(first, last))
+            room = room if gathered else max(POINTS_PER_BLOCK // tables.n_points, 1)
+            # Segments with a table for each triangle stay whole: the block may become larger.
+            last = min(first + room, count) if tables.is_shared else count
+            gathered.append((tables, segment.part(first, last)))
             room -= last - first
             first = last
             if room <= 0:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..runtime.precision import THINNEST_IN_SINGLE, RealArray, SinglePrecisionError
+from ..runtime.arrays import RealArray
 
 # A triangle whose limit patch is thinner than this ratio counts as having it: slivers and collapsed
 # triangles get a large but bounded metric instead of a division by zero.
@@ -67,13 +67,7 @@ class Metric(NamedTuple):
 
 
 def metric_at(tangents: RealArray) -> Metric:
-    """Compute the metric from the tangents ∂1 x, ∂2 x, given as (2, 3, n_points).
-
-    Raises
-    ------
-    SinglePrecisionError
-        If the tangents are in single precision and a metric is too thin for it.
-    """
+    """Compute the metric from the tangents ∂1 x, ∂2 x, given as (2, 3, n_points)."""
     u, v = tangents
     g11, g12, g22 = _product(u, u), _product(u, v), _product(v, v)
     normal = np.empty((3, len(g11)), g11.dtype)
@@ -85,11 +79,6 @@ def metric_at(tangents: RealArray) -> Metric:
     area_element = _product(normal, normal)
     np.sqrt(area_element, out=area_element)
     trace = g11 + g22
-    if trace.dtype == np.float32:
-        # Not "<": what has shrunk to a point has 0 on both sides.
-        if not (area_element > THINNEST_IN_SINGLE * trace).all():
-            raise SinglePrecisionError
-        return Metric(g11, g12, g22, normal, area_element)
     bound = THINNEST_ASPECT * trace
     if (area_element < bound).any():
         thin = np.flatnonzero(area_element < bound)

@@ -6,7 +6,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from ..runtime.precision import RealArray
+from ..runtime.arrays import RealArray
 from ..runtime.threads import Workspace
 from .surface_evaluation import SurfaceBlock
 

@@ -7,12 +7,11 @@ basis functions times the (4 q, n) coefficients.  Local matrices are scattered c
 
 from __future__ import annotations
 
-from contextlib import suppress
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import sparse
 
 from ..errors import InputError
@@ -21,17 +20,16 @@ from ..linalg.symmetric_pattern import SymmetricPattern, scattered
 from ..loop.patches import PatchSet
 from ..loop.quadrature import quadrature_choice
 from ..mesh.topology import TriangleTopology
-from ..runtime.precision import LEAST_MASS_IN_SINGLE, Precision, RealArray, SinglePrecisionError
+from ..runtime.arrays import FloatArray, RealArray
+from ..runtime.precision import SINGLE, Precision
 from ..runtime.threads import Workspace, ordered_map
 from .blocks import Chunk
-from .class_tables import MASS, STIFFNESS, SUM
 from .differential_geometry import SurfaceMeasures
 from .forms import Form, ScalarForm, gradient_fluxes
+from .patch_tables import MASS, STIFFNESS, SUM
 from .scatter import ChunkEntries
-from .surface_evaluation import Window, evaluate, integrate_measures
+from .surface_evaluation import ControlValues, evaluate, integrate_measures
 from .table_cache import SpaceTables
-
-FloatArray = NDArray[np.float64]
 
 _workspace = Workspace()
 
@@ -113,7 +111,7 @@ class LoopSpace:
         Source: M of (3.4) and (3.9).
         """
         form = ScalarForm(inverse_mass=timestep is not None)
-        return self._assemble(form, positions, timestep, MASS).matrices[0].full()
+        return self._assemble(form, self._columns(positions, timestep), MASS).matrices[0].full()
 
     def stiffness_matrix(
         self, positions: ArrayLike, diffusivity: ArrayLike | None = None
@@ -135,7 +133,8 @@ class LoopSpace:
         Source: L of (3.4) and (3.9).
         """
         form = ScalarForm(scaled_stiffness=diffusivity is not None)
-        return self._assemble(form, positions, diffusivity, STIFFNESS).matrices[0].full()
+        columns = self._columns(positions, diffusivity)
+        return self._assemble(form, columns, STIFFNESS).matrices[0].full()
 
     def step_system(
         self,
@@ -154,7 +153,7 @@ class LoopSpace:
         timestep, diffusivity : (n_vertices,), optional
             Either may vary over the surface, not both.
         in_single : bool
-            Compute in single precision where the surface allows it; for positions in [-3, 3]^3.
+            Use single precision as far as it is enough; for positions in [-3, 3]³.
 
         Source: (3.3) with (3.4) (`timestep`) or (3.9) (`diffusivity`), less M X(0) on both sides.
         """
@@ -165,19 +164,20 @@ class LoopSpace:
             scaled_stiffness=diffusivity is not None,
             measured=True,
         )
-        field = timestep if diffusivity is None else diffusivity
-        if in_single:
-            with suppress(SinglePrecisionError):
-                system = self._step_system(form, positions, field, np.float32)
-                if (system.lumped_mass >= LEAST_MASS_IN_SINGLE * system.matrix.diagonal()).all():
-                    return system
-        return self._step_system(form, positions, field, np.float64)
+        columns = self._columns(positions, timestep if diffusivity is None else diffusivity)
+        if in_single and SINGLE.serves_times(columns[3]):
+            system = self._step_system(form, columns, np.float32)
+            used = ~self.topology.is_loose
+            if SINGLE.serves_masses(system.lumped_mass[used], system.matrix.diagonal()[used]):
+                return system
+        return self._step_system(form, columns, np.float64)
 
     def mass_and_stiffness(
         self, form: Form, positions: ArrayLike, field: ArrayLike | None = None
     ) -> tuple[SymmetricMatrix, SymmetricMatrix]:
         """Assemble the two parts of a form, see `Form`, on the surface of `positions`."""
-        mass, stiffness = self._assemble(form, positions, field, MASS, STIFFNESS).matrices
+        columns = self._columns(positions, field)
+        mass, stiffness = self._assemble(form, columns, MASS, STIFFNESS).matrices
         return mass, stiffness
 
     def turning_load(self, positions: ArrayLike, turns: FloatArray) -> FloatArray:
@@ -203,27 +203,24 @@ class LoopSpace:
         form = ScalarForm()
 
         def of_chunk(chunk: Chunk) -> FloatArray:
-            window = Window.of_chunk(chunk, columns, np.float64)
+            values = ControlValues.of_chunk(chunk, columns, np.float64)
             loads = np.empty((3, len(chunk.control_points)))
-            n_loaded = 0
             for block in chunk.blocks:
-                surface = evaluate(block, window, curved=False)
+                surface = evaluate(block, values, curved=False)
                 fluxes = gradient_fluxes(surface, form.coefficients(surface))
                 by_point = fluxes.reshape(3, 2, block.n_points, -1)
-                loaded = loads[:, n_loaded : n_loaded + len(block.control_points)]
-                for part in block.parts:
-                    own = part.of_control(loaded)
+                for segment in block.segments:
+                    own = segment.of_control(loads[:, block.control])
                     sums = np.empty(own.shape)
-                    part.tables.flux_sums(by_point[..., part.columns], out=sums)
-                    part_left = left[block.triangles[part.columns]]
-                    np.einsum("nde,ekn->dkn", part_left, sums, out=own)
-                n_loaded += len(block.control_points)
+                    segment.tables.flux_sums(by_point[..., segment.columns], out=sums)
+                    turned = left[block.triangles[segment.columns]]
+                    np.einsum("nde,ekn->dkn", turned, sums, out=own)
             return _summed(chunk, loads)
 
         total = np.zeros((3, self.topology.n_vertices))
-        parts = ordered_map(of_chunk, self._chunks)
-        for chunk, part in zip(self._chunks, parts, strict=True):
-            total[:, chunk.low : chunk.high] += part
+        sums = ordered_map(of_chunk, self._chunks)
+        for chunk, own in zip(self._chunks, sums, strict=True):
+            total[:, chunk.low : chunk.high] += own
         return total.T
 
     def measures(self, positions: ArrayLike, in_single: bool = False) -> SurfaceMeasures:
@@ -232,54 +229,55 @@ class LoopSpace:
         `in_single` as for `step_system`.
         """
         columns = self._columns(positions, None)
-        if in_single:
-            with suppress(SinglePrecisionError):
-                return self._measures(columns, np.float32)
-        return self._measures(columns, np.float64)
 
-    def _measures(self, columns: FloatArray, precision: Precision) -> SurfaceMeasures:
-        def of_chunk(chunk: Chunk) -> FloatArray:
-            window = Window.of_chunk(chunk, columns, precision)
+        def of_chunk(chunk: Chunk, precision: Precision) -> FloatArray:
+            values = ControlValues.of_chunk(chunk, columns, precision)
             totals = np.zeros(3)
             for block in chunk.blocks:
-                totals += integrate_measures(block, evaluate(block, window, curved=True))
+                surface = evaluate(block, values, curved=True)
+                if not values.resolves(surface.metric):
+                    return of_chunk(chunk, np.float64)
+                totals += integrate_measures(block, surface)
             return totals
 
-        return self._as_measures(sum(ordered_map(of_chunk, self._chunks), np.zeros(3)))
+        first_choice = np.float32 if in_single else np.float64
+        totals = ordered_map(lambda chunk: of_chunk(chunk, first_choice), self._chunks)
+        return self._as_measures(sum(totals, np.zeros(3)))
 
-    def _step_system(
-        self, form: Form, positions: ArrayLike, field: ArrayLike | None, precision: Precision
-    ) -> StepSystem:
-        (matrix,), load, measures = self._assemble(form, positions, field, SUM, precision=precision)
-        # Those of M + L: L has none.
+    def _step_system(self, form: Form, columns: FloatArray, precision: Precision) -> StepSystem:
+        (matrix,), load, measures = self._assemble(form, columns, SUM, precision=precision)
+        # The rows of L add up to 0: the row sums of M + L are those of M.
         lumped_mass = matrix.product(np.ones((1, len(load))))[0]
         return StepSystem(matrix, load, lumped_mass, measures)
 
     def _assemble(
         self,
         form: Form,
-        positions: ArrayLike,
-        field: ArrayLike | None,
+        columns: FloatArray,
         *terms: slice,
         precision: Precision = np.float64,
     ) -> _Assembled:
-        """Assemble a matrix for each of the `terms` of a form; MASS, STIFFNESS or SUM."""
-        columns = self._columns(positions, field)
+        """Assemble a matrix for each of the `terms` of a form; MASS, STIFFNESS or SUM.
+
+        Chunks that `precision` does not resolve are integrated in double precision.
+        """
+        # Made here, by all threads, and not by each of them when it needs them.
+        all_entries = self._entries
         uppers = [np.zeros(self.pattern.n_upper, precision) for _ in terms]
         load = np.zeros((3, self.topology.n_vertices))
         totals = np.zeros(3)
 
         def contribution(index: int) -> _Contribution:
-            chunk, entries = self._chunks[index], self._entries[index]
+            chunk, entries = self._chunks[index], all_entries[index]
             return _integrate(chunk, entries, columns, form, terms, precision)
 
-        parts = ordered_map(contribution, range(len(self._chunks)))
-        for chunk, entries, part in zip(self._chunks, self._entries, parts, strict=True):
-            for upper, own in zip(uppers, part.entries, strict=True):
+        contributions = ordered_map(contribution, range(len(self._chunks)))
+        for chunk, entries, added in zip(self._chunks, all_entries, contributions, strict=True):
+            for upper, own in zip(uppers, added.entries, strict=True):
                 upper[entries.low : entries.high] += own
             if form.measured:
-                load[:, chunk.low : chunk.high] -= part.bending
-                totals += part.totals
+                load[:, chunk.low : chunk.high] -= added.bending
+                totals += added.totals
         matrices = [SymmetricMatrix.from_upper(self.pattern, upper) for upper in uppers]
         return _Assembled(matrices, load.T, self._as_measures(totals))
 
@@ -317,7 +315,7 @@ class _Assembled(NamedTuple):
 
 
 class _Contribution(NamedTuple):
-    """What a chunk adds to its window of entries, to its window of L X, and to the measures."""
+    """What a chunk adds to the entries and the rows of L X in its range, and to the measures."""
 
     entries: list[RealArray]
     bending: RealArray
@@ -332,42 +330,38 @@ def _integrate(
     terms: tuple[slice, ...],
     precision: Precision,
 ) -> _Contribution:
-    window = Window.of_chunk(chunk, columns, precision)
+    values = ControlValues.of_chunk(chunk, columns, precision)
     local = _workspace.array("local", len(terms), chunk.n_entries, precision=precision)
     n_loads = len(chunk.control_points) if form.measured else 0
     loads = _workspace.array("loads", 3, n_loads, precision=precision)
     totals = np.zeros(3)
-    n_done = n_loaded = 0
     for block in chunk.blocks:
-        surface = evaluate(block, window, form.curved)
+        surface = evaluate(block, values, form.curved)
+        if not values.resolves(surface.metric):
+            return _integrate(chunk, entries, columns, form, terms, np.float64)
         flat_coefficients = form.coefficients(surface)
         coefficients = flat_coefficients.reshape(4, block.n_points, -1)
-        for part in block.parts:
-            own = local[:, n_done : n_done + part.n_entries]
-            for term, matrices in zip(terms, own, strict=True):
-                part.tables_in(precision).local_matrices(
-                    coefficients[..., part.columns], term, matrices.reshape(-1, part.n_triangles)
-                )
-            n_done += part.n_entries
+        for segment in block.segments:
+            tables = segment.tables_in(precision)
+            for term, entries_of_term in zip(terms, local, strict=True):
+                matrices = segment.of_entries(entries_of_term)
+                tables.local_matrices(coefficients[..., segment.columns], term, matrices)
         if form.measured:
             totals += integrate_measures(block, surface)
             fluxes = gradient_fluxes(surface, flat_coefficients)
             by_point = fluxes.reshape(3, 2, block.n_points, -1)
-            loaded = loads[:, n_loaded : n_loaded + len(block.control_points)]
-            for part in block.parts:
-                part.tables_in(precision).flux_sums(
-                    by_point[..., part.columns], out=part.of_control(loaded)
-                )
-            n_loaded += len(block.control_points)
+            for segment in block.segments:
+                own = segment.of_control(loads[:, block.control])
+                segment.tables_in(precision).flux_sums(by_point[..., segment.columns], out=own)
     local[:, entries.doubled] *= 2
     bending = _summed(chunk, loads) if form.measured else np.zeros((3, 0))
     size = entries.high - entries.low
     return _Contribution(
-        [scattered(entries.numbers, values, size) for values in local], bending, totals
+        [scattered(entries.numbers, added, size) for added in local], bending, totals
     )
 
 
 def _summed(chunk: Chunk, loads: RealArray) -> RealArray:
-    """Add up loads of control points (3, n_control) by vertex, in the chunk's window."""
+    """Add up loads of control points (3, n_control) by vertex, in the chunk's range."""
     size = chunk.high - chunk.low
     return np.stack([scattered(chunk.control_points, load, size) for load in loads])

@@ -1,14 +1,10 @@
-"""How much memory a solve needs, estimated before it starts, and how much there is."""
+"""How much memory a solve needs, estimated before it starts."""
 
 from __future__ import annotations
 
-import os
-import sys
-from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import FairingError
 from ..loop.basis import table_depth
@@ -16,9 +12,11 @@ from ..loop.fitted_quadrature import POINTS, is_fitted
 from ..loop.patch_class import PatchClass, is_regular_patch
 from ..loop.patches import PatchSet, chunk_size
 from ..loop.quadrature import QuadratureChoice
+from ..runtime.arrays import LongArray
+from ..runtime.system_memory import available_bytes
 from ..runtime.threads import n_threads
-from .class_tables import product_table_pays
-from .table_cache import FEW_TRIANGLES, LARGEST_STACKED
+from .patch_tables import product_table_pays
+from .table_cache import FEW_TRIANGLES, LARGEST_RARE
 
 Algorithm = Literal["fair", "denoise"]
 
@@ -105,7 +103,7 @@ def estimated_bytes(
     of_class = zip(n_products, patches.class_sizes, strict=True)
     products = 8 * n_products[[product_table_pays(*each) for each in of_class]]
     tables = 8 * BYTES_PER_TABLE_NUMBER * n_points * n_control
-    stacked = _stacked_bytes(n_points * n_control, patches)
+    rare = _rare_bytes(n_points * n_control, patches)
     denoise_bytes = DENOISE_BYTES_PER_TRIANGLE if algorithm == "denoise" else 0
     return int(
         FIXED_BYTES
@@ -114,18 +112,16 @@ def estimated_bytes(
         + BYTES_PER_ENTRY_IN_WORK * in_work
         + products.sum()
         + tables.sum()
-        + stacked.sum()
+        + rare.sum()
     )
 
 
-def _stacked_bytes(n_numbers: NDArray[np.int64], patches: PatchSet) -> NDArray[np.int64]:
+def _rare_bytes(n_numbers: LongArray, patches: PatchSet) -> LongArray:
     """Bound the tables of single triangles, by class: `n_numbers` at points for each function."""
     n_triangles = patches.topology.n_triangles
     n_chunks = -(-n_triangles // max(chunk_size(n_triangles), 1))
-    n_stacked = np.minimum(patches.class_sizes, FEW_TRIANGLES * n_chunks)
-    bound: NDArray[np.int64] = np.where(
-        6 * n_numbers <= LARGEST_STACKED, 8 * 6 * n_numbers * n_stacked, 0
-    )
+    n_rare = np.minimum(patches.class_sizes, FEW_TRIANGLES * n_chunks)
+    bound: LongArray = np.where(6 * n_numbers <= LARGEST_RARE, 8 * 6 * n_numbers * n_rare, 0)
     return bound
 
 
@@ -136,72 +132,3 @@ def _n_points(patch_class: PatchClass, choice: QuadratureChoice) -> int:
     if choice.prefers_fitted and is_fitted(patch_class):
         return len(POINTS)
     return len(choice.irregular.weights) * max(9 * table_depth(patch_class, choice) - 5, 1)
-
-
-def available_bytes() -> int | None:
-    """Memory that this process can still get, or None if the system does not tell.
-
-    On Linux what is free or reclaimable, with swap, within the limit of the control group; on
-    Windows what can be committed; elsewhere all memory that the machine has.
-    """
-    if sys.platform == "win32":
-        return _available_on_windows()
-    meminfo = Path("/proc/meminfo")
-    if meminfo.exists():
-        values = _numbers(meminfo, separator=":")
-        if "MemAvailable" in values:
-            # In units of 1024 bytes.
-            free = 1024 * (values["MemAvailable"] + values.get("SwapFree", 0))
-            group = _available_in_group()
-            return free if group is None else min(free, group)
-    try:
-        return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
-    except (ValueError, OSError):
-        return None
-
-
-def _available_in_group(root: Path = Path("/sys/fs/cgroup")) -> int | None:
-    """Read what the memory limit of a container leaves (control groups, version 2)."""
-    try:
-        limit = (root / "memory.max").read_text().strip()
-        if limit == "max":
-            return None
-        used = int((root / "memory.current").read_text())
-        # Cached files count as used but give way.
-        cached = _numbers(root / "memory.stat").get("inactive_file", 0)
-        return max(int(limit) - used + cached, 0)
-    except (OSError, ValueError):
-        return None
-
-
-def _numbers(path: Path, separator: str | None = None) -> dict[str, int]:
-    """Read lines of a name and a number."""
-    found = {}
-    for line in path.read_text().splitlines():
-        name, *rest = line.split(separator, 1)
-        if rest and rest[0].split()[:1] and rest[0].split()[0].isdigit():
-            found[name.strip()] = int(rest[0].split()[0])
-    return found
-
-
-def _available_on_windows() -> int | None:
-    import ctypes
-
-    class MemoryStatus(ctypes.Structure):
-        _fields_ = [
-            ("length", ctypes.c_ulong),
-            ("load", ctypes.c_ulong),
-            *(
-                (name, ctypes.c_ulonglong)
-                for name in (
-                    "physical", "free_physical", "pages", "free_pages",
-                    "virtual", "free_virtual", "free_extended",
-                )
-            ),
-        ]  # fmt: skip
-
-    status = MemoryStatus(length=ctypes.sizeof(MemoryStatus))
-    kernel = getattr(ctypes, "windll").kernel32  # noqa: B009  absent from the types elsewhere
-    if not kernel.GlobalMemoryStatusEx(ctypes.byref(status)):
-        return None
-    return int(status.free_pages)

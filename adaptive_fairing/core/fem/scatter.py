@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..linalg.symmetric_pattern import Pairs, SymmetricPattern
+from ..runtime.arrays import IndexArray, IntArray
 from .blocks import Chunk
 
 
@@ -27,18 +27,15 @@ class ChunkEntries:
         self.numbers = np.empty(chunk.n_entries, dtype=np.int32)
         places = pattern.places(chunk.low, chunk.high)
         doubled = [np.empty(0, dtype=np.intp)]
-        done = 0
         for block in chunk.blocks:
-            for part in block.parts:
-                vertices = part.of_control(block.control_points)
-                out = self.numbers[done : done + part.n_entries].reshape(-1, part.n_triangles)
-                places.numbers(vertices, part.tables.pairs, out)
-                doubled.append(done + _doubled(vertices, part.tables.pairs))
-                done += part.n_entries
+            for segment in block.segments:
+                vertices = segment.of_control(block.control_points)
+                places.numbers(vertices, segment.tables.pairs, segment.of_entries(self.numbers))
+                doubled.append(segment.entries.start + _doubled(vertices, segment.tables.pairs))
         self.doubled = np.concatenate(doubled)
 
 
-def _doubled(vertices: NDArray[np.int32], pairs: Pairs) -> NDArray[np.intp]:
+def _doubled(vertices: IntArray, pairs: Pairs) -> IndexArray:
     """Which entries (a, b), a ≠ b, of local matrices (p, n), in one row, have one vertex twice.
 
     Parameters

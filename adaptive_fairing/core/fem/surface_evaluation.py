@@ -5,25 +5,17 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..runtime.precision import (
-    SHORTEST_IN_SINGLE,
-    SMALLEST_IN_SINGLE,
-    Precision,
-    RealArray,
-    SinglePrecisionError,
-)
+from ..runtime.arrays import FloatArray, RealArray
+from ..runtime.precision import SINGLE, Precision
 from ..runtime.threads import Workspace
 from .blocks import Block, Chunk
 from .differential_geometry import Metric, mean_curvature, metric_at
 
-FloatArray = NDArray[np.float64]
-
 _workspace = Workspace()
 
 
-class Window(NamedTuple):
+class ControlValues(NamedTuple):
     """Coordinates and a scalar field of a chunk's vertices.
 
     Attributes
@@ -31,16 +23,16 @@ class Window(NamedTuple):
     columns : (4, n)
         From the chunk's lowest vertex on, coordinates as seen from the origin.
     origin : (3,)
-    least_edge : float
-        Shortest tangents that single precision resolves; 0 in double precision.
+    extent : float
+        Largest side of the box around the vertices.
     """
 
     columns: RealArray
     origin: RealArray
-    least_edge: float = 0.0
+    extent: float = 0.0
 
     @classmethod
-    def of_chunk(cls, chunk: Chunk, columns: FloatArray, precision: Precision) -> Window:
+    def of_chunk(cls, chunk: Chunk, columns: FloatArray, precision: Precision) -> ControlValues:
         """Take a chunk's part of the columns (4, n_vertices) of all vertices."""
         own = columns[:, chunk.low : chunk.high]
         if precision is np.float64:
@@ -50,8 +42,13 @@ class Window(NamedTuple):
         middle = (low + high) / 2
         shifted = own.astype(precision)
         np.subtract(own[:3], middle[:, None], out=shifted[:3], casting="same_kind")
-        least_edge = max(SMALLEST_IN_SINGLE * float((high - low).max()), SHORTEST_IN_SINGLE)
-        return cls(shifted, middle.astype(precision), least_edge)
+        return cls(shifted, middle.astype(precision), float((high - low).max()))
+
+    def resolves(self, metric: Metric) -> bool:
+        """Whether the precision is enough for a surface with this metric."""
+        if self.columns.dtype == np.float64:
+            return True
+        return SINGLE.serves_metric(metric.g11, metric.g22, metric.area_element, self.extent)
 
 
 class SurfaceBlock(NamedTuple):
@@ -79,28 +76,23 @@ class SurfaceBlock(NamedTuple):
     second_derivatives: RealArray | None
 
 
-def evaluate(block: Block, window: Window, curved: bool) -> SurfaceBlock:
-    """Evaluate the surface at the quadrature points of a block, in the window's precision.
+def evaluate(block: Block, values: ControlValues, curved: bool) -> SurfaceBlock:
+    """Evaluate the surface at the quadrature points of a block.
 
     Parameters
     ----------
     block : Block
-    window : Window
+    values : ControlValues
         Of the block's chunk.
     curved : bool
         Whether second derivatives are wanted.
-
-    Raises
-    ------
-    SinglePrecisionError
-        If a patch is too thin or too small for single precision.
     """
-    columns, origin, least_edge = window
+    columns, origin, _ = values
     precision = columns.dtype.type
     control = _workspace.array("control", 4, len(block.control_points), precision=precision)
     indices = block.control_points.astype(np.intp)  # once, not for every column
     for column, row in zip(columns, control, strict=True):
-        # Out of range there is nothing: "wrap" only spares the test.
+        # All indices are in range, and mode "wrap" saves the time of checking them.
         np.take(column, indices, out=row, mode="wrap")
     n_derivatives = 6 if curved else 3
     shape = block.n_points, block.n_triangles
@@ -108,19 +100,17 @@ def evaluate(block: Block, window: Window, curved: bool) -> SurfaceBlock:
     jets = _workspace.array("jets", 3, n_derivatives, *shape, precision=precision)
     rows = jets.reshape(3, -1, block.n_triangles)
     origins = np.tile(origin[:, None], block.n_triangles)
-    for part in block.parts:
-        own, tables = part.of_control(control), part.tables_in(precision)
+    for segment in block.segments:
+        own, tables = segment.of_control(control), segment.tables_in(precision)
         if precision is np.float32:
-            _see_from_corners(own[:3], origins[:, part.columns])
-        tables.evaluate(own[:3], n_derivatives, out=rows[..., part.columns])
-        tables.evaluate(own[3:], 1, out=field[..., part.columns])
+            _see_from_corners(own[:3], origins[:, segment.columns])
+        tables.evaluate(own[:3], n_derivatives, out=rows[..., segment.columns])
+        tables.evaluate(own[3:], 1, out=field[..., segment.columns])
     positions = _workspace.array("positions", 3, *shape, precision=precision)
     np.add(jets[:, 0], origins[:, None], out=positions)
     by_derivative = jets.reshape(3, n_derivatives, -1).swapaxes(0, 1)
     tangents, second_derivatives = by_derivative[1:3], by_derivative[3:] if curved else None
     metric = metric_at(tangents)
-    if metric.g11.min() < least_edge**2:
-        raise SinglePrecisionError
     return SurfaceBlock(
         field.reshape(-1), positions.reshape(3, -1), tangents, metric, second_derivatives
     )

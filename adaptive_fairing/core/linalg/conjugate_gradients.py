@@ -5,24 +5,19 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import SolverError
-from ..runtime.precision import RealArray
+from ..runtime.arrays import BoolArray, FloatArray, RealArray
+from ..runtime.precision import SINGLE
 from ..runtime.threads import ordered_map
 from .symmetric_matrix import SymmetricMatrix
-
-FloatArray = NDArray[np.float64]
 
 # Rounding alone leaves a residual of some machine epsilons of the terms that cancel in A x; asking
 # for less would never end.
 ATTAINABLE = 64  # machine epsilons
 
-# Single precision serves while the residual need not fall below this share of the first one.
-SINGLE_REDUCTION = 1e-4
-
 # Unknowns per column that one thread updates in one go.
-UNKNOWNS_PER_PIECE = 32768
+UNKNOWNS_PER_CHUNK = 32768
 
 
 @dataclass(frozen=True)
@@ -49,7 +44,7 @@ def conjugate_gradients(
     right_side: FloatArray,
     start: FloatArray,
     *,
-    is_held: NDArray[np.bool_],
+    is_held: BoolArray,
     tolerance: float,
     max_iterations: int,
     relative_to: FloatArray | None = None,
@@ -99,7 +94,8 @@ def conjugate_gradients(
     right_columns = np.ascontiguousarray(right_side.T)
     reference = _size(right_columns if relative_to is None else relative_to.T, inverse)
     residual = right_columns - matrix.product(columns)
-    if matrix.is_single and tolerance * reference < SINGLE_REDUCTION * _size(residual, inverse):
+    first_size = _size(residual, inverse)
+    if matrix.is_single and not SINGLE.serves_solve(first_size, tolerance * reference):
         matrix, inverse = matrix.doubled(), inverse.astype(np.float64)
         residual = right_columns - matrix.product(columns)
     attainable = ATTAINABLE * np.finfo(inverse.dtype).eps
@@ -147,9 +143,9 @@ def _size(columns: FloatArray, weights: RealArray) -> float:
 
 
 class _State:
-    """The vectors of the iteration, changed piece by piece: each is read once while in the cache.
+    """The vectors of the iteration, changed chunk by chunk: each is read once while in the cache.
 
-    Sums over a piece are in the precision of the vectors, those over the pieces in double.
+    Sums over a chunk are in the precision of the vectors, those over the chunks in double.
 
     Attributes
     ----------
@@ -162,8 +158,8 @@ class _State:
         self.update = np.zeros_like(residual)
         self.direction = inverse * residual
         n = len(inverse)
-        self._pieces = [
-            slice(first, first + UNKNOWNS_PER_PIECE) for first in range(0, n, UNKNOWNS_PER_PIECE)
+        self._chunks = [
+            slice(first, first + UNKNOWNS_PER_CHUNK) for first in range(0, n, UNKNOWNS_PER_CHUNK)
         ]
 
     def square(self) -> float:
@@ -173,31 +169,31 @@ class _State:
     def along(self, vectors: RealArray) -> float:
         """Scalar product of vectors (k, n) with the direction."""
 
-        def of_piece(piece: slice) -> float:
-            return float(np.einsum("kn,kn->", vectors[:, piece], self.direction[:, piece]))
+        def of_chunk(chunk: slice) -> float:
+            return float(np.einsum("kn,kn->", vectors[:, chunk], self.direction[:, chunk]))
 
-        return sum(ordered_map(of_piece, self._pieces))
+        return sum(ordered_map(of_chunk, self._chunks))
 
     def advance(self, step: float, image: RealArray) -> float:
         """Go along the direction, whose image is A p; return the residual's squared norm."""
 
-        def of_piece(piece: slice) -> float:
-            residual, direction = self._residual[:, piece], self.direction[:, piece]
+        def of_chunk(chunk: slice) -> float:
+            residual, direction = self._residual[:, chunk], self.direction[:, chunk]
             scratch = step * direction
-            self.update[:, piece] += scratch
-            residual -= np.multiply(image[:, piece], step, out=scratch)
-            np.multiply(self._inverse[piece], residual, out=scratch)
+            self.update[:, chunk] += scratch
+            residual -= np.multiply(image[:, chunk], step, out=scratch)
+            np.multiply(self._inverse[chunk], residual, out=scratch)
             return float(np.einsum("kn,kn->", residual, scratch))
 
-        return sum(ordered_map(of_piece, self._pieces))
+        return sum(ordered_map(of_chunk, self._chunks))
 
     def turn(self, factor: float) -> None:
         """Make the next direction: the preconditioned residual and `factor` times the last one."""
 
-        def of_piece(piece: slice) -> None:
-            direction = self.direction[:, piece]
+        def of_chunk(chunk: slice) -> None:
+            direction = self.direction[:, chunk]
             direction *= factor
-            direction += self._inverse[piece] * self._residual[:, piece]
+            direction += self._inverse[chunk] * self._residual[:, chunk]
 
-        for _ in ordered_map(of_piece, self._pieces):
+        for _ in ordered_map(of_chunk, self._chunks):
             pass

@@ -17,12 +17,10 @@ from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import BoolArray, FloatArray
 from .conjugate_gradients import SolveReport, conjugate_gradients
 from .symmetric_matrix import SymmetricMatrix
-
-FloatArray = NDArray[np.float64]
 
 # Time t of the solves that span the space, in squared edge lengths; between those of the filters.
 SHARED_TIME = 1.0
@@ -69,7 +67,7 @@ def removed_by(
     mass: SymmetricMatrix,
     stiffness: SymmetricMatrix,
     control: FloatArray,
-    is_loose: NDArray[np.bool_],
+    is_loose: BoolArray,
     on_solve: Callable[[SolveReport], None],
     tolerance: float = 1e-2,
 ) -> list[FloatArray]:

@@ -3,20 +3,17 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
-from ..runtime.precision import RealArray
+from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.threads import ordered_map
-from .symmetric_pattern import Strip, SymmetricPattern, adopt_entries
-
-FloatArray = NDArray[np.float64]
+from .symmetric_pattern import RowChunk, SymmetricPattern, adopt_entries
 
 
 class SymmetricMatrix:
     """A = H + Hᵀ with H the upper triangle, half the diagonal in it.
 
-    Products read half as much memory as with all entries, and a strip of rows at a time, which
+    Products read half as much memory as with all entries, and a chunk of rows at a time, which
     serves all columns while it is in the cache.
 
     Parameters
@@ -29,9 +26,9 @@ class SymmetricMatrix:
     def __init__(self, pattern: SymmetricPattern, halves: RealArray) -> None:
         self.pattern = pattern
         self._halves = halves
-        self._strips = [
-            _StripProduct(strip, halves[pattern.row_starts[strip.rows.start] :])
-            for strip in pattern.strips
+        self._chunks = [
+            _ChunkProduct(chunk, halves[pattern.row_starts[chunk.rows.start] :])
+            for chunk in pattern.chunks
         ]
 
     @classmethod
@@ -72,9 +69,9 @@ class SymmetricMatrix:
         """Multiply by k vectors, given as rows (k, n); return rows in the matrix's precision."""
         columns = np.ascontiguousarray(columns, dtype=self._halves.dtype)
         result = np.zeros_like(columns)
-        parts = ordered_map(lambda strip: strip.product(columns), self._strips)
-        for strip, part in zip(self._strips, parts, strict=True):
-            result[:, strip.window] += part
+        products = ordered_map(lambda chunk: chunk.product(columns), self._chunks)
+        for chunk, own in zip(self._chunks, products, strict=True):
+            result[:, chunk.reach] += own
         return result
 
     def full(self) -> sparse.csr_array:
@@ -85,22 +82,22 @@ class SymmetricMatrix:
         return (upper + upper.T).tocsr()
 
 
-class _StripProduct:
-    """Products with a strip of H, and with its transpose."""
+class _ChunkProduct:
+    """Products with a chunk of rows of H, and with its transpose."""
 
-    def __init__(self, strip: Strip, halves: RealArray) -> None:
-        self._rows, self.window = strip.rows, strip.window
-        shape = strip.rows.stop - strip.rows.start, strip.window.stop - strip.window.start
+    def __init__(self, chunk: RowChunk, halves: RealArray) -> None:
+        self.reach = chunk.reach
+        shape = chunk.rows.stop - chunk.rows.start, chunk.reach.stop - chunk.reach.start
         self._upper, self._lower = sparse.csr_array(shape), sparse.csc_array(shape[::-1])
         for matrix in (self._upper, self._lower):
-            adopt_entries(matrix, halves[: len(strip.columns)], strip.columns, strip.starts)
+            adopt_entries(matrix, halves[: len(chunk.columns)], chunk.columns, chunk.starts)
 
     def product(self, columns: RealArray) -> RealArray:
-        """Return what this strip contributes to a product, in its window."""
+        """Return what these rows contribute to a product, within their reach."""
         n_rows = self._upper.shape[0]
-        parts = []
-        for column in columns[:, self.window]:
-            part = self._lower @ column[:n_rows]
-            part[:n_rows] += self._upper @ column
-            parts.append(part)
-        return np.stack(parts)
+        products = []
+        for column in columns[:, self.reach]:
+            product = self._lower @ column[:n_rows]
+            product[:n_rows] += self._upper @ column
+            products.append(product)
+        return np.stack(products)

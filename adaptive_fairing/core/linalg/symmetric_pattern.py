@@ -10,18 +10,16 @@ from __future__ import annotations
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from ..runtime.precision import RealArray
+from ..runtime.arrays import BoolArray, IndexArray, IntArray, RealArray
 from ..runtime.threads import ordered_map
 
-IntArray = NDArray[np.int32]
-Pairs = tuple[NDArray[np.intp], NDArray[np.intp]]
+Pairs = tuple[IndexArray, IndexArray]
 
-# Rows of a strip: its entries should stay in the cache while several columns are multiplied.
-ROWS_PER_STRIP = 16384
+# Rows of a chunk: its entries should stay in the cache while several columns are multiplied.
+ROWS_PER_CHUNK = 16384
 
 # Places in a table of entries, four bytes each and as many tables as threads.  Where a pole of high
 # valence needs more, entries are searched for in the pattern, which takes three times as long.
@@ -31,20 +29,20 @@ LARGEST_TABLE = 32_000_000
 FEW_TRIANGLES = 256
 
 
-class Strip(NamedTuple):
+class RowChunk(NamedTuple):
     """Consecutive rows of the upper triangle, with the columns that they reach.
 
     Attributes
     ----------
     rows : slice
-    window : slice
+    reach : slice
         The columns, from the first row's diagonal on.
     starts : (n_rows + 1,) int32, columns : (n_entries,) int32
-        Row pointers, and ascending columns counted from the window's first: the diagonal first.
+        Row pointers, and ascending columns counted from the first one: the diagonal first.
     """
 
     rows: slice
-    window: slice
+    reach: slice
     starts: IntArray
     columns: IntArray
 
@@ -65,24 +63,24 @@ class SymmetricPattern:
         Number of entries on and above the diagonal, which are numbered row by row.
     row_starts : (n + 1,) int32
         Number of the first entry of each row: the one on the diagonal.
-    strips : list of Strip
+    chunks : list of RowChunk
     """
 
     def __init__(self, adjacency: sparse.csr_array) -> None:
         self.n = adjacency.shape[0]
         self._near = _with_diagonal(adjacency)
-        firsts = range(0, self.n, ROWS_PER_STRIP)
-        self.strips = list(ordered_map(lambda first: _strip(self._near, first), firsts))
+        firsts = range(0, self.n, ROWS_PER_CHUNK)
+        self.chunks = list(ordered_map(lambda first: _row_chunk(self._near, first), firsts))
         self.row_starts = np.zeros(self.n + 1, dtype=np.int32)
-        for strip in self.strips:
-            first, last = strip.rows.start, strip.rows.stop
-            self.row_starts[first + 1 : last + 1] = strip.starts[1:] + self.row_starts[first]
+        for chunk in self.chunks:
+            first, last = chunk.rows.start, chunk.rows.stop
+            self.row_starts[first + 1 : last + 1] = chunk.starts[1:] + self.row_starts[first]
         self.n_upper = int(self.row_starts[-1])
 
     def columns(self, low: int, high: int) -> IntArray:
         """Columns of the entries of rows `low` to `high` - 1."""
         parts = [np.empty(0, dtype=np.int32)]
-        for rows, _, starts, columns in self.strips:
+        for rows, _, starts, columns in self.chunks:
             first, last = max(low, rows.start), min(high, rows.stop)
             if first < last:
                 own = slice(starts[first - rows.start], starts[last - rows.start])
@@ -96,9 +94,9 @@ class SymmetricPattern:
         """
         # In an order of small bandwidth a table with a place for every pair of near vertices is
         # not much larger than the entries.
-        window = self._near[low:high, low:high]
-        order = _narrow_order(window)
-        last = _last_within_three(window, order)
+        near = self._near[low:high, low:high]
+        order = _narrow_order(near)
+        last = _last_within_three(near, order)
         # Row r of the table has columns r to last[r], the first of them at base[r] + r.
         ends = np.cumsum(last - np.arange(-1, high - low - 1))
         sizes = np.diff(self.row_starts[low : high + 1])
@@ -111,9 +109,9 @@ class SymmetricPattern:
         base = (ends - last - 1).astype(np.int32)
         first = np.repeat(order, sizes)
         first, columns, numbers = _chosen(columns < high - low, first, columns, numbers)
-        # Out of range there is nothing: "wrap" only spares the test.
+        # All indices are in range, and mode "wrap" saves the time of checking them.
         row, column = _ascending(first, np.take(order, columns, mode="wrap"))
-        # Other entries are of vertices whose path leaves the window: no triangle of it has both.
+        # A path of three edges may leave the range of vertices: no triangle has both its ends.
         is_within = column <= np.take(last, row, mode="wrap")
         row, column, numbers = _chosen(is_within, row, column, numbers)
         table = np.empty(ends[-1], dtype=np.int32)
@@ -135,10 +133,10 @@ def _with_diagonal(adjacency: sparse.csr_array) -> sparse.csr_array:
     return sparse.csr_array((ones, columns, starts), shape=adjacency.shape)
 
 
-def _strip(near: sparse.csr_array, first: int) -> Strip:
-    """Find the vertices that are at most three edges away, for a strip of rows."""
+def _row_chunk(near: sparse.csr_array, first: int) -> RowChunk:
+    """Find the vertices that are at most three edges away, for a chunk of rows."""
     n = near.shape[0]
-    rows = slice(first, min(first + ROWS_PER_STRIP, n))
+    rows = slice(first, min(first + ROWS_PER_CHUNK, n))
     two_edges = near[rows] @ near
     # Entries count paths: they must not add up to 0 by overflow, which would drop the entry.
     two_edges.data[:] = 1
@@ -153,7 +151,7 @@ def _strip(near: sparse.csr_array, first: int) -> Strip:
     entries = (np.ones(len(columns), dtype=bool), columns, starts)
     upper = sparse.csr_array(entries, shape=(rows.stop - first, width))
     # Transposing twice sorts the columns of every row in linear time.
-    return Strip(rows, slice(first, first + width), starts, upper.tocsc().tocsr().indices)
+    return RowChunk(rows, slice(first, first + width), starts, upper.tocsc().tocsr().indices)
 
 
 class Places(Protocol):
@@ -229,7 +227,7 @@ def _last_within_three(near: sparse.csr_array, order: IntArray) -> IntArray:
     return result
 
 
-def _chosen(which: NDArray[np.bool_], *arrays: IntArray) -> tuple[IntArray, ...]:
+def _chosen(which: BoolArray, *arrays: IntArray) -> tuple[IntArray, ...]:
     return arrays if which.all() else tuple(array[which] for array in arrays)
 
 

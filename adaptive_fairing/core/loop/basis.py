@@ -13,16 +13,14 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..runtime.arrays import FloatArray, IndexArray
 from .box_splines import box_splines, ghost_matrix
 from .fitted_quadrature import BARYCENTRIC, POINTS, fitted_weights, is_fitted
 from .patch_class import PatchClass, is_regular_patch
 from .quadrature import QuadratureChoice, QuadratureRule
 from .subdivision import child_map, refine
-
-FloatArray = NDArray[np.float64]
 
 # Towards a vertex of high valence rings shrink by 5/8 a subdivision instead of 1/2: the integrals
 # of M there need more levels for the same accuracy.
@@ -153,7 +151,7 @@ def _fitted_table(patch_class: PatchClass) -> BasisTable:
 
 
 @lru_cache(maxsize=256)
-def _fitted_part(child_class: PatchClass, index: int) -> tuple[FloatArray, NDArray[np.intp]]:
+def _fitted_part(child_class: PatchClass, index: int) -> tuple[FloatArray, IndexArray]:
     """Basis of a child, by parameters of its parent, at the fitted points; and which they are."""
     inside = np.flatnonzero(_home(BARYCENTRIC) == index)
     origin, jacobian = child_map(index)
@@ -161,7 +159,7 @@ def _fitted_part(child_class: PatchClass, index: int) -> tuple[FloatArray, NDArr
     return _chain_rule(values, jacobian), inside
 
 
-def _home(bary: FloatArray) -> NDArray[np.intp]:
+def _home(bary: FloatArray) -> IndexArray:
     """Which of the four children points with these barycentric coordinates lie in."""
-    home: NDArray[np.intp] = np.where(bary.max(axis=1) > 0.5, bary.argmax(axis=1), 3)
+    home: IndexArray = np.where(bary.max(axis=1) > 0.5, bary.argmax(axis=1), 3)
     return home

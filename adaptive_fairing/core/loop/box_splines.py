@@ -6,14 +6,12 @@ Source: J. Stam, Evaluation of Loop subdivision surfaces, 1998.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import FloatArray, LongArray
 from .patch_class import ControlPoints, PatchClass
 
-FloatArray = NDArray[np.float64]
 
-
-def _box_spline_coefficients() -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _box_spline_coefficients() -> tuple[LongArray, LongArray]:
     """Exponents (15, 3) and integer coefficients (12, 15), common factor 1/12.
 
     In barycentric coordinates (u, v, w) of the triangle the twelve quartic box splines are three

@@ -10,11 +10,9 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import FloatArray
 from .patch_class import PatchClass
-
-FloatArray = NDArray[np.float64]
 
 # All constants were fitted by tools/fit_quadrature.py, which says how.  An orbit of three points
 # (the small coordinate), an orbit of six (two coordinates) and the centre; weights of each.

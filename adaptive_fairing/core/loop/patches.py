@@ -12,9 +12,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import IndexArray, IntArray, LongArray
 from ..runtime.threads import ordered_map
 from .patch_class import TETRAHEDRON, Corner, PatchClass, count_control_points
 
@@ -32,6 +32,7 @@ class Segment(NamedTuple):
     Attributes
     ----------
     class_index : int
+        -1 for triangles of several classes.
     triangles : (n,) int
         Which triangles of the topology.
     control_points : (n_control_points, n) int32
@@ -39,8 +40,13 @@ class Segment(NamedTuple):
     """
 
     class_index: int
-    triangles: NDArray[np.intp]
-    control_points: NDArray[np.int32]
+    triangles: IndexArray
+    control_points: IntArray
+
+    def part(self, first: int, last: int) -> Segment:
+        """Return the triangles `first` to `last` - 1."""
+        own = slice(first, last)
+        return Segment(self.class_index, self.triangles[own], self.control_points[:, own])
 
 
 class PatchSet:
@@ -96,8 +102,8 @@ class PatchSet:
         return segments
 
     def _control_points(
-        self, triangles: NDArray[np.intp], bounds: NDArray[np.intp]
-    ) -> tuple[NDArray[np.int32], NDArray[np.int64]]:
+        self, triangles: IndexArray, bounds: IndexArray
+    ) -> tuple[IntArray, LongArray]:
         """Fill the control points of all segments into one array; also where each starts."""
         topology = self.topology
         sizes = np.diff(bounds)
@@ -134,10 +140,10 @@ class PatchSet:
 
     def _complete_tetrahedra(
         self,
-        triangles: NDArray[np.intp],
-        half_edge: NDArray[np.intp],
-        flat: NDArray[np.int32],
-        place: NDArray[np.int64],
+        triangles: IndexArray,
+        half_edge: IndexArray,
+        flat: IntArray,
+        place: LongArray,
     ) -> None:
         """Add the fourth vertex of a tetrahedron, which no corner of its triangles owns."""
         if TETRAHEDRON in self.classes:
@@ -153,7 +159,7 @@ def chunk_size(n_triangles: int) -> int:
     return min(max(-(-n_triangles // USUAL_CHUNKS), SMALLEST_CHUNK), LARGEST_CHUNK)
 
 
-def corner_codes(topology: TriangleTopology) -> tuple[NDArray[np.int64], dict[int, Corner]]:
+def corner_codes(topology: TriangleTopology) -> tuple[LongArray, dict[int, Corner]]:
     """Assign a code to every corner connectivity: a code per half-edge, and what codes mean."""
     origins = topology.origins
     codes = topology.ring_size[origins].astype(np.int64)
@@ -169,8 +175,8 @@ def corner_codes(topology: TriangleTopology) -> tuple[NDArray[np.int64], dict[in
 
 
 def class_groups(
-    codes: NDArray[np.int64],
-) -> tuple[NDArray[np.intp], NDArray[np.int64], NDArray[np.int64]]:
+    codes: LongArray,
+) -> tuple[IndexArray, LongArray, LongArray]:
     """Group triangles by their corner codes up to rotation.
 
     Returns
@@ -193,7 +199,7 @@ def class_groups(
     return class_of, first_corner, class_codes
 
 
-def _numbered(values: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.intp]]:
+def _numbered(values: LongArray) -> tuple[LongArray, IndexArray]:
     """Distinct values, ascending, and the number of each value among them; values ≥ 0."""
     largest = int(values.max(initial=0))
     if largest > SMALL_VALUES * len(values):

@@ -10,18 +10,16 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import SettingsError
-
-FloatArray = NDArray[np.float64]
+from ..runtime.arrays import FloatArray
 
 # Coarsest tolerance that each choice is good for: the measured error of the entries of M and L
 # against the subdivided reference, in units of the largest entry, on noisy meshes of valences 3
 # to 10 (tests/core holds every row to its word).
 _CHOICES: tuple[tuple[float, int, int, int, bool], ...] = (
-    # tolerance; degree in regular patches; degree in pieces of irregular ones, refinement depth;
-    # whether the fitted rule serves instead of those pieces where there is one
+    # tolerance; degree in regular patches; degree in each part of an irregular patch that is
+    # subdivided so often; whether a fitted rule serves instead, where there is one
     (1e-2, 4, 2, 1, True),
     (1e-3, 4, 4, 1, True),
     (1e-4, 6, 8, 3, False),
@@ -58,10 +56,10 @@ class QuadratureChoice:
     regular : QuadratureRule
         For patches without extraordinary corners: smooth integrands.
     irregular : QuadratureRule
-        For each piece of a patch that was refined dyadically towards its extraordinary corners,
-        where sqrt(det g) behaves like a power of the distance.
+        For each part of a patch that is subdivided towards its extraordinary corners, where
+        sqrt(det g) behaves like a power of the distance.
     depth : int
-        Number of those refinements.
+        How often it is subdivided.
     prefers_fitted : bool
         Whether irregular patches that have a fitted rule use it instead.
     """

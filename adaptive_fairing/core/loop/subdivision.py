@@ -10,12 +10,10 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..mesh.loop_masks import loop_alpha
+from ..runtime.arrays import FloatArray, IndexArray
 from .patch_class import INTERIOR_REGULAR, ControlPoints, Corner, PatchClass, is_boundary_edge
-
-FloatArray = NDArray[np.float64]
 
 
 class Child(NamedTuple):
@@ -31,7 +29,7 @@ class Child(NamedTuple):
     """
 
     patch_class: PatchClass
-    rows: NDArray[np.intp]
+    rows: IndexArray
     origin: FloatArray
     jacobian: FloatArray
 

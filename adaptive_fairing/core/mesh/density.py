@@ -3,21 +3,20 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import sparse
 
 from ..errors import SettingsError
+from ..runtime.arrays import FloatArray
 from ..runtime.threads import ordered_map
 from .limit_surface import limit_weights
 from .normals import triangle_normals
 from .topology import TriangleTopology
 
-FloatArray = NDArray[np.float64]
-
 DENSITY_KINDS = ("edge_length", "area")
 
 # Vertices that one thread works on in one go.
-VERTICES_PER_PIECE = 16384
+VERTICES_PER_CHUNK = 16384
 
 
 def mesh_density(
@@ -85,7 +84,7 @@ def _mean_edge_length(topology: TriangleTopology, points: FloatArray) -> FloatAr
     columns = np.ascontiguousarray(points.T)
 
     def of_vertices(first: int) -> FloatArray:
-        own = slice(first, min(first + VERTICES_PER_PIECE, topology.n_vertices))
+        own = slice(first, min(first + VERTICES_PER_CHUNK, topology.n_vertices))
         starts = topology.ring_start[first : own.stop + 1]
         ring, ring_size = topology.ring[starts[0] : starts[-1]], topology.ring_size[own]
         squared = np.zeros(len(ring))
@@ -102,8 +101,8 @@ def _mean_edge_length(topology: TriangleTopology, points: FloatArray) -> FloatAr
         return sums / np.maximum(ring_size, 1)
 
     ones = np.ones(topology.n_vertices)
-    pieces = range(0, topology.n_vertices, VERTICES_PER_PIECE)
-    return np.concatenate([np.empty(0), *ordered_map(of_vertices, pieces)])
+    firsts = range(0, topology.n_vertices, VERTICES_PER_CHUNK)
+    return np.concatenate([np.empty(0), *ordered_map(of_vertices, firsts)])
 
 
 def _ring_area(topology: TriangleTopology, points: FloatArray) -> FloatArray:

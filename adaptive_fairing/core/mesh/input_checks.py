@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError, listed
-
-FloatArray = NDArray[np.float64]
+from ..runtime.arrays import FloatArray, IndexArray, IntArray
 
 # Coordinates and sizes beyond these overflow or underflow in double precision, where the solve
 # takes fifth powers and more. Blender's single precision ends at about the same sizes.
@@ -35,7 +34,7 @@ def checked_vertices(vertices: ArrayLike) -> FloatArray:
     )
 
 
-def require_surface(points: FloatArray, triangles: NDArray[np.int32]) -> None:
+def require_surface(points: FloatArray, triangles: IntArray) -> None:
     """Refuse a mesh without a triangle of three different vertices, or far too small."""
     a, b, c = triangles.T
     if not ((a != b) & (b != c) & (c != a)).any():
@@ -51,7 +50,7 @@ def require_surface(points: FloatArray, triangles: NDArray[np.int32]) -> None:
 
 
 def bounding_box(
-    points: FloatArray, chosen: NDArray[np.int32] | NDArray[np.intp] | None = None
+    points: FloatArray, chosen: IntArray | IndexArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
     """Lowest and highest coordinates of points (n, 3), or of some of them; at least one."""
     if chosen is not None:

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from ..runtime.arrays import FloatArray
 from .loop_masks import limit_weight
 from .topology import TriangleTopology
-
-FloatArray = NDArray[np.float64]
 
 # Terms of the Neumann series below.  Loop's limit mask P damps the finest waves of a regular mesh
 # to a quarter, so 3 terms leave (3/4)³ = 42 % of them out, and 0.1 % of waves 8 edges long.

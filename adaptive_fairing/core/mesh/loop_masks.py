@@ -6,12 +6,11 @@ Source: C. Loop, Smooth subdivision surfaces based on triangles, 1987.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from ..runtime.arrays import FloatArray, IntArray
 
 
-def loop_alpha(valence: int | NDArray[np.int32]) -> FloatArray:
+def loop_alpha(valence: int | IntArray) -> FloatArray:
     """Total weight α(n) of the one-ring in Loop's vertex rule: x' = (1 - α) x + α/n Σ x_j.
 
     Source: C. Loop 1987; the paper's a(n) is α(n)/n.
@@ -20,7 +19,7 @@ def loop_alpha(valence: int | NDArray[np.int32]) -> FloatArray:
     return 5 / 8 - (3 / 8 + np.cos(2 * np.pi / n) / 4) ** 2
 
 
-def limit_weight(valence: int | NDArray[np.int32]) -> FloatArray:
+def limit_weight(valence: int | IntArray) -> FloatArray:
     """Weight l of each neighbour in the limit position (1 - n l) x + l Σ x_j.
 
     Source: (3.6) of the paper, l = 1 / (n + 3 / (8 a(n))) with a(n) = α(n)/n.

@@ -16,11 +16,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
-IntArray = NDArray[np.int64]
+from ..runtime.arrays import BoolArray, IntArray, LongArray
 
 
 @dataclass(frozen=True)
@@ -41,14 +40,14 @@ class ManifoldMesh:
         What was done, one line each, with counts.
     """
 
-    triangles: IntArray
-    vertex_of: IntArray
-    is_held: NDArray[np.bool_]
-    left_out: IntArray
+    triangles: LongArray
+    vertex_of: LongArray
+    is_held: BoolArray
+    left_out: LongArray
     notes: tuple[str, ...]
 
 
-def cut_to_manifold(faces: NDArray[np.int32], n_vertices: int) -> ManifoldMesh:
+def cut_to_manifold(faces: IntArray, n_vertices: int) -> ManifoldMesh:
     """Cut triangles apart until they form an oriented manifold.
 
     Parameters
@@ -101,7 +100,7 @@ def cut_to_manifold(faces: NDArray[np.int32], n_vertices: int) -> ManifoldMesh:
     )
 
 
-def _proper_triangles(triangles: IntArray) -> tuple[IntArray, list[str]]:
+def _proper_triangles(triangles: LongArray) -> tuple[LongArray, list[str]]:
     """Choose the triangles without a repeated vertex, and of equal ones the first."""
     notes = []
     ordered = np.sort(triangles, axis=1)
@@ -132,15 +131,15 @@ class _PairedEdges:
         Vertices of the edges with more than two triangles.
     """
 
-    first: IntArray
-    second: IntArray
-    first_way: NDArray[np.bool_]
-    second_way: NDArray[np.bool_]
-    ends: IntArray
-    crowded: IntArray
+    first: LongArray
+    second: LongArray
+    first_way: BoolArray
+    second_way: BoolArray
+    ends: LongArray
+    crowded: LongArray
 
 
-def _paired_edges(triangles: IntArray, n_vertices: int) -> _PairedEdges:
+def _paired_edges(triangles: LongArray, n_vertices: int) -> _PairedEdges:
     origins, targets = triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)
     upward = origins < targets
     keys = np.minimum(origins, targets) * n_vertices + np.maximum(origins, targets)
@@ -154,9 +153,7 @@ def _paired_edges(triangles: IntArray, n_vertices: int) -> _PairedEdges:
     )
 
 
-def _orientation(
-    edges: _PairedEdges, n_triangles: int
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+def _orientation(edges: _PairedEdges, n_triangles: int) -> tuple[BoolArray, BoolArray]:
     """Which triangles to turn so that neighbours agree, and which pairs then still do not."""
     a, b = edges.first // 3, edges.second // 3
     disagree = edges.first_way == edges.second_way
@@ -181,12 +178,12 @@ def _orientation(
 
 
 def _orientation_from_seed(
-    a: IntArray,
-    b: IntArray,
-    disagree: NDArray[np.bool_],
-    members: NDArray[np.bool_],
+    a: LongArray,
+    b: LongArray,
+    disagree: BoolArray,
+    members: BoolArray,
     n_triangles: int,
-) -> NDArray[np.bool_]:
+) -> BoolArray:
     """Orient one-sided pieces along a breadth-first tree, so that the tear is short."""
     flip = np.zeros(n_triangles, dtype=bool)
     inside = members[a]
@@ -210,13 +207,11 @@ def _orientation_from_seed(
     return flip
 
 
-def _fans(
-    edges: _PairedEdges, joined: NDArray[np.bool_], triangles: IntArray
-) -> tuple[IntArray, int]:
+def _fans(edges: _PairedEdges, joined: BoolArray, triangles: LongArray) -> tuple[LongArray, int]:
     """Find the fans of triangles around the vertices: the fan of each corner, and how many."""
     first, second = edges.first[joined], edges.second[joined]
 
-    def following(half_edge: IntArray) -> IntArray:
+    def following(half_edge: LongArray) -> LongArray:
         return half_edge - half_edge % 3 + (half_edge + 1) % 3
 
     # The half-edges run in opposite directions: the start of one is the end of the other.
@@ -226,6 +221,6 @@ def _fans(
     return fan.astype(np.int64), n_fans
 
 
-def _graph(rows: IntArray, columns: IntArray, n: int) -> sparse.csr_array:
+def _graph(rows: LongArray, columns: LongArray, n: int) -> sparse.csr_array:
     ones = np.ones(len(rows), dtype=np.int8)
     return sparse.csr_array(sparse.coo_array((ones, (rows, columns)), shape=(n, n)))

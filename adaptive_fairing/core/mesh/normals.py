@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import FloatArray, IntArray
 from .topology import TriangleTopology
 
-FloatArray = NDArray[np.float64]
 
-
-def triangle_normals(positions: FloatArray, triangles: NDArray[np.int32]) -> FloatArray:
+def triangle_normals(positions: FloatArray, triangles: IntArray) -> FloatArray:
     """Compute the normals of triangles (m, 3), as long as twice their area, (m, 3)."""
     corners = positions[triangles]
     normals: FloatArray = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from ..runtime.arrays import FloatArray, IndexArray, IntArray, LongArray
 from .input_checks import bounding_box
 
 
@@ -22,13 +22,11 @@ class LocalOrder(NamedTuple):
         The triangles in new numbers and new order.
     """
 
-    vertices: NDArray[np.intp]
-    triangles: NDArray[np.int32]
+    vertices: IndexArray
+    triangles: IntArray
 
 
-def sweep_order(
-    positions: NDArray[np.float64], triangles: NDArray[np.int32] | NDArray[np.int64]
-) -> LocalOrder:
+def sweep_order(positions: FloatArray, triangles: IntArray | LongArray) -> LocalOrder:
     """Renumber vertices in a sweep along the longest axis, and sort triangles to match.
 
     Matrix bandwidth and cache use come close to those of reverse Cuthill-McKee (the fronts are

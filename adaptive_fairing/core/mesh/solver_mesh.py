@@ -9,15 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import TopologyError
+from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, LongArray
 from .input_checks import bounding_box
 from .manifold import cut_to_manifold
 from .renumbering import sweep_order
 from .topology import TriangleTopology
-
-FloatArray = NDArray[np.float64]
 
 FRAME_SIZE = 6.0  # the paper resizes the mesh into the box [-3, 3]³
 
@@ -40,13 +38,13 @@ class SolverSurface:
     """
 
     topology: TriangleTopology
-    vertex_of: NDArray[np.intp]
-    is_cut: NDArray[np.bool_]
+    vertex_of: IndexArray
+    is_cut: BoolArray
     notes: tuple[str, ...] = ()
-    left_out: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    left_out: LongArray = field(default_factory=lambda: np.empty(0, dtype=np.int64))
 
 
-def solvable_surface(points: FloatArray, triangles: NDArray[np.int32]) -> SolverSurface:
+def solvable_surface(points: FloatArray, triangles: IntArray) -> SolverSurface:
     """Renumber the caller's triangles; cut them only if they are no oriented manifold."""
     try:
         order = sweep_order(points, triangles)
@@ -86,9 +84,7 @@ class SolverFrame:
         """Positions of the solver's vertices, (n, 3), in the solver's frame."""
         return (points[self.surface.vertex_of] - self.centre) * self.scale
 
-    def outward(
-        self, current: FloatArray, points: FloatArray, is_held: NDArray[np.bool_]
-    ) -> FloatArray:
+    def outward(self, current: FloatArray, points: FloatArray, is_held: BoolArray) -> FloatArray:
         """Positions of the caller's vertices: those of `points`, bit by bit, where held."""
         positions = points.copy()
         moving = ~is_held

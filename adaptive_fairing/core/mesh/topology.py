@@ -13,12 +13,11 @@ outgoing boundary edge.  Both run counter-clockwise as seen from outside.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import ArrayLike, DTypeLike, NDArray
+from numpy.typing import ArrayLike, DTypeLike
 from scipy import sparse
 
 from ..errors import InputError, TopologyError, listed
-
-IntArray = NDArray[np.int32]
+from ..runtime.arrays import BoolArray, IndexArray, IntArray, LongArray
 
 
 class TriangleTopology:
@@ -75,13 +74,13 @@ class TriangleTopology:
         return not self.on_boundary.any()
 
     @property
-    def is_loose(self) -> NDArray[np.bool_]:
+    def is_loose(self) -> BoolArray:
         """Vertices that no triangle uses, (n_vertices,)."""
-        loose: NDArray[np.bool_] = self.ring_size == 0
+        loose: BoolArray = self.ring_size == 0
         return loose
 
     @property
-    def boundary_vertices(self) -> NDArray[np.intp]:
+    def boundary_vertices(self) -> IndexArray:
         """Indices of the vertices on a boundary, ascending."""
         return np.flatnonzero(self.on_boundary)
 
@@ -194,7 +193,7 @@ def _twins(triangles: IntArray, n_vertices: int) -> IntArray:
     return twin
 
 
-def _entry_keys(matrix: sparse.csr_array) -> NDArray[np.int64]:
+def _entry_keys(matrix: sparse.csr_array) -> LongArray:
     """Return the stored places of a row-compressed matrix as ascending numbers."""
     n_rows, n_columns = matrix.shape
     rows = np.repeat(np.arange(n_rows, dtype=np.int64), np.diff(matrix.indptr))

@@ -8,19 +8,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..fem.differential_geometry import THINNEST_ASPECT
 from ..mesh.solver_mesh import SolverSurface, solvable_surface
 from ..mesh.topology import checked_triangles
+from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from ..runtime.threads import ordered_map
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
-
 # Triangles that one thread looks at in one go.
-TRIANGLES_PER_PIECE = 32768
+TRIANGLES_PER_CHUNK = 32768
 
 
 @dataclass(frozen=True)
@@ -39,13 +37,13 @@ class MeshProblems:
         Corners of triangles without area, which get a bounded metric.
     """
 
-    not_finite: IntArray
-    held: IntArray
-    left_out: IntArray
-    thin: IntArray
+    not_finite: IndexArray
+    held: IndexArray
+    left_out: IndexArray
+    thin: IndexArray
 
     @property
-    def vertices(self) -> IntArray:
+    def vertices(self) -> IndexArray:
         """All of them together."""
         parts = (self.not_finite, self.held, self.left_out, self.thin)
         return np.unique(np.concatenate(parts))
@@ -104,21 +102,21 @@ def surface_notes(points: FloatArray, surface: SolverSurface) -> tuple[str, ...]
     return tuple(notes)
 
 
-def _is_thin(points: FloatArray, triangles: NDArray[np.int32]) -> NDArray[np.bool_]:
+def _is_thin(points: FloatArray, triangles: IntArray) -> BoolArray:
     """Tell which triangles the metric of `geometry.metric_at` would bound, were they flat."""
     columns = np.ascontiguousarray(points.T)
-    firsts = range(0, len(triangles), TRIANGLES_PER_PIECE)
+    firsts = range(0, len(triangles), TRIANGLES_PER_CHUNK)
 
-    def of_piece(first: int) -> IntArray:
-        return first + _may_be_thin(columns, triangles[first : first + TRIANGLES_PER_PIECE])
+    def of_chunk(first: int) -> IndexArray:
+        return first + _may_be_thin(columns, triangles[first : first + TRIANGLES_PER_CHUNK])
 
-    suspects = np.concatenate([np.empty(0, dtype=np.intp), *ordered_map(of_piece, firsts)])
+    suspects = np.concatenate([np.empty(0, dtype=np.intp), *ordered_map(of_chunk, firsts)])
     is_thin = np.zeros(len(triangles), dtype=bool)
     is_thin[suspects] = _is_thin_at_any_size(points, triangles[suspects])
     return is_thin
 
 
-def _may_be_thin(columns: FloatArray, triangles: NDArray[np.int32]) -> IntArray:
+def _may_be_thin(columns: FloatArray, triangles: IntArray) -> IndexArray:
     """Find triangles that are thin or nearly so, or so small or large that squares say nothing."""
     a, b, c = (np.ascontiguousarray(corner) for corner in triangles.T)
     with np.errstate(over="ignore", invalid="ignore"):
@@ -130,7 +128,7 @@ def _may_be_thin(columns: FloatArray, triangles: NDArray[np.int32]) -> IntArray:
     return np.flatnonzero(~clear)
 
 
-def _is_thin_at_any_size(points: FloatArray, triangles: NDArray[np.int32]) -> NDArray[np.bool_]:
+def _is_thin_at_any_size(points: FloatArray, triangles: IntArray) -> BoolArray:
     origin = points[triangles[:, 0]]
     u, v = points[triangles[:, 1]] - origin, points[triangles[:, 2]] - origin
     # Squares of coordinates of any size stay in range if the largest is 1.
@@ -139,7 +137,7 @@ def _is_thin_at_any_size(points: FloatArray, triangles: NDArray[np.int32]) -> ND
     u, v = u / size, v / size
     doubled_area = np.linalg.norm(np.cross(u, v), axis=1)
     trace = np.einsum("td,td->t", u, u) + np.einsum("td,td->t", v, v)
-    is_thin: NDArray[np.bool_] = doubled_area <= THINNEST_ASPECT * trace
+    is_thin: BoolArray = doubled_area <= THINNEST_ASPECT * trace
     return is_thin
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..fem.loop_space import LoopSpace
@@ -15,8 +15,7 @@ from ..loop.quadrature import quadrature_choice
 from ..mesh.input_checks import checked_vertices, require_surface
 from ..mesh.solver_mesh import SolverFrame, solvable_surface
 from ..mesh.topology import checked_triangles
-
-FloatArray = NDArray[np.float64]
+from ..runtime.arrays import FloatArray, IntArray
 
 DEFAULT_TOLERANCE = 1e-3
 
@@ -95,14 +94,12 @@ class PreparedMesh:
         patches = PatchSet(self.surface.topology)
         return estimated_bytes(patches, quadrature_choice(self.quadrature_tolerance), algorithm)
 
-    def serves(self, triangles: NDArray[np.int32], n_vertices: int) -> bool:
+    def serves(self, triangles: IntArray, n_vertices: int) -> bool:
         """Whether a mesh has the triangles that were prepared."""
         is_same_size = n_vertices == self.surface.vertex_of.max() + 1
         return is_same_size and np.array_equal(triangles, self.triangles)
 
-    def require(
-        self, triangles: NDArray[np.int32], n_vertices: int, tolerance: float | None = None
-    ) -> None:
+    def require(self, triangles: IntArray, n_vertices: int, tolerance: float | None = None) -> None:
         """Check that this is the preparation of a mesh, and for a tolerance if one is given.
 
         Raises

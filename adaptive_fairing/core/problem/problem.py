@@ -5,17 +5,16 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..fem.loop_space import LoopSpace
 from ..fem.memory_estimate import Algorithm
 from ..mesh.input_checks import checked_vertices, checked_weights, require_surface
 from ..mesh.solver_mesh import SolverFrame
 from ..mesh.topology import checked_triangles
+from ..runtime.arrays import BoolArray, FloatArray, IntArray
 from .diagnosis import surface_notes
 from .prepared_mesh import PreparedMesh
-
-FloatArray = NDArray[np.float64]
 
 
 class CallerMesh(NamedTuple):
@@ -30,7 +29,7 @@ class CallerMesh(NamedTuple):
     """
 
     points: FloatArray
-    triangles: NDArray[np.int32]
+    triangles: IntArray
     weights: FloatArray
 
     @classmethod
@@ -72,7 +71,7 @@ class SolverProblem(NamedTuple):
     frame: SolverFrame
     start: FloatArray
     weights: FloatArray
-    is_held: NDArray[np.bool_]
+    is_held: BoolArray
     notes: tuple[str, ...]
 
     @classmethod

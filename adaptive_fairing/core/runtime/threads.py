@@ -1,7 +1,13 @@
 """Threads around numpy and scipy calls that release the interpreter lock.
 
-Results come back in the order of the items, whatever thread was first, so that sums over them are
-the same to the last bit from run to run.
+Work is cut into chunks: neighbouring triangles, vertices or matrix rows that one thread works on at
+a time.  `ordered_map` is the only way to run them, and its rules are the only ones:
+
+order       results come back in the order of the items, whatever thread was first: sums over them
+            are the same to the last bit from run to run
+exceptions  the first exception in this order is raised; items that no thread has begun are dropped
+nesting     a thread that is at work computes the items of another call itself: it never waits for
+            threads that wait for it
 """
 
 from __future__ import annotations
@@ -42,24 +48,35 @@ def n_threads() -> int:
 def ordered_map(function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:
     """Yield function(item) for all items in their order, computed by several threads.
 
-    At most two items per thread are under way or waiting to be fetched.
+    Nothing is computed before the first result is asked for; from then on at most two items per
+    thread are under way or wait to be fetched.
     """
-    if len(items) < 2 or n_threads() == 1:
+    if len(items) < 2 or n_threads() == 1 or getattr(_this_thread, "is_worker", False):
         yield from map(function, items)
         return
     pool = _pool()
     waiting: deque[Future[Result]] = deque()
-    for item in items:
-        waiting.append(pool.submit(function, item))
-        if len(waiting) >= 2 * n_threads():
+    try:
+        for item in items:
+            waiting.append(pool.submit(function, item))
+            if len(waiting) >= 2 * n_threads():
+                yield waiting.popleft().result()
+        while waiting:
             yield waiting.popleft().result()
-    while waiting:
-        yield waiting.popleft().result()
+    finally:
+        for future in waiting:
+            future.cancel()
+
+
+_this_thread = threading.local()
 
 
 @lru_cache(maxsize=1)
 def _pool() -> ThreadPoolExecutor:
-    return ThreadPoolExecutor(n_threads(), thread_name_prefix="adaptive_fairing")
+    def mark_as_worker() -> None:
+        _this_thread.is_worker = True
+
+    return ThreadPoolExecutor(n_threads(), "adaptive_fairing", mark_as_worker)
 
 
 class Workspace(threading.local):

@@ -12,7 +12,7 @@ from pathlib import Path
 from tools.samples.crocodile import detail
 from tools.samples.ply import read_ply
 
-from . import implicit, machined, parametric, turned
+from . import implicit, machined, new, parametric, turned
 from .meshing import MeshArrays, uneven
 
 ASSETS = Path(__file__).resolve().parents[3] / "assets"
@@ -71,6 +71,9 @@ TUNING: Mapping[str, Shape] = {
     "gyroid": Shape("open, saddles", implicit.gyroid, 0),
     "four_lumps": Shape("pieces", lambda: parametric.pieces(9, (500, 1_200, 2_800, 6_000))),
     "poles_72": Shape("poles", lambda: parametric.pole_sphere(72, 48, 0.06)),
+    "bracket_even": Shape("cad, even", lambda: machined.even(machined.bracket, 0.09)),
+    "gear_even": Shape("cad, even", lambda: machined.even(machined.gear, 0.06)),
+    "steps_even": Shape("cad, even", lambda: machined.even(machined.steps, 0.08)),
 }
 """What the parameters of method "auto" may be tuned on; from the foot on only since it had been
 measured on them without."""
@@ -89,4 +92,22 @@ HELD_OUT: Mapping[str, Shape] = {
 }
 """What was never looked at while tuning."""
 
-SHAPES = {**TUNING, **HELD_OUT}
+NEW: Mapping[str, Shape] = {
+    "block": Shape("cad, even", new.block),
+    "die": Shape("cad, even", new.die),
+    "faceted_ring": Shape("cad, even", new.faceted_ring),
+    "heat_sink": Shape("cad, thin", new.heat_sink, 110),
+    "house": Shape("cad", new.house),
+    "propeller": Shape("cad, thin", new.propeller, 110),
+    "wall": Shape("relief, open, even", new.wall, 0),
+    "fish": Shape("organic", new.fish, 90),
+    "hand": Shape("organic", new.hand, 90),
+    "seashell": Shape("organic, open, thin", new.seashell, 0),
+    "brain": Shape("organic, folds", new.brain, 90),
+    "mushroom": Shape("mixed", new.mushroom, 90),
+}
+"""What is looked at once, when all parameters stand. Nothing is tuned on it."""
+
+GROUPS = {"tuning": TUNING, "held-out": HELD_OUT, "new": NEW}
+
+SHAPES = {**TUNING, **HELD_OUT, **NEW}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from scipy.spatial import ConvexHull
 
@@ -134,6 +136,12 @@ def _hull(points: FloatArray) -> tuple[FloatArray, Faces]:
     inward = np.einsum("fd,fd->f", normal, corner.mean(axis=1) - points.mean(axis=0)) < 0
     faces[inward] = faces[inward][:, ::-1]
     return points, faces.astype(np.int32)
+
+
+def even(make: Callable[[], MeshArrays], edge: float) -> MeshArrays:
+    """Return a part with triangles of one size, as the literature's CAD models have them."""
+    vertices, faces = make()
+    return remeshed(vertices, faces, edge)
 
 
 def _machined(part, edge, n_triangles, dense, radius, crease=25.0, least=1e-6) -> MeshArrays:

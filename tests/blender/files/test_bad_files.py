@@ -111,7 +111,18 @@ def test_a_killed_run_leaves_the_old_file_whole(make, tmp_path, suffix, module, 
     out.write_bytes(b"old" * 1000)
     code = KILLED.format(root=str(ROOT), module=module, function=function)
     result = subprocess.run(
-        [sys.executable, "-c", code, str(given), "-o", str(out), "--steps", "1"],
+        [
+            sys.executable,
+            "-c",
+            code,
+            str(given),
+            "-o",
+            str(out),
+            "--method",
+            "timestep",
+            "--steps",
+            "1",
+        ],
         capture_output=True,
         check=False,
     )
@@ -120,5 +131,8 @@ def test_a_killed_run_leaves_the_old_file_whole(make, tmp_path, suffix, module, 
     # What is left over is hidden, and no later run stumbles over it.
     left = [path.name for path in tmp_path.iterdir() if path.name not in (out.name, "given")]
     assert all(name.startswith(".out.") for name in left)
-    assert cli.main([str(given), "-o", str(out), "--steps", "1", "--quiet"]) == 0
+    assert (
+        cli.main([str(given), "-o", str(out), "--method", "timestep", "--steps", "1", "--quiet"])
+        == 0
+    )
     assert out.read_bytes() != b"old" * 1000

@@ -15,13 +15,9 @@ from support.objects import (
 )
 
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
-from adaptive_fairing.blender.files.mesh_files import (
-    FileError,
-    export_mesh,
-    import_mesh,
-    save_blend,
-)
-from adaptive_fairing.core import FairingError, InputError
+from adaptive_fairing.blender.files.mesh_files import export_mesh, import_mesh, save_blend
+from adaptive_fairing.core import FairingError
+from adaptive_fairing.files.errors import FileError
 from adaptive_fairing.files.formats import MESH_FORMATS
 
 KEEP_POLYGONS = [".obj", ".ply", ".fbx", ".usda", ".usdc", ".usdz", ".abc"]
@@ -205,7 +201,7 @@ def test_modifiers_are_not_applied(tmp_path):
 def test_coordinates_that_are_no_numbers_are_refused(tmp_path):
     path = tmp_path / "bad.obj"
     path.write_text("v 0 0 0\nv nan 0 0\nv 0 inf 0\nv 1 1 1\nf 1 2 3\nf 1 3 4\n")
-    with pytest.raises(InputError, match=r"2 vertices of mesh 'bad' .*: 1, 2; delete or repair"):
+    with pytest.raises(FileError, match=r"bad.obj: 2 vertices .* numbers: 1, 2; delete or repair"):
         import_mesh(path)
 
 

@@ -44,7 +44,7 @@ class TestResuming:
     def test_other_settings_make_them_anew(self, place):
         _, out, again = place
         before = outputs(out)
-        assert again("--tau", "0.02") == ["done"] * 3
+        assert again("--method", "timestep", "--tau", "0.02") == ["done"] * 3
         after = outputs(out)
         assert all(after[name] != before[name] for name in before)
         assert again() == ["done"] * 3
@@ -109,7 +109,7 @@ def test_a_killed_batch_leaves_whole_outputs_and_goes_on_where_it_was(
         for path in five_meshes.iterdir():
             shutil.copy(path, given / f"{path.stem}_{copy}.ply")
     out = tmp_path / "out"
-    options = ("--out-dir", out, "--method", "timestep")
+    options = ("--out-dir", out)
     process = command(given, *options, "--jobs", 2)
     while not any(out.glob("*.ply")):
         time.sleep(0.01)

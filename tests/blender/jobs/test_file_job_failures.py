@@ -35,9 +35,9 @@ def test_a_solve_that_fails_at_once_writes_nothing_but_the_report(noisy, tmp_pat
 
 def failing_at(step_number, monkeypatch, kind):
     """Let the solver fail at a step, after real steps before it."""
-    from adaptive_fairing.blender.jobs import file_job
+    from adaptive_fairing.blender.jobs import solve
 
-    real = file_job.fair_steps
+    real = solve.fair_steps
 
     def steps(vertices, faces, settings, **options):
         for step in real(vertices, faces, settings, **options):
@@ -51,7 +51,7 @@ def failing_at(step_number, monkeypatch, kind):
                 )
             yield step
 
-    monkeypatch.setattr(file_job, "fair_steps", steps)
+    monkeypatch.setattr(solve, "fair_steps", steps)
 
 
 @pytest.mark.parametrize(
@@ -76,8 +76,10 @@ def test_a_surface_that_the_core_refuses_is_reported(noisy, tmp_path, monkeypatc
     def refuse(*arguments, **options):
         raise TopologyError("3 edges belong to more than two triangles")
 
-    monkeypatch.setattr("adaptive_fairing.blender.jobs.file_job.fair_steps", refuse)
-    job = FairingJob(noisy, tmp_path / "out.blend", report=tmp_path / "report.json")
+    monkeypatch.setattr("adaptive_fairing.blender.jobs.solve.fair_steps", refuse)
+    job = FairingJob(
+        noisy, tmp_path / "out.blend", FairingSettings(), report=tmp_path / "report.json"
+    )
     with pytest.raises(TopologyError):
         run_job(job)
     assert not job.output.exists()

@@ -31,7 +31,7 @@ STRETCH = 3.0  # of the box, from the first frame to the last
 FLOAT32 = 2.0**-21  # rounding of coordinates up to 8, a few times over
 # With the area for density the result does not depend on the box of the mesh, which is another one
 # once the object is turned.
-SETTINGS = ("--steps", 2, "--density", "area")
+SETTINGS = ("--method", "timestep", "--steps", 2, "--density", "area")
 
 
 def run(*arguments):
@@ -164,7 +164,7 @@ def test_the_first_frame_has_the_bytes_that_it_has_alone(sources, tmp_path):
     "options",
     [
         pytest.param([], marks=THOROUGH),
-        ["--same-strength", "--stop-curvature", "0.775"],
+        ["--same-strength", "--method", "timestep", "--stop-curvature", "0.775"],
         pytest.param(["--same-strength", "--method", "auto"], marks=THOROUGH),
     ],
 )
@@ -188,7 +188,8 @@ def steps_of(report):
 
 def test_same_strength_takes_the_first_frames_number_of_steps(sources, tmp_path):
     common = [
-        sources[".blend"], "--frames", "1-4", "--stop-curvature", "0.775", "--steps", "9",
+        sources[".blend"], "--frames", "1-4", "--method", "timestep",
+        "--stop-curvature", "0.775", "--steps", "9",
         "--report", tmp_path / "r.json",
     ]  # fmt: skip
     assert run(*common, "--out-dir", tmp_path / "each") == 0

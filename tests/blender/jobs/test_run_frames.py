@@ -11,9 +11,9 @@ from support.objects import add_object
 
 from adaptive_fairing.blender.data.mesh_arrays import MeshData, read_mesh
 from adaptive_fairing.blender.files.mesh_files import export_mesh, import_mesh
-from adaptive_fairing.blender.jobs.fairing_task import FairingTask
 from adaptive_fairing.blender.jobs.frame_sequence import Preparations, run_frames, same_strength
-from adaptive_fairing.core import FairingSettings, PreparedMesh, fair
+from adaptive_fairing.blender.jobs.solve import Solve
+from adaptive_fairing.core import DenoiseSettings, FairingSettings, PreparedMesh, denoise, fair
 
 
 def surface(vertices, faces):
@@ -37,52 +37,44 @@ class TestSameStrength:
 
 
 class TestRunFrames:
-    def tasks(self, method, n_frames=3):
+    def solves(self, settings, n_frames=3):
         vertices, faces = noisy_ball()
-        settings = FairingSettings(method=method, steps=2)
         return [
-            FairingTask(f"Frame {i}", vertices * [1 + 0.1 * i, 1, 1], faces, None, settings)
+            Solve(vertices * [1 + 0.1 * i, 1, 1], faces, settings, name=f"Frame {i}")
             for i in range(n_frames)
         ]
 
-    @pytest.mark.parametrize("method", ["adaptive_timestep", "auto"])
-    def test_of_each_frame_the_result_is_kept(self, method):
-        tasks = self.tasks(method)
-        for _ in run_frames(tasks, one_strength=False):
+    @pytest.mark.parametrize("settings", [FairingSettings(steps=2), DenoiseSettings()])
+    def test_of_each_frame_the_result_is_kept(self, settings):
+        solves = self.solves(settings)
+        for _ in run_frames(solves, one_strength=False):
             pass
-        for task in tasks:
-            (step,) = task.steps
-            mesh = PreparedMesh(tasks[0].vertices, task.triangles, task.settings)
-            alone = fair(task.vertices, task.triangles, task.settings, prepared=mesh)
-            assert np.array_equal(step.positions, alone.positions.astype(np.float32))
-            assert step.stop_reason == "steps"
+        run = denoise if settings == DenoiseSettings() else fair
+        for solve in solves:
+            mesh = PreparedMesh(solves[0].vertices, solve.triangles)
+            alone = run(solve.vertices, solve.triangles, settings, prepared=mesh)
+            assert np.array_equal(solve.positions, alone.positions.astype(np.float32))
+            assert (solve.denoised, solve.steps, solve.prepared) == (None, [], None)
 
-    def test_auto_mixes_all_frames_as_the_first(self):
-        tasks = self.tasks("auto", n_frames=2)
-        for _ in run_frames(tasks, one_strength=True):
+    def test_denoise_mixes_all_frames_as_the_first(self):
+        first, second = solves = self.solves(DenoiseSettings(), n_frames=2)
+        for _ in run_frames(solves, one_strength=True):
             pass
-        first, second = tasks
-        mesh = PreparedMesh(first.vertices, first.triangles, first.settings)
-        mesh = PreparedMesh(first.vertices, first.triangles, first.settings, scale=mesh.own_scale)
-        plan = fair(first.vertices, first.triangles, first.settings, prepared=mesh)
-        alone = fair(
-            second.vertices,
-            second.triangles,
-            second.settings,
-            prepared=mesh,
-            plan=plan.chosen.auto.plan,
-        )
-        assert np.array_equal(second.steps[0].positions, alone.positions.astype(np.float32))
+        scale = PreparedMesh(first.vertices, first.triangles).own_scale
+        mesh = PreparedMesh(first.vertices, first.triangles, scale=scale)
+        plan = denoise(first.vertices, first.triangles, prepared=mesh).plan
+        alone = denoise(second.vertices, second.triangles, prepared=mesh, plan=plan)
+        assert np.array_equal(second.positions, alone.positions.astype(np.float32))
 
     def test_a_cancelled_run_begins_no_other_frame(self):
-        tasks = self.tasks("auto")
-        frames = run_frames(tasks, one_strength=False)
-        assert next(frames) is tasks[0]
-        for task in tasks:
-            task.is_cancelled = True
+        solves = self.solves(DenoiseSettings())
+        frames = run_frames(solves, one_strength=False)
+        assert next(frames) is solves[0]
+        for solve in solves:
+            solve.is_cancelled = True
         assert list(frames) == []
-        assert [len(task.steps) for task in tasks] == [1, 0, 0]
-        assert tasks[1].share == tasks[2].share == 0
+        assert [solve.has_result for solve in solves] == [True, False, False]
+        assert solves[1].progress == solves[2].progress == 0
 
 
 class TestPreparations:
@@ -103,11 +95,11 @@ class TestPreparations:
         assert preparations.of(moved, settings, None) is first
         assert first.plan is None
 
-    def test_auto_takes_the_mixture_of_the_first_frame(self, place):
+    def test_denoise_takes_the_mixture_of_the_first_frame(self, place):
         """With one strength for all; otherwise every frame finds its own."""
-        settings = FairingSettings(method="auto")
+        settings = DenoiseSettings()
         data = read_mesh(import_mesh(place[0]).data)
-        plan = fair(data.vertices, data.triangles, settings).chosen.auto.plan
+        plan = denoise(data.vertices, data.triangles, settings).plan
         one, own = Preparations(), Preparations()
         one.turn_to(place, None, settings, scale=1.0, keep_axes=True)
         own.turn_to(place, None, settings, scale=None, keep_axes=True)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from support.meshes import icosphere
 
-from adaptive_fairing.blender.jobs.fairing_task import FairingTask, run_tasks
+from adaptive_fairing.blender.jobs.solve import Solve, run_solves
 from adaptive_fairing.blender.jobs.worker_thread import Worker
-from adaptive_fairing.core import FairingSettings, fair
+from adaptive_fairing.core import FairingError, FairingSettings, fair
 
 
 def drain(worker):
@@ -61,42 +61,42 @@ def test_an_error_comes_out_in_the_callers_thread():
 
 
 class TestRun:
-    def task(self, levels=1, **settings):
+    def solve(self, levels=1, **settings):
         vertices, faces = icosphere(levels)
-        return FairingTask("Ball", vertices, faces, None, FairingSettings(**settings))
+        return Solve(vertices, faces, FairingSettings(**settings), name="Ball")
 
     def test_steps_are_the_cores_as_float32(self):
-        task = self.task(steps=3)
-        assert [each is task for each in run_tasks([task])] == [True] * 3
-        expected = fair(task.vertices, task.triangles, task.settings).steps
-        for step, other in zip(task.steps, expected, strict=True):
+        solve = self.solve(steps=3)
+        assert [each is solve for each in run_solves([solve])] == [True] * 3
+        expected = fair(solve.vertices, solve.triangles, solve.settings).steps
+        for step, other in zip(solve.steps, expected, strict=True):
             assert step.positions.dtype == np.float32
             assert np.array_equal(step.positions, other.positions.astype(np.float32))
-        assert task.error is None
-        assert task.seconds > 0
+        assert solve.error is None
+        assert solve.seconds > 0
 
     def test_a_bad_mesh_says_why_and_the_next_one_is_faired(self):
-        bad, good = self.task(), self.task(steps=2)
+        bad, good = self.solve(), self.solve(steps=2)
         bad.vertices = bad.vertices * np.nan
-        assert list(run_tasks([bad, good])) == [good, good]
+        assert list(run_solves([bad, good])) == [good, good]
         assert "not finite" in bad.error
         assert bad.steps == []
 
-    def test_a_task_that_is_refused_already_is_left_out(self):
-        task = self.task()
-        task.error = "no"
-        assert list(run_tasks([task])) == []
+    def test_a_solve_that_is_refused_already_is_left_out(self):
+        solve = self.solve()
+        solve.failure = FairingError("no")
+        assert list(run_solves([solve])) == []
 
     def test_a_step_that_did_not_converge_is_not_kept(self):
-        task = self.task(steps=3, cg_max_iterations=1, cg_tolerance=1e-12)
-        assert list(run_tasks([task])) == []
-        assert task.error.startswith("step 1 did not converge: residual")
+        solve = self.solve(steps=3, cg_max_iterations=1, cg_tolerance=1e-12)
+        assert list(run_solves([solve])) == []
+        assert solve.error.startswith("step 1 did not converge: residual")
 
     def test_too_little_memory_is_said(self, monkeypatch):
         def exhausted(*arguments, **options):
             raise MemoryError
 
-        monkeypatch.setattr("adaptive_fairing.blender.jobs.fairing_task.fair_steps", exhausted)
-        task = self.task()
-        list(run_tasks([task]))
-        assert task.error.startswith("not enough memory for 80 triangles")
+        monkeypatch.setattr("adaptive_fairing.blender.jobs.solve.fair_steps", exhausted)
+        solve = self.solve()
+        list(run_solves([solve]))
+        assert solve.error.startswith("not enough memory for 80 triangles")

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.usefixtures("addon")
 def obj():
     obj = add_object(*icosphere(1))
     obj.select_set(True)
-    bpy.ops.object.adaptive_fairing(steps=2)
+    bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2)
     return obj
 
 
@@ -58,7 +58,7 @@ def test_frames_in_the_wrong_order_are_refused(obj):
 
 @pytest.mark.parametrize("output", ["RELATIVE_KEYS", "FINAL_SHAPE"])
 def test_without_an_evolution_it_says_what_to_do(obj, output):
-    bpy.ops.object.adaptive_fairing(steps=1, output=output)
+    bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1, output=output)
     with pytest.raises(RuntimeError, match="Fair the active object first"):
         bpy.ops.object.adaptive_fairing_animate()
 

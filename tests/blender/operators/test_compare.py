@@ -24,7 +24,7 @@ def obj():
 
 
 def compare(**options):
-    return bpy.ops.object.adaptive_fairing_compare(**options)
+    return bpy.ops.object.adaptive_fairing_compare(**{"method": "adaptive_timestep", **options})
 
 
 def test_both_copies_are_the_cores_results(obj):
@@ -76,7 +76,7 @@ def test_each_has_a_label_below_it(obj):
 
 def test_an_object_with_an_evolution_gets_a_copy_of_its_undeformed_shape(obj):
     undeformed = read_positions(obj.data)
-    bpy.ops.object.adaptive_fairing(steps=1, tau=0.1)
+    bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1, tau=0.1)
     compare(steps=1)
     before = bpy.data.objects["Ball before"]
     assert before.data.shape_keys is None

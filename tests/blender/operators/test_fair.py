@@ -1,5 +1,7 @@
 """The operator that fairs: its result is the core's, its errors say what to do."""
 
+from dataclasses import fields
+
 import bpy
 import numpy as np
 import pytest
@@ -7,15 +9,22 @@ from support.meshes import graded_sphere, icosphere
 from support.objects import add_object, key_positions, numbers
 
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
-from adaptive_fairing.blender.properties import SOLVER_NAMES, solver_settings
-from adaptive_fairing.core import FairingSettings, fair
+from adaptive_fairing.blender.properties import (
+    DENOISE_NAMES,
+    FAIRING_NAMES,
+    SOLVER_NAMES,
+    fairing_settings,
+    solver_settings,
+)
+from adaptive_fairing.cli import main as cli
+from adaptive_fairing.core import DenoiseSettings, FairingSettings, fair
 
 pytestmark = pytest.mark.usefixtures("addon")
 
 
 def run(**options):
-    """Fair the selected objects."""
-    return bpy.ops.object.adaptive_fairing(**options)
+    """Fair the selected objects by a method of the paper."""
+    return bpy.ops.object.adaptive_fairing(**{"method": "adaptive_timestep", **options})
 
 
 def noisy_sphere(levels=2, seed=1, **options):
@@ -35,21 +44,46 @@ def core_result(obj, **settings):
 
 class TestSettings:
     def test_every_setting_of_the_core_is_a_property(self):
-        assert set(SOLVER_NAMES) == set(FairingSettings.names())
+        assert set(FAIRING_NAMES) == set(FairingSettings.names())
+        of_denoise = {field.name for field in fields(DenoiseSettings)}
+        assert set(DENOISE_NAMES) == of_denoise
+        assert set(SOLVER_NAMES) == of_denoise | set(FAIRING_NAMES)
 
-    def test_the_defaults_are_the_cores(self):
+    def test_panel_command_line_and_python_start_with_denoise(self):
+        assert solver_settings(bpy.context.scene.adaptive_fairing) == DenoiseSettings()
+        assert cli.settings_of(cli.parse(["in.ply"])) == DenoiseSettings()
+
+    def test_the_papers_defaults_are_the_cores(self):
+        bpy.context.scene.adaptive_fairing.method = "adaptive_timestep"
         assert solver_settings(bpy.context.scene.adaptive_fairing) == FairingSettings()
 
     def test_numbers_come_through_as_they_were_typed(self):
         settings = bpy.context.scene.adaptive_fairing
+        settings.method = "uniform"
         settings.tau, settings.cg_tolerance, settings.stop_rate = 0.0107, 3e-8, 0.7
         made = solver_settings(settings)
         assert (made.tau, made.cg_tolerance, made.stop_rate) == (0.0107, 3e-8, 0.7)
 
     def test_zero_turns_a_stopping_rule_off(self):
-        made = solver_settings(bpy.context.scene.adaptive_fairing)
+        made = fairing_settings(bpy.context.scene.adaptive_fairing)
         assert made.stop_curvature is None
         assert made.stop_rate is None
+
+    @pytest.mark.parametrize(
+        ("options", "message"),
+        [
+            ({"steps": 4}, "steps belongs to the paper's methods, not to 'auto'"),
+            ({"method": "auto", "tau": 0.1}, "tau belongs to the paper's methods, not to 'auto'"),
+            (
+                {"method": "uniform", "strength": 2.0},
+                "strength belongs to method=\"auto\", not to 'uniform'",
+            ),
+        ],
+    )
+    def test_a_script_cannot_mix_the_two_algorithms(self, options, message):
+        noisy_sphere()
+        with pytest.raises(RuntimeError, match=message):
+            bpy.ops.object.adaptive_fairing(**options)
 
 
 class TestResult:
@@ -108,12 +142,12 @@ class TestResult:
         expected = core_result(obj, steps=3)
         run(steps=3)
         record = obj.adaptive_fairing
-        energies = [step.curvature_energy for step in record.steps]
+        energies = [shape.curvature_energy for shape in record.shapes]
         measured = [expected.initial, *expected.steps]
         assert energies == [np.float32(each.curvature_energy) for each in measured]
-        assert [step.volume for step in record.steps] == [np.float32(m.volume) for m in measured]
+        assert [shape.volume for shape in record.shapes] == [np.float32(m.volume) for m in measured]
         moved = np.linalg.norm(expected.positions - read_positions(obj.data), axis=1).max()
-        assert record.steps[-1].displacement == pytest.approx(moved, rel=1e-5)
+        assert record.shapes[-1].displacement == pytest.approx(moved, rel=1e-5)
         assert record.stop_reason == "steps"
         assert record.seconds > 0
 
@@ -133,7 +167,7 @@ class TestResult:
         assert np.array_equal(
             key_positions(obj, "Fairing 2"), expected.positions.astype(np.float32)
         )
-        assert len(obj.adaptive_fairing.steps) == 3
+        assert len(obj.adaptive_fairing.shapes) == 3
 
     def test_it_is_one_undo_step_with_a_redo_panel(self):
         options = bpy.types.OBJECT_OT_adaptive_fairing.bl_options

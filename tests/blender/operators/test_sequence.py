@@ -20,8 +20,9 @@ FLOAT32 = 2.0**-21
 
 
 def fair_frames(**options):
-    settings = {"frame_start": FRAMES[0], "frame_end": FRAMES[-1], "steps": 2, **options}
-    return bpy.ops.object.adaptive_fairing_sequence(**settings)
+    settings = {"method": "adaptive_timestep", "steps": 2, **options}
+    frames = {"frame_start": FRAMES[0], "frame_end": FRAMES[-1]}
+    return bpy.ops.object.adaptive_fairing_sequence(**{**frames, **settings})
 
 
 @pytest.fixture
@@ -49,7 +50,16 @@ def test_every_frame_is_that_of_the_command_line(bean, tmp_path):
     for frame in FRAMES:
         bpy.context.scene.frame_set(frame)
         by_operator.append(world_positions(result))
-    arguments = ["--frames", "3-5", "--steps", "2", "--same-strength", "--quiet"]
+    arguments = [
+        "--frames",
+        "3-5",
+        "--method",
+        "timestep",
+        "--steps",
+        "2",
+        "--same-strength",
+        "--quiet",
+    ]
     out = tmp_path / "all.blend"
     assert cli.main([str(tmp_path / "bean.blend"), *arguments, "-o", str(out)]) == 0
     bpy.ops.wm.open_mainfile(filepath=str(out))
@@ -123,9 +133,9 @@ def test_an_object_without_faces_is_refused():
 
 
 def test_a_frame_that_fails_is_told_and_the_others_are_kept(bean, monkeypatch):
-    from adaptive_fairing.blender.jobs import fairing_task
+    from adaptive_fairing.blender.jobs import solve
 
-    real, calls = fairing_task.fair_steps, []
+    real, calls = solve.fair_steps, []
 
     def sometimes(*given, **options):
         calls.append(1)
@@ -133,7 +143,7 @@ def test_a_frame_that_fails_is_told_and_the_others_are_kept(bean, monkeypatch):
             raise InputError("no good")
         return real(*given, **options)
 
-    monkeypatch.setattr(fairing_task, "fair_steps", sometimes)
+    monkeypatch.setattr(solve, "fair_steps", sometimes)
     assert fair_frames() == {"FINISHED"}
     keys = bpy.context.view_layer.objects.active.data.shape_keys.key_blocks
     assert [key.name for key in keys] == ["Frame 3", "Frame 5"]

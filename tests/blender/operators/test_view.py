@@ -115,7 +115,9 @@ class TestFinalShapeOnly:
         return add_selected(*icosphere(2))
 
     def run(self):
-        bpy.ops.object.adaptive_fairing(steps=2, tau=0.01, output="FINAL_SHAPE")
+        bpy.ops.object.adaptive_fairing(
+            method="adaptive_timestep", steps=2, tau=0.01, output="FINAL_SHAPE"
+        )
 
     @pytest.mark.parametrize("field", ["DISPLACEMENT", "REMOVED"])
     def test_a_view_that_is_on_shows_what_the_run_has_changed(self, obj, field):
@@ -148,7 +150,7 @@ def active_color(obj):
 class TestOtherFields:
     def test_displacement_is_measured_from_the_undeformed_mesh_to_the_shown_one(self):
         obj = add_selected(*icosphere(2))
-        bpy.ops.object.adaptive_fairing(steps=4, tau=0.05)
+        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=4, tau=0.05)
         for evolution in (0.3, 1.0):
             obj.adaptive_fairing.evolution = evolution
             show("DISPLACEMENT")
@@ -157,7 +159,9 @@ class TestOtherFields:
 
     def test_displacement_of_relative_keys(self):
         obj = add_selected(*icosphere(2))
-        bpy.ops.object.adaptive_fairing(steps=2, tau=0.05, output="RELATIVE_KEYS")
+        bpy.ops.object.adaptive_fairing(
+            method="adaptive_timestep", steps=2, tau=0.05, output="RELATIVE_KEYS"
+        )
         blocks = obj.data.shape_keys.key_blocks
         blocks["Fairing 1"].value, blocks["Fairing 2"].value = 0.25, 0.5
         show("DISPLACEMENT")
@@ -214,7 +218,7 @@ class TestLegend:
         obj = add_selected(*ellipsoid(2, (1.0, 2.0, 3.0)))
         show("DISPLACEMENT")
         assert list(obj.adaptive_fairing.view_range) == [0.0, 0.0]
-        bpy.ops.object.adaptive_fairing(steps=2)
+        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2)
         assert obj.adaptive_fairing.view == "DISPLACEMENT"
         assert obj.adaptive_fairing.view_range[1] > 0.0
         moved = np.linalg.norm(shown_positions(obj) - ellipsoid(2, (1.0, 2.0, 3.0))[0], axis=1)

@@ -1,4 +1,4 @@
-"""The method "auto" in Blender: strengths as keys, what was found, progress, what is offered."""
+"""`denoise` in Blender: strengths as keys, what was found, progress, what is offered."""
 
 import functools
 
@@ -9,20 +9,16 @@ from support.layouts import draw
 from support.meshes import icosphere, noisy_ball
 from support.objects import add_object, key_positions
 
-from adaptive_fairing import defaults
 from adaptive_fairing.blender.data.mesh_arrays import read_positions
-from adaptive_fairing.blender.jobs.fairing_task import FairingTask, run_tasks
 from adaptive_fairing.blender.jobs.frame_sequence import run_frames
+from adaptive_fairing.blender.jobs.solve import Solve, run_solves
 from adaptive_fairing.blender.operators import modal_run
-from adaptive_fairing.blender.properties import solver_settings
 from adaptive_fairing.blender.ui import results_panel, sequence_panel, settings_panel
-from adaptive_fairing.cli import main as cli
-from adaptive_fairing.core import FairingSettings, fair
+from adaptive_fairing.core import DenoiseSettings, FairingSettings, denoise
 
 pytestmark = pytest.mark.usefixtures("addon")
 
-AUTO = FairingSettings(method="auto")
-FIELDS = ("name", "vertices", "triangles", "weights", "settings")
+FIELDS = ("vertices", "triangles", "settings")
 STRENGTHS = [0.5, 0.75, 1.0, 1.5, 2.0]
 
 
@@ -34,14 +30,14 @@ def noisy():
 
 
 def run(**options):
-    return bpy.ops.object.adaptive_fairing(method="auto", **options)
+    return bpy.ops.object.adaptive_fairing(**options)
 
 
 @functools.cache
 def expected(**options):
     """Result of the core for what `noisy` has."""
     vertices, faces = noisy_ball(3, 0.02)
-    return fair(np.float32(vertices), faces, FairingSettings(method="auto", **options))
+    return denoise(np.float32(vertices), faces, DenoiseSettings(**options))
 
 
 class TestResult:
@@ -50,9 +46,9 @@ class TestResult:
         assert run() == {"FINISHED"}
         keys = noisy.data.shape_keys
         assert keys.key_blocks.keys() == ["Basis", *(f"Fairing {i}" for i in range(1, 6))]
-        for step in result.steps:
-            found = key_positions(noisy, f"Fairing {step.index}")
-            assert np.array_equal(found, step.positions.astype(np.float32))
+        for number, shape in enumerate(result.shapes, start=1):
+            found = key_positions(noisy, f"Fairing {number}")
+            assert np.array_equal(found, shape.astype(np.float32))
         assert not keys.use_relative
         assert keys.eval_time == keys.key_blocks["Fairing 3"].frame
         assert noisy.active_shape_key.name == "Fairing 3"
@@ -77,14 +73,14 @@ class TestResult:
     def test_the_record_has_what_was_found(self, noisy):
         result = expected()
         run()
-        record, estimate = noisy.adaptive_fairing, result.chosen.auto
-        assert estimate.noise > 0.05
+        record = noisy.adaptive_fairing
+        assert result.noise_level > 0.05
         found = (record.noise, record.noise_length, record.radius)
         assert found == pytest.approx(
-            (estimate.noise, estimate.noise_length, estimate.radius), rel=1e-6
+            (result.noise_level, result.noise_length, result.radius), rel=1e-6
         )
-        assert record.chosen == 3
-        assert [step.strength for step in record.steps] == [0.0, *STRENGTHS]
+        assert record.shown == 3
+        assert [shape.strength for shape in record.shapes] == [0.0, *STRENGTHS]
 
     def test_a_clean_mesh_stays_as_it_is_and_that_is_said(self):
         obj = add_object(*icosphere(3))
@@ -97,18 +93,18 @@ class TestResult:
 
     def test_the_comparison_has_an_automatic_copy(self, noisy):
         result = expected()
-        bpy.ops.object.adaptive_fairing_compare(method="auto")
+        bpy.ops.object.adaptive_fairing_compare()
         copy = bpy.data.objects["Thing automatic"]
         found = key_positions(copy, "Fairing 3")
         assert np.array_equal(found, result.positions.astype(np.float32))
         uniform = bpy.data.objects["Thing uniform"].adaptive_fairing
-        assert (uniform.method, len(uniform.steps) - 1) == ("uniform", 4)
+        assert (uniform.method, len(uniform.shapes) - 1) == ("uniform", 4)
         labels = [each.data.body for each in bpy.data.objects if each.type == "FONT"]
-        assert any(f"Noise {result.noise:.2g}" in label for label in labels)
+        assert any(f"Noise {result.noise_level:.2g}" in label for label in labels)
 
     def test_frames_get_the_chosen_strength(self, noisy):
         result = expected()
-        bpy.ops.object.adaptive_fairing_sequence(method="auto", frame_start=1, frame_end=2)
+        bpy.ops.object.adaptive_fairing_sequence(frame_start=1, frame_end=2)
         found = key_positions(bpy.context.object, "Frame 1")
         assert np.abs(found - result.positions).max() < 1e-6
 
@@ -141,8 +137,8 @@ class TestPanel:
         assert f"{record.noise:.3g} edges  ·  {in_scene(record.noise_length)}" in texts
         assert f"{record.radius:.2f} edges" in texts
         assert "Sharp" in texts
-        assert f"After  {record.steps[3].curvature_energy:.4g}" in texts
-        assert in_scene(record.steps[3].displacement) in texts
+        assert f"After  {record.shapes[3].curvature_energy:.4g}" in texts
+        assert in_scene(record.shapes[3].displacement) in texts
         assert not any("τ" in text for text in texts)
 
     def test_the_slider_tells_the_strength_and_marks_the_chosen_one(self, noisy):
@@ -163,47 +159,47 @@ class TestPanel:
 
 
 class TestRun:
-    class Recording(FairingTask):
-        """Keeps what it is told, and is cancelled at a share."""
+    class Recording(Solve):
+        """Keeps what it is told, and is cancelled at a part of the work."""
 
         until = 2.0
 
-        def note_progress(self, share):
-            self.shares = [*getattr(self, "shares", []), share]
-            self.is_cancelled = share >= self.until
-            super().note_progress(share)
+        def note_progress(self, part):
+            self.parts = [*getattr(self, "parts", []), part]
+            self.is_cancelled = part >= self.until
+            super().note_progress(part)
 
     @pytest.fixture
-    def task(self):
-        return self.Recording("Thing", *noisy_ball(3, 0.02), None, AUTO)
+    def solve(self):
+        return self.Recording(*noisy_ball(3, 0.02), DenoiseSettings())
 
-    def test_it_tells_its_progress_and_comes_in_one_piece(self, task):
-        assert len(list(run_tasks([task]))) == 1
-        assert len(task.shares) > 20
-        assert task.share == 1.0
-        assert [step.auto.strength for step in task.steps] == STRENGTHS
+    def test_it_tells_its_progress_and_comes_in_one_piece(self, solve):
+        assert len(list(run_solves([solve]))) == 1
+        assert len(solve.parts) > 20
+        assert solve.progress == 1.0
+        assert solve.denoised.strengths.tolist() == STRENGTHS
 
-    def test_cancelling_ends_it_in_the_middle_without_a_result(self, task):
-        task.until = 0.3
-        other = FairingTask("Other", task.vertices, task.triangles, None, AUTO)
-        assert list(run_tasks([task, other])) == []
-        assert 0.3 <= task.share < 0.5
-        assert (task.steps, task.error, other.steps) == ([], None, [])
+    def test_cancelling_ends_it_in_the_middle_without_a_result(self, solve):
+        solve.until = 0.3
+        other = Solve(solve.vertices, solve.triangles, solve.settings)
+        assert list(run_solves([solve, other])) == []
+        assert 0.3 <= solve.progress < 0.5
+        assert not (solve.has_result or solve.error or other.has_result)
 
-    def test_cancelling_a_sequence_ends_it_and_starts_no_other_frame(self, task):
-        frames = [self.Recording(*(getattr(task, name) for name in FIELDS)) for _ in range(3)]
+    def test_cancelling_a_sequence_ends_it_and_starts_no_other_frame(self, solve):
+        frames = [self.Recording(*(getattr(solve, name) for name in FIELDS)) for _ in range(3)]
         for frame in frames[1:]:
             frame.until = 0.3
         list(run_frames(frames, one_strength=False))
-        assert [len(frame.steps) for frame in frames] == [1, 0, 0]
-        assert not hasattr(frames[2], "shares")
+        assert [frame.has_result for frame in frames] == [True, False, False]
+        assert not hasattr(frames[2], "parts")
 
-    def test_cancelling_leaves_the_papers_methods_their_finished_step(self, task):
-        task.settings, task.until = FairingSettings(steps=2), 0.0
-        next(run_tasks([task]))
-        assert len(task.steps) == 1
+    def test_cancelling_leaves_the_papers_methods_their_finished_step(self, solve):
+        solve.settings, solve.until = FairingSettings(steps=2), 0.0
+        next(run_solves([solve]))
+        assert len(solve.steps) == 1
 
-    def test_bar_and_text_follow_the_share(self, task):
+    def test_bar_and_text_follow_the_progress(self, solve):
         class Worker:
             is_stopping = False
 
@@ -213,30 +209,24 @@ class TestRun:
             def join(self, timeout):
                 pass
 
-        current = modal_run.Progress([task], Worker())
+        current = modal_run.Progress([solve], Worker())
         modal_run._progress[:] = [current]
         try:
-            task.share = 0.45
+            solve.progress = 0.45
             drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
             assert drawn.progress == [(0.45, "Removing noise: 45 %")]
             draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
             modal_run.stop_run()
-            assert task.is_cancelled
+            assert solve.is_cancelled
         finally:
             modal_run.forget_run()
 
 
-class TestDefaults:
-    def test_panel_and_command_line_start_with_the_same_method(self):
-        settings = solver_settings(bpy.context.scene.adaptive_fairing)
-        assert settings == FairingSettings(method=defaults.METHOD)
-        assert cli.settings_of(cli.parse(["in.ply"])) == settings
-
-    def test_numbers_in_files_keep_their_meaning(self):
-        items = bpy.context.scene.adaptive_fairing.bl_rna.properties["method"].enum_items
-        assert {item.identifier: item.value for item in items} == {
-            "adaptive_timestep": 0,
-            "adaptive_tensor": 1,
-            "uniform": 2,
-            "auto": 3,
-        }
+def test_numbers_in_files_keep_their_meaning():
+    items = bpy.context.scene.adaptive_fairing.bl_rna.properties["method"].enum_items
+    assert {item.identifier: item.value for item in items} == {
+        "adaptive_timestep": 0,
+        "adaptive_tensor": 1,
+        "uniform": 2,
+        "auto": 3,
+    }

@@ -10,8 +10,9 @@ from support.layouts import FakeContext, FakeLayout, draw
 from support.meshes import graded_sphere, icosphere, open_cylinder
 from support.objects import add_object
 
-from adaptive_fairing.blender.jobs.fairing_task import FairingTask, run_tasks
-from adaptive_fairing.blender.operators import mesh_scale, modal_run
+from adaptive_fairing.blender.jobs.solve import Solve, run_solves
+from adaptive_fairing.blender.operators import mesh_scale, modal_run, settings_layout
+from adaptive_fairing.blender.properties import DENOISE_NAMES, FAIRING_NAMES, OUTPUT_NAMES
 from adaptive_fairing.blender.ui import results_panel, sequence_panel, settings_panel
 from adaptive_fairing.core import FairingSettings
 
@@ -56,8 +57,9 @@ class TestEveryPanel:
 
     @pytest.mark.parametrize("output", ["ABSOLUTE_KEYS", "RELATIVE_KEYS", "FINAL_SHAPE"])
     def test_it_can_be_drawn_after_a_run(self, panel, sphere, output):
-        bpy.ops.object.adaptive_fairing(steps=2, output=output)
+        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2, output=output)
         bpy.ops.object.adaptive_fairing_view(field="CURVATURE")
+        bpy.context.scene.adaptive_fairing.method = "adaptive_timestep"
         assert draw(panel) is not None
 
     @pytest.mark.parametrize("mode", ["EDIT", "SCULPT", "VERTEX_PAINT"])
@@ -74,8 +76,9 @@ class TestBeforeTheRun:
         fair = button(drawn, "object.adaptive_fairing")
         assert (fair["method"], fair["steps"]) == ("adaptive_tensor", 7)
         assert fair["output"] == "RELATIVE_KEYS"
-        for name in settings_panel.NAMES:
+        for name in (*FAIRING_NAMES, *OUTPUT_NAMES):
             assert fair[name] == getattr(settings, name)
+        assert not {"strength", "features"} & set(fair)
 
     def test_the_button_counts_the_objects(self, sphere):
         add_object(*icosphere(1), name="Second").select_set(True)
@@ -89,6 +92,7 @@ class TestBeforeTheRun:
     def test_the_radii_are_those_of_tau_and_the_steps(self, sphere):
         settings = bpy.context.scene.adaptive_fairing
         scale = mesh_scale.measure(sphere, settings)
+        settings.method = "adaptive_timestep"
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
         radii = [*scale.radii(0.016), *scale.radii(4 * 0.016)]
         assert [f"{radius:.2f}" for radius in radii] == [
@@ -97,6 +101,7 @@ class TestBeforeTheRun:
 
     def test_why_a_mesh_has_no_radius_is_shown(self):
         wire = add_object([[0, 0, 0], [1, 0, 0]], [])
+        bpy.context.scene.adaptive_fairing.method = "adaptive_timestep"
         mesh_scale.measure(wire, bpy.context.scene.adaptive_fairing)
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
         assert "the mesh has no triangles" in " ".join(drawn.texts)
@@ -110,7 +115,7 @@ class TestBeforeTheRun:
 def test_the_button_for_frames_has_the_scenes_range_and_the_panels_settings(sphere):
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = 11, 20
-    scene.adaptive_fairing.tau = 0.25
+    scene.adaptive_fairing.method, scene.adaptive_fairing.tau = "uniform", 0.25
     scene.adaptive_fairing.same_strength = False
     drawn = draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
     found = button(drawn, "object.adaptive_fairing_sequence")
@@ -133,8 +138,8 @@ class TestDuringTheRun:
     @pytest.fixture
     def current(self, sphere):
         vertices, faces = icosphere(1)
-        task = FairingTask("Thing", vertices, faces, None, FairingSettings(steps=4))
-        current = modal_run.Progress([task], self.StandingWorker())
+        solve = Solve(vertices, faces, FairingSettings(steps=4), name="Thing")
+        current = modal_run.Progress([solve], self.StandingWorker())
         modal_run._progress[:] = [current]
         yield current
         modal_run.forget_run()
@@ -145,7 +150,7 @@ class TestDuringTheRun:
         assert not [each for each in drawn.operators if each["name"] == "object.adaptive_fairing"]
 
     def test_step_iterations_and_h_are_shown(self, current):
-        steps = run_tasks(current.tasks)
+        steps = run_solves(current.solves)
         for _ in range(2):
             next(steps)
             current.step_done()
@@ -153,14 +158,14 @@ class TestDuringTheRun:
         ((factor, text),) = drawn.progress
         assert text == "Step 3 of 4"
         assert 0.5 <= factor < 0.75
-        last = current.tasks[0].steps[-1]
+        last = current.solves[0].steps[-1]
         expected = (
             f"{last.solve.iterations} solver iterations  ·  H at {100 * last.curvature_ratio:.1f} %"
         )
         assert expected in drawn.texts
 
     def test_progress_never_leaves_its_range(self, current):
-        for _ in run_tasks(current.tasks):
+        for _ in run_solves(current.solves):
             current.step_done()
             assert 0.0 < current.factor <= 1.0
         assert current.factor == 1.0
@@ -188,7 +193,7 @@ class TestDuringTheRun:
                 run()
 
     def test_several_objects_are_named(self, current):
-        current.tasks.append(current.tasks[0])
+        current.solves.append(current.solves[0])
         assert current.describe_step() == "Thing: Step 1 of 4"
 
 
@@ -197,9 +202,9 @@ class TestAfterTheRun:
         assert not bpy.ops.object.adaptive_fairing_stop.poll()
 
     def test_numbers_of_the_run(self, sphere):
-        bpy.ops.object.adaptive_fairing(steps=3, tau=0.01)
+        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=3, tau=0.01)
         drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_results)
-        first, *_, last = sphere.adaptive_fairing.steps
+        first, *_, last = sphere.adaptive_fairing.shapes
         text = "\n".join(drawn.texts)
         assert "3  ·  τ = 0.01" in text
         assert "All steps done" in text
@@ -212,22 +217,22 @@ class TestAfterTheRun:
     def test_the_largest_move_is_a_length_of_the_world(self, sphere, system, unit):
         bpy.context.scene.unit_settings.system = system
         sphere.scale = (1000.0, 1000.0, 1000.0)
-        bpy.ops.object.adaptive_fairing(steps=1)
+        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1)
         bpy.context.view_layer.update()
         drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_results)
-        length = 1000.0 * sphere.adaptive_fairing.steps[-1].displacement
+        length = 1000.0 * sphere.adaptive_fairing.shapes[-1].displacement
         assert 1.0 < length < 1000.0
         assert f"{float(f'{length:.3g}'):g}{unit}" in drawn.texts
 
     def test_an_open_surface_has_no_volume(self):
         obj = add_object(*open_cylinder(12, 5))
         obj.select_set(True)
-        bpy.ops.object.adaptive_fairing(steps=1)
-        assert math.isnan(obj.adaptive_fairing.steps[0].volume)
+        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1)
+        assert math.isnan(obj.adaptive_fairing.shapes[0].volume)
         assert "–" in draw(results_panel.VIEW3D_PT_adaptive_fairing_results).texts
 
     def test_without_keys_there_is_no_slider(self, sphere):
-        bpy.ops.object.adaptive_fairing(steps=1, output="FINAL_SHAPE")
+        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1, output="FINAL_SHAPE")
         drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_results)
         assert "evolution" not in drawn.properties
 
@@ -235,7 +240,7 @@ class TestAfterTheRun:
         vertices, faces = icosphere(1)
         vertices = np.concatenate([vertices, [[2.0, 2, 2]]])
         add_object(vertices, [*faces.tolist(), [*faces[0][:2], 42]]).select_set(True)
-        bpy.ops.object.adaptive_fairing(steps=1)
+        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1)
         drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_results)
         assert "more than two triangles" in " ".join(drawn.texts)
 
@@ -253,14 +258,12 @@ def test_the_redo_panel_offers_every_property_that_the_method_uses(sphere):
     def offered(method):
         stand = SimpleNamespace(bl_rna=bpy.context.scene.adaptive_fairing.bl_rna, method=method)
         layout = FakeLayout()
-        settings_panel.draw_operator(layout, stand, sphere)
+        settings_layout.draw_operator(layout, stand, sphere)
         assert len(layout.drawn.properties) == len(set(layout.drawn.properties))
         return set(layout.drawn.properties)
 
-    assert set(settings_panel.NAMES) - offered("uniform") == {"strength", "features"}
-    unused = {"tau", "steps", "density", "density_passes", "stop_curvature", "stop_rate"}
-    unused |= {"cg_tolerance", "cg_max_iterations", "normalize"}
-    assert set(settings_panel.NAMES) - offered("auto") == unused
+    assert offered("uniform") == {*FAIRING_NAMES, *OUTPUT_NAMES}
+    assert offered("auto") == {"method", *DENOISE_NAMES, *OUTPUT_NAMES}
 
 
 def test_menus_run_with_the_settings_of_the_scene(sphere):
@@ -269,7 +272,8 @@ def test_menus_run_with_the_settings_of_the_scene(sphere):
     class Stand:
         layout = FakeLayout()
 
-    bpy.context.scene.adaptive_fairing.steps = 9
+    settings = bpy.context.scene.adaptive_fairing
+    settings.method, settings.steps = "uniform", 9
     menus.draw_object_menu(Stand(), FakeContext())
     drawn = Stand.layout.drawn
     assert button(drawn, "object.adaptive_fairing")["steps"] == 9

@@ -7,7 +7,7 @@ import pytest
 
 from adaptive_fairing.blender.properties import SOLVER_NAMES, solver_settings
 from adaptive_fairing.blender.ui import presets
-from adaptive_fairing.core import FairingSettings
+from adaptive_fairing.core import DenoiseSettings, FairingSettings
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -66,7 +66,7 @@ def test_a_preset_of_ones_own_brings_every_setting_back(tmp_path, monkeypatch):
     assert bpy.ops.object.adaptive_fairing_preset_add(name="Mine") == {"FINISHED"}
     for name in SOLVER_NAMES:
         settings.property_unset(name)
-    assert solver_settings(settings) == FairingSettings()
+    assert solver_settings(settings) == DenoiseSettings()
     (path,) = tmp_path.rglob("Mine.py")
     execute(path)
     assert solver_settings(settings) == wanted

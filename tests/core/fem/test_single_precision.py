@@ -1,5 +1,7 @@
 """Large meshes are faired in single precision: as exact as the quadrature, and only where it is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support import meshes
@@ -7,6 +9,7 @@ from support import meshes
 from adaptive_fairing.core import FairingSettings, LoopSpace, TriangleTopology, fair
 from adaptive_fairing.core.diffusion import steps
 from adaptive_fairing.core.linalg.conjugate_gradients import conjugate_gradients
+from adaptive_fairing.core.runtime.precision import SINGLE
 
 METHODS = ["uniform", "adaptive_timestep", "adaptive_tensor"]
 
@@ -64,21 +67,41 @@ def microscopic(vertices):
 
 @pytest.mark.parametrize(
     ("positions", "timestep"),
-    [
-        (squeezed, 0.002),
-        (np.zeros_like, 0.002),
-        (with_a_tiny_part, 1e-14),
-        (microscopic, 1e-20),
-        (np.array, 1e4),
-    ],
-    ids=["thin", "a point", "tiny", "microscopic", "long time"],
+    [(squeezed, 0.002), (with_a_tiny_part, 1e-6)],
+    ids=["thin", "tiny"],
 )
-def test_what_single_precision_does_not_resolve_is_computed_in_double(positions, timestep):
+def test_chunks_that_single_precision_does_not_resolve_are_integrated_in_double(
+    positions, timestep
+):
+    """Their matrix entries are those of double precision, rounded when they are stored."""
+    system = random_system(True, positions, timestep=timestep)
+    expected = random_system(False, positions, timestep=timestep)
+    assert system.matrix.is_single
+    exact = entries(expected)
+    rounding = 4 * np.finfo(np.float32).eps * np.abs(exact).max()
+    np.testing.assert_allclose(entries(system), exact, rtol=0, atol=rounding)
+    np.testing.assert_array_equal(system.load, expected.load)
+    assert system.measures == expected.measures
+
+
+@pytest.mark.parametrize(
+    ("positions", "timestep"),
+    [(np.zeros_like, 0.002), (with_a_tiny_part, 1.0), (microscopic, 1e-20), (np.array, 1e4)],
+    ids=["a point", "small masses", "tiny times", "long times"],
+)
+def test_systems_that_single_precision_does_not_hold_are_computed_in_double(positions, timestep):
     system = random_system(True, positions, timestep=timestep)
     expected = random_system(False, positions, timestep=timestep)
     assert not system.matrix.is_single
     np.testing.assert_array_equal(entries(system), entries(expected))
     np.testing.assert_array_equal(system.load, expected.load)
+
+
+def test_measures_of_chunks_that_are_not_resolved_are_those_of_double_precision():
+    vertices, faces = meshes.random_closed(4, meshes.icosphere(2))
+    space = LoopSpace(TriangleTopology(faces, len(vertices)))
+    for positions in (squeezed(vertices), with_a_tiny_part(vertices)):
+        assert space.measures(positions, in_single=True) == space.measures(positions)
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-9])
@@ -105,7 +128,7 @@ def test_solves_go_on_in_double_precision_where_it_takes_that(tolerance):
 @pytest.fixture(scope="module")
 def ball():
     vertices, faces = meshes.noisy_ball(5, 0.005)
-    assert len(faces) >= steps.SINGLE_TRIANGLES
+    assert len(faces) >= SINGLE.least_triangles
     return vertices, faces
 
 
@@ -116,7 +139,7 @@ def tried(monkeypatch):
     step_system = LoopSpace.step_system
 
     def recorded(*arguments, in_single, **fields):
-        wishes.append(in_single)
+        wishes.append(in_single and SINGLE.serves_times(fields["timestep"]))
         return step_system(*arguments, in_single=in_single, **fields)
 
     monkeypatch.setattr(LoopSpace, "step_system", recorded)
@@ -125,7 +148,7 @@ def tried(monkeypatch):
 
 def in_double(monkeypatch, mesh, settings):
     with monkeypatch.context() as patch:
-        patch.setattr(steps, "SINGLE_TRIANGLES", np.inf)
+        patch.setattr(steps, "SINGLE", replace(SINGLE, least_triangles=np.inf))
         return fair(*mesh, settings)
 
 
@@ -161,9 +184,17 @@ def test_large_meshes_in_double_precision_on_request_or_where_it_takes_that(
 
 
 def test_single_precision_is_not_tried_again_where_it_did_not_serve(ball, tried):
-    vertices, faces = ball
-    fair(squeezed(vertices), faces, FairingSettings(tau=1e-4, steps=3))
+    """Of a long timestep the masses are small beside L."""
+    fair(*ball, FairingSettings(tau=500, steps=3))
     assert tried == [True, False, False]
+
+
+def test_steps_of_a_squeezed_mesh_are_those_of_double_precision(ball, monkeypatch):
+    mesh = squeezed(ball[0]), ball[1]
+    settings = FairingSettings(tau=1e-4, steps=2)
+    result, expected = fair(*mesh, settings), in_double(monkeypatch, mesh, settings)
+    moved = np.abs(expected.positions - mesh[0]).max()
+    assert 0 < np.abs(result.positions - expected.positions).max() < 1e-5 * moved
 
 
 def test_the_last_bit_is_the_same_from_run_to_run(ball):

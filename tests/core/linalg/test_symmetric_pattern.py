@@ -32,12 +32,12 @@ def numbered(pattern):
     return SymmetricMatrix.from_upper(pattern, np.arange(1.0, pattern.n_upper + 1))
 
 
-@pytest.fixture(params=[7, 10**6], ids=["many strips", "one strip"])
-def rows_per_strip(request, monkeypatch):
-    monkeypatch.setattr(symmetric_pattern, "ROWS_PER_STRIP", request.param)
+@pytest.fixture(params=[7, 10**6], ids=["many chunks", "one chunk"])
+def rows_per_chunk(request, monkeypatch):
+    monkeypatch.setattr(symmetric_pattern, "ROWS_PER_CHUNK", request.param)
 
 
-@pytest.mark.usefixtures("rows_per_strip")
+@pytest.mark.usefixtures("rows_per_chunk")
 @pytest.mark.parametrize("mesh", CASES)
 def test_pattern_is_that_of_three_edges(mesh):
     vertices, faces = mesh
@@ -55,7 +55,7 @@ def test_pattern_is_that_of_three_edges(mesh):
     assert matrix.has_canonical_format
 
 
-@pytest.mark.usefixtures("rows_per_strip")
+@pytest.mark.usefixtures("rows_per_chunk")
 @pytest.mark.parametrize("mesh", CASES)
 def test_products_are_those_of_the_full_matrix(mesh):
     pattern = pattern_of(mesh)

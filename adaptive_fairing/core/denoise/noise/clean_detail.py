@@ -6,18 +6,15 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...mesh.topology import TriangleTopology
+from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
 from .correlation import LEAST_ROUGHNESS
 from .level import CLEAN_ROUGHNESS
 from .line_roughness import LineRoughness
 from .order_decay import Fading
 from .repeats import repetition
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 # A mesh with creases everywhere is clean if along them it is no rougher than clean meshes are, and
 # this share of its vertices no rougher than this, in local edge lengths of noise.

@@ -10,13 +10,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
 from .order_decay import Fading
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 # Roughness of less than so many edge lengths that fades is shape, which fades as well.  Contoured
 # voxels measure 0.13 to 0.18.

@@ -6,14 +6,12 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 from scipy.special import expit
 
+from ...runtime.arrays import BoolArray, FloatArray, IndexArray
 from .roughness import Roughness
 
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 Smoother = Callable[[FloatArray], FloatArray]
 
 # Roughness of this size, in local edge lengths, is what clean meshes have.
@@ -104,14 +102,14 @@ def noise_model(rough: Roughness, is_counted: BoolArray, smoothed: Smoother) -> 
     return NoiseModel(share * both.per_edge + (1 - share) * alone, share * both.per_length)
 
 
-def _bins(is_counted: BoolArray, size: FloatArray) -> list[NDArray[np.intp]]:
+def _bins(is_counted: BoolArray, size: FloatArray) -> list[IndexArray]:
     """Sort the counted vertices into bins of density."""
     chosen = np.flatnonzero(is_counted)
     n_bins = int(np.clip(len(chosen) // VERTICES_PER_BIN, 1, MOST_BINS))
     return np.array_split(chosen[np.argsort(size[chosen], kind="stable")], n_bins)
 
 
-def _evidence(rough: Roughness, bins: list[NDArray[np.intp]], both: NoiseModel) -> float:
+def _evidence(rough: Roughness, bins: list[IndexArray], both: NoiseModel) -> float:
     """Probability, 0 to 1, that the noise has one amplitude in part, and not only grows with edges.
 
     By the likelihood of every vertex: it decides the more clearly the more vertices there are.
@@ -123,7 +121,7 @@ def _evidence(rough: Roughness, bins: list[NDArray[np.intp]], both: NoiseModel) 
     if not expected[everywhere].all():
         return 0.0
 
-    def gain(members: NDArray[np.intp]) -> float:
+    def gain(members: IndexArray) -> float:
         value = rough.value[members]
         per_edge = _unlikelihood(value, np.ones_like(value))
         return (per_edge - _unlikelihood(value, expected[members])) / SHARED

@@ -7,14 +7,11 @@ smooth along them; noise is rough along every line.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...mesh.topology import TriangleTopology
+from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
 from .own_numbers import LINE_NOISE, own_noise
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 # A line from one neighbour to the opposite one passes a vertex at a share between these.
 SHARES = (0.2, 0.8)

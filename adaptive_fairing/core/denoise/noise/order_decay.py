@@ -10,13 +10,10 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
 from .own_numbers import WHITE_NOISE, own_noise
-
-FloatArray = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 # Orders of the differences that are compared.
 LOW, HIGH = 2, 5

@@ -10,12 +10,10 @@ the faces changes.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from ...runtime.arrays import FloatArray
 from ..local_frame import LocalFrame
-
-FloatArray = NDArray[np.float64]
 
 # Turns of the phase per local edge length.  Noise of 0.05 of an edge moves the phase by several
 # turns, so neighbours are not alike; rounding to single precision moves it by a thousandth.

@@ -5,12 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
+from ...runtime.arrays import FloatArray
 from ..local_frame import LocalFrame
-
-FloatArray = NDArray[np.float64]
 
 
 class Roughness(NamedTuple):

@@ -1,4 +1,4 @@
-"""Triangles of rare classes are integrated in stacks: the same integrals as class by class."""
+"""Rare classes are integrated together: the same integrals as class by class."""
 
 import numpy as np
 import pytest
@@ -6,8 +6,7 @@ from support import meshes
 
 from adaptive_fairing.core import LoopSpace, TriangleTopology
 from adaptive_fairing.core.fem import table_cache
-from adaptive_fairing.core.fem.class_tables import SUM, ClassTables
-from adaptive_fairing.core.fem.stacked_tables import RareTables
+from adaptive_fairing.core.fem.patch_tables import SUM, PatchTables
 from adaptive_fairing.core.loop.basis import basis_table
 from adaptive_fairing.core.loop.patch_class import Corner
 from adaptive_fairing.core.loop.quadrature import quadrature_choice
@@ -16,12 +15,13 @@ from adaptive_fairing.core.loop.quadrature import quadrature_choice
 CLASSES = [(3, 6, 7), (3, 8, 8), (3, 9, 9)]
 
 
-def test_stack_integrates_as_the_tables_of_its_classes():
+def test_one_table_for_each_triangle_integrates_as_those_of_its_classes():
     choice = quadrature_choice(1e-3)
     tables = [basis_table(tuple(Corner(valence) for valence in each), choice) for each in CLASSES]
     n_points, n_control_points = 24, 15
     assert {len(table.weights) for table in tables} == {n_points}
-    stack = RareTables(tables, n_control_points)
+    together = PatchTables(tables)
+    assert together.n_control_points == n_control_points
     random = np.random.default_rng(1)
     control = random.normal(size=(3, n_control_points, 3))
     fluxes = random.normal(size=(3, 2, n_points, 3))
@@ -29,13 +29,13 @@ def test_stack_integrates_as_the_tables_of_its_classes():
 
     jets = np.empty((3, 6 * n_points, 3))
     sums = np.empty((3, n_control_points, 3))
-    local = np.empty((len(stack.pairs[0]), 3))
-    stack.evaluate(control, 6, out=jets)
-    stack.flux_sums(fluxes, out=sums)
-    stack.local_matrices(coefficients, SUM, out=local)
+    local = np.empty((len(together.pairs[0]), 3))
+    together.evaluate(control, 6, out=jets)
+    together.flux_sums(fluxes, out=sums)
+    together.local_matrices(coefficients, SUM, out=local)
 
     for k, table in enumerate(tables):
-        alone = ClassTables(table, 1000)
+        alone = PatchTables([table], 1000)
         used = alone.n_control_points
         own = slice(k, k + 1)
         expected_jets = np.empty((3, 6 * n_points, 1))
@@ -48,13 +48,13 @@ def test_stack_integrates_as_the_tables_of_its_classes():
         np.testing.assert_allclose(jets[..., own], expected_jets, atol=1e-12)
         np.testing.assert_allclose(sums[:, :used, own], expected_sums, atol=1e-12)
         assert not sums[:, used:, own].any()
-        is_used = stack.pairs[1] < used
+        is_used = together.pairs[1] < used
         np.testing.assert_allclose(local[is_used, own], expected_local, atol=1e-12)
         assert not local[~is_used, own].any()
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])
-def test_matrices_do_not_depend_on_what_is_stacked(tolerance, monkeypatch):
+def test_matrices_do_not_depend_on_which_classes_are_rare(tolerance, monkeypatch):
     vertices, faces = meshes.random_closed(4)
     topology = TriangleTopology(faces, len(vertices))
 
@@ -69,5 +69,5 @@ def test_matrices_do_not_depend_on_what_is_stacked(tolerance, monkeypatch):
             np.array([measures.curvature_energy, measures.area, measures.volume]),
         )
 
-    for alone, stacked in zip(everything(0), everything(1000), strict=True):
-        np.testing.assert_allclose(stacked, alone, rtol=1e-11, atol=1e-13 * np.abs(alone).max())
+    for alone, joined in zip(everything(0), everything(1000), strict=True):
+        np.testing.assert_allclose(joined, alone, rtol=1e-11, atol=1e-13 * np.abs(alone).max())

@@ -1,0 +1,92 @@
+"""All attributes of a mesh as arrays, of any type and domain, and back onto another mesh."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+STORAGE = {
+    "FLOAT": ("value", 1, np.float32),
+    "INT": ("value", 1, np.int32),
+    "INT8": ("value", 1, np.int8),
+    "BOOLEAN": ("value", 1, np.bool_),
+    "FLOAT2": ("vector", 2, np.float32),
+    "FLOAT_VECTOR": ("vector", 3, np.float32),
+    "FLOAT_COLOR": ("color", 4, np.float32),
+    "BYTE_COLOR": ("color", 4, np.float32),
+    "QUATERNION": ("value", 4, np.float32),
+    "FLOAT4X4": ("value", 16, np.float32),
+    "INT16_2D": ("value", 2, np.int16),
+    "INT32_2D": ("value", 2, np.int32),
+}
+"""Property, numbers per element and their type, by Blender's type; texts are kept apart."""
+
+TEXT = "STRING"
+
+GEOMETRY = ("position", ".edge_verts", ".corner_vert", ".corner_edge")
+"""Attributes that are the mesh itself."""
+
+
+class AttributeArray(NamedTuple):
+    """An attribute: values (n,) or (n, width), or objects (n,) of a text."""
+
+    name: str
+    data_type: str
+    domain: str
+    values: NDArray
+
+
+def read_attributes(mesh: bpy.types.Mesh, without: tuple[str, ...] = ()) -> list[AttributeArray]:
+    """Read every attribute of a mesh in Object Mode but its geometry and some names."""
+    arrays = []
+    for attribute in mesh.attributes:
+        if attribute.name in GEOMETRY or attribute.name in without:
+            continue
+        if attribute.data_type == TEXT:
+            values = np.array([item.value for item in attribute.data], dtype=object)
+        elif attribute.data_type in STORAGE:
+            name, width, dtype = STORAGE[attribute.data_type]
+            values = np.empty(width * len(attribute.data), dtype=dtype)
+            attribute.data.foreach_get(name, values)
+            values = values if width == 1 else values.reshape(-1, width)
+        else:
+            continue
+        described = attribute.name, attribute.data_type, attribute.domain
+        arrays.append(AttributeArray(*described, values))
+    return arrays
+
+
+def write_attribute(mesh: bpy.types.Mesh, array: AttributeArray) -> None:
+    """Write an attribute to a mesh in Object Mode, over one of the same name."""
+    present = mesh.attributes.get(array.name)
+    if present is not None and (present.data_type, present.domain) != array[1:3]:
+        mesh.attributes.remove(present)
+        present = None
+    attribute = present or mesh.attributes.new(array.name, array.data_type, array.domain)
+    if array.data_type == TEXT:
+        for item, value in zip(attribute.data, array.values, strict=True):
+            item.value = value
+        return
+    name, _, dtype = STORAGE[array.data_type]
+    attribute.data.foreach_set(name, np.ascontiguousarray(array.values, dtype=dtype).reshape(-1))
+
+
+def read_boolean(mesh: bpy.types.Mesh, name: str, size: int) -> NDArray[np.bool_]:
+    """Read a flag, (size,); absent means no."""
+    values = np.zeros(size, dtype=bool)
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and size:
+        attribute.data.foreach_get("value", values)
+    return values
+
+
+def read_float(mesh: bpy.types.Mesh, name: str, size: int) -> NDArray[np.float32]:
+    """Read a number, (size,); absent means 0."""
+    values = np.zeros(size, dtype=np.float32)
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and size:
+        attribute.data.foreach_get("value", values)
+    return values

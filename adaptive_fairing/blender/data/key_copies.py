@@ -1,0 +1,90 @@
+"""Shape keys of a mesh taken to another one with more vertices: places, values, animation."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import bpy
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .mesh_arrays import flat_float32
+
+SETTINGS = ("interpolation", "mute", "slider_min", "slider_max", "value", "vertex_group")
+"""What a key has beside its shape, its place and the key it is relative to."""
+
+
+@dataclass(frozen=True)
+class KeyShapes:
+    """The keys of a mesh.
+
+    Attributes
+    ----------
+    source
+        Blender's block, from which the animation is copied.
+    positions
+        (n, 3) of every key, in order.
+    """
+
+    source: bpy.types.Key
+    positions: list[NDArray[np.float64]]
+
+
+def read_keys(mesh: bpy.types.Mesh) -> KeyShapes | None:
+    """Read all keys of a mesh in Object Mode; None if it has none."""
+    if mesh.shape_keys is None:
+        return None
+    positions = []
+    for block in mesh.shape_keys.key_blocks:
+        buffer = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+        block.points.foreach_get("co", buffer)
+        positions.append(buffer.reshape(-1, 3).astype(np.float64))
+    return KeyShapes(mesh.shape_keys, positions)
+
+
+def write_keys(obj: bpy.types.Object, keys: KeyShapes, positions: Sequence[ArrayLike]) -> None:
+    """Give an object's mesh the keys of another, with other positions.
+
+    Parameters
+    ----------
+    obj
+        Whose mesh has room for the positions, and a useless copy of the keys or none.
+    keys
+        Their source must still exist.
+    positions
+        (n, 3) of every key.
+    """
+    shown, only_this = obj.active_shape_key_index, obj.show_only_shape_key
+    obj.shape_key_clear()
+    source = keys.source
+    for block, shape in zip(source.key_blocks, positions, strict=True):
+        if obj.data.shape_keys is not None:
+            # A new absolute key stands where the evaluation time is.
+            obj.data.shape_keys.use_relative = False
+            obj.data.shape_keys.eval_time = block.frame
+        new = obj.shape_key_add(name=block.name, from_mix=False)
+        new.points.foreach_set("co", flat_float32(shape, obj.data))
+    target = obj.data.shape_keys
+    for block in source.key_blocks:
+        new = target.key_blocks[block.name]
+        new.relative_key = target.key_blocks[block.relative_key.name]
+        for name in SETTINGS:
+            setattr(new, name, getattr(block, name))
+    target.use_relative, target.eval_time = source.use_relative, source.eval_time
+    _copy_animation(source, target)
+    obj.active_shape_key_index, obj.show_only_shape_key = shown, only_this
+
+
+def _copy_animation(source: bpy.types.Key, target: bpy.types.Key) -> None:
+    """Let the target be driven by the same action, with drivers of its own."""
+    animation: Any = source.animation_data
+    if animation is None:
+        return
+    copy: Any = target.animation_data_create()
+    copy.action = animation.action
+    if animation.action is not None and hasattr(animation, "action_slot"):  # since Blender 4.4
+        copy.action_slot = animation.action_slot
+    for driver in animation.drivers:
+        copy.drivers.from_existing(src_driver=driver)

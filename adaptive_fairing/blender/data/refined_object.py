@@ -1,0 +1,175 @@
+"""Loop subdivision of an object's mesh with everything on it: keys, attributes, groups, normals.
+
+The mesh that the object had is not changed: the object gets a new one, and the old one goes only
+if nothing else uses it.  That is what *Make Single User* does before a destructive edit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core import FairingError
+from ...core.surface.cut_surface import CutSurface, cut_surface
+from ...core.surface.refined_net import RefinedNet
+from . import mesh_building
+from .attribute_arrays import AttributeArray, read_attributes, read_boolean, read_float
+from .key_copies import read_keys, write_keys
+from .mesh_arrays import read_positions
+from .vertex_groups import read_groups, write_groups
+
+FloatArray = NDArray[np.float64]
+
+SHARP_CREASE = 1.0
+"""Blender's crease weight from which a crease is infinitely sharp."""
+
+RENEWED = ("custom_normal", "sharp_face", ".select_vert", ".select_edge", ".select_poly")
+"""Attributes that the refined mesh does not inherit: it is smooth, has its own normals, and
+nothing of it is selected."""
+
+
+@dataclass(frozen=True)
+class RefineOptions:
+    """How to refine.
+
+    Attributes
+    ----------
+    levels : int
+        Steps; each cuts every triangle into four.
+    on_limit : bool
+        Vertices on the limit surface; otherwise they are the control points of the finer mesh.
+    sharp_creases : bool
+        Edges marked sharp or with a crease of 1 stay sharp, vertices with a crease of 1 stay.
+    exact_normals : bool
+        Custom normals from the limit surface; otherwise Blender's own average.
+    """
+
+    levels: int = 1
+    on_limit: bool = True
+    sharp_creases: bool = True
+    exact_normals: bool = True
+
+
+def refine_object(obj: bpy.types.Object, options: RefineOptions) -> tuple[str, ...]:
+    """Give an object a refined mesh.
+
+    Parameters
+    ----------
+    obj
+        Local mesh object in Object Mode.
+    options
+
+    Returns
+    -------
+    tuple of str
+        What had to be cut, turned or left out because the mesh is no oriented manifold.
+
+    Raises
+    ------
+    FairingError
+        The mesh has no faces, or positions that are not finite.
+    """
+    mesh = obj.data
+    source = _Source(mesh, options.sharp_creases)
+    net = RefinedNet(source.cut, options.levels)
+    keys = read_keys(mesh)
+    shapes = keys.positions if keys is not None else [read_positions(mesh)]
+    surface = source.cut.levels
+    controls = [
+        surface.control_points(shape[source.cut.vertex_of], options.levels) for shape in shapes
+    ]
+    refined = [
+        net.joined(surface.limit_points(control) if options.on_limit else control[-1])
+        for control in controls
+    ]
+    normals = _normals(net, controls[0]) if options.exact_normals else None
+    groups = read_groups(obj)
+    attributes = [
+        array._replace(values=source.refined(net, array))
+        for array in read_attributes(mesh, RENEWED)
+    ]
+
+    new = mesh.copy()
+    new.clear_geometry()
+    loose = source.loose_edges
+    mesh_building.fill(
+        new, refined[0], net.triangles, np.concatenate([net.edges, loose]), net.sides
+    )
+    mesh_building.write_attributes(new, mesh, attributes)
+    obj.data = new
+    write_groups(obj, [group.with_weights(net.of_points) for group in groups])
+    new.update()
+    if normals is not None:
+        moves = keys is not None or len(obj.modifiers) > 0
+        mesh_building.write_normals(new, normals, follow_motion=moves)
+    if keys is not None:
+        write_keys(obj, keys, refined)
+    _retire(mesh, new)
+    return source.cut.notes
+
+
+class _Source:
+    """A mesh as triangles, and what each of its elements becomes."""
+
+    def __init__(self, mesh: bpy.types.Mesh, sharp_creases: bool) -> None:
+        mesh.calc_loop_triangles()
+        n = len(mesh.loop_triangles)
+        if not n:
+            raise FairingError("the mesh has no faces: there is no surface to refine")
+        self.triangles = mesh_building.integers(mesh.loop_triangles, "vertices", 3)
+        self.corners = mesh_building.integers(mesh.loop_triangles, "loops", 3).reshape(-1)
+        self.polygons = mesh_building.integers(mesh.loop_triangles, "polygon_index", 1)
+        self.ends = mesh_building.integers(mesh.edges, "vertices", 2).astype(np.int64)
+        creases, held = np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
+        if sharp_creases:
+            n_edges = len(self.ends)
+            is_sharp = read_boolean(mesh, "sharp_edge", n_edges)
+            is_sharp |= read_float(mesh, "crease_edge", n_edges) >= SHARP_CREASE
+            creases = self.ends[is_sharp]
+            pinned = read_float(mesh, "crease_vert", len(mesh.vertices)) >= SHARP_CREASE
+            held = np.flatnonzero(pinned)
+        self.cut: CutSurface = cut_surface(self.triangles, len(mesh.vertices), creases, held)
+        in_surface = RefinedNet(self.cut, 0)
+        used = np.unique(_keys(in_surface.edges, len(mesh.vertices)))
+        self._is_loose = ~np.isin(_keys(self.ends, len(mesh.vertices)), used)
+
+    @property
+    def loose_edges(self) -> NDArray[np.int64]:
+        """Edges without a face, which stay one edge each."""
+        return self.ends[self._is_loose]
+
+    def refined(self, net: RefinedNet, array: AttributeArray) -> NDArray:
+        """Give the values of an attribute on the refined mesh."""
+        values = array.values
+        if array.domain == "POINT":
+            return net.of_points(values)
+        if array.domain == "CORNER":
+            return net.of_corners(values[self.corners])
+        if array.domain == "FACE":
+            return net.of_triangles(values[self.polygons])
+        inside = "" if values.dtype == object else values.dtype.type(0)
+        return np.concatenate([net.of_edges(values, self.ends, inside), values[self._is_loose]])
+
+
+def _keys(ends: NDArray, n: int) -> NDArray[np.int64]:
+    ends = np.sort(ends, axis=1).astype(np.int64)
+    return ends[:, 0] * n + ends[:, 1]
+
+
+def _normals(net: RefinedNet, control: list[FloatArray]) -> FloatArray:
+    """Exact normals: (n, 3) of the vertices, or (3 m, 3) of the corners where they differ."""
+    levels = net.cut.levels
+    if net.cut.is_cut or levels.has_creases:
+        return net.corner_normals(levels.corner_normals(control)).reshape(-1, 3)
+    return levels.normals(control)[0]
+
+
+def _retire(old: bpy.types.Mesh, new: bpy.types.Mesh) -> None:
+    """Remove a mesh that nothing uses any more, and hand its name on."""
+    if old.users == 0:
+        name = old.name
+        bpy.data.meshes.remove(old)
+        new.name = name

@@ -1,0 +1,71 @@
+"""Vertex groups as arrays of weights."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class GroupWeights:
+    """A vertex group.
+
+    Attributes
+    ----------
+    name
+    is_locked
+    weights
+        (n,); vertices outside the group have 0.
+    is_member
+        (n,) 1 inside, 0 outside.
+    """
+
+    name: str
+    is_locked: bool
+    weights: FloatArray
+    is_member: FloatArray
+
+    def with_weights(self, refined: Callable[[FloatArray], FloatArray]) -> GroupWeights:
+        """Take the group to another mesh; what has a share of a member is one."""
+        return replace(self, weights=refined(self.weights), is_member=refined(self.is_member))
+
+
+def read_groups(obj: bpy.types.Object) -> list[GroupWeights]:
+    """Read all groups of an object in Object Mode."""
+    n, n_groups = len(obj.data.vertices), len(obj.vertex_groups)
+    if not n_groups:
+        return []
+    weights, members = np.zeros((2, n_groups, n), dtype=np.float32)
+    for vertex in obj.data.vertices:
+        for element in vertex.groups:
+            if element.group < n_groups:
+                weights[element.group, vertex.index] = element.weight
+                members[element.group, vertex.index] = 1
+    return [
+        GroupWeights(group.name, group.lock_weight, weights[i], members[i])
+        for i, group in enumerate(obj.vertex_groups)
+    ]
+
+
+def write_groups(obj: bpy.types.Object, groups: Sequence[GroupWeights]) -> None:
+    """Give an object whose mesh has no groups these, the active one as it was."""
+    active = obj.vertex_groups.active_index
+    obj.vertex_groups.clear()
+    for group in groups:
+        new = obj.vertex_groups.new(name=group.name)
+        members = np.flatnonzero(group.is_member > 0)
+        # Blender takes one weight for many vertices.
+        weights, place = np.unique(group.weights[members], return_inverse=True)
+        order = np.argsort(place.reshape(-1), kind="stable")
+        ends = np.cumsum(np.bincount(place.reshape(-1), minlength=len(weights)))
+        for weight, part in zip(weights.tolist(), np.split(members[order], ends[:-1]), strict=True):
+            new.add(part.tolist(), weight, "REPLACE")
+        new.lock_weight = group.is_locked
+    if groups:
+        obj.vertex_groups.active_index = active

@@ -1,0 +1,245 @@
+"""The one driver of both algorithms: runs one on a mesh and keeps what Blender is to store.
+
+No bpy, so that a solve may work in a thread beside Blender's window.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core import (
+    DenoisePlan,
+    DenoiseResult,
+    DenoiseSettings,
+    FairingError,
+    FairingSettings,
+    FairingStep,
+    PreparedMesh,
+    SolverError,
+    SurfaceMeasures,
+    denoise,
+    fair_steps,
+)
+
+Settings = DenoiseSettings | FairingSettings
+
+
+class RunCancelledError(Exception):
+    """Nobody waits for the result any more."""
+
+
+@dataclass
+class Solve:
+    """One mesh, one of the two algorithms, and its result so far.
+
+    Attributes
+    ----------
+    name, session_uid
+        Of the Blender object, if it belongs to one. Objects themselves must not be kept: undo and
+        deletion invalidate them.
+    vertices, triangles, weights
+        Input of `denoise` and `fair_steps`.
+    settings
+        Decide the algorithm.
+    prepared, plan
+        What another frame of the same surface hands on, see `denoise`.
+    on_progress
+        Also called with `progress`.
+    denoised
+        Result of `denoise`; its shapes are float32, which is what Blender keeps.
+    steps
+        Finished steps of `fair_steps`, their arrays as float32.
+    step_seconds
+        Time that each step took, or the whole of `denoise`.
+    kept
+        Positions (n, 3) of the result, once `keep_result_only` has left nothing else.
+    progress
+        How much of `denoise` is done, 0 to 1.
+    is_cancelled
+        Set to end `denoise` in the middle.
+    failed_step
+        The step that did not converge, as it was left.
+    failure
+        Why the run ended early.
+    """
+
+    vertices: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+    settings: Settings
+    weights: NDArray[np.float64] | None = None
+    prepared: PreparedMesh | None = None
+    plan: DenoisePlan | None = None
+    on_progress: Callable[[float], None] | None = None
+    name: str = ""
+    session_uid: int = 0
+    denoised: DenoiseResult | None = None
+    steps: list[FairingStep] = field(default_factory=list)
+    step_seconds: list[float] = field(default_factory=list)
+    kept: NDArray[np.float32] | None = None
+    progress: float = 0.0
+    is_cancelled: bool = False
+    failed_step: FairingStep | None = None
+    failure: FairingError | MemoryError | None = None
+
+    @property
+    def is_denoise(self) -> bool:
+        """Whether this is the automatic method, not one of the paper."""
+        return isinstance(self.settings, DenoiseSettings)
+
+    @property
+    def has_result(self) -> bool:
+        """Whether there is at least one shape."""
+        return bool(self.steps) or self.denoised is not None or self.kept is not None
+
+    @property
+    def is_over(self) -> bool:
+        """Whether nothing more will come."""
+        is_last = bool(self.steps) and self.steps[-1].stop_reason is not None
+        has_all = self.denoised is not None or self.kept is not None
+        return is_last or has_all or self.failure is not None
+
+    @property
+    def shapes(self) -> list[NDArray[np.float32]]:
+        """Positions (n, 3) after each step, or at each strength."""
+        if self.denoised is not None:
+            return list(self.denoised.shapes)
+        return [step.positions for step in self.steps]
+
+    @property
+    def shown(self) -> int:
+        """Index of the shape that is the result: the last step, or the strength asked for."""
+        return len(self.steps) - 1 if self.denoised is None else self.denoised.chosen
+
+    @property
+    def positions(self) -> NDArray[np.float32]:
+        """Positions (n, 3) of the result."""
+        return self.shapes[self.shown] if self.kept is None else self.kept
+
+    @property
+    def measures(self) -> list[SurfaceMeasures]:
+        """Measures of the input and of every shape."""
+        if self.denoised is not None:
+            return [self.denoised.initial, *self.denoised.measures]
+        of_steps = [SurfaceMeasures(s.curvature_energy, s.area, s.volume) for s in self.steps]
+        return [self.steps[0].initial, *of_steps]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What was found wrong with the mesh, and what became of it."""
+        if self.denoised is not None:
+            return self.denoised.notes
+        return self.steps[-1].notes if self.steps else ()
+
+    @property
+    def stop_reason(self) -> str | None:
+        """Why the steps ended, as in `FairingStep`; None while they go on, and of `denoise`."""
+        last = self.failed_step or (self.steps[-1] if self.steps else None)
+        return None if last is None else last.stop_reason
+
+    @property
+    def seconds(self) -> float:
+        """Time that the finished part took."""
+        return sum(self.step_seconds)
+
+    @property
+    def error(self) -> str | None:
+        """`failure` as a line for the user."""
+        if isinstance(self.failure, MemoryError):
+            return (
+                f"not enough memory for {len(self.triangles)} triangles; "
+                "fair a decimated copy, or parts"
+            )
+        return None if self.failure is None else str(self.failure)
+
+    def run(self) -> Iterator[Solve]:
+        """Run the algorithm; yield this object after every step, of `denoise` once.
+
+        Ends without an exception if the mesh cannot be solved: `failure` says why. A step that has
+        not converged is not kept.
+
+        Raises
+        ------
+        RunCancelledError
+            `is_cancelled` was set while `denoise` was at work.
+        """
+        try:
+            yield from self._denoise() if self.is_denoise else self._fair()
+        except (FairingError, MemoryError) as error:
+            self.failure = error
+
+    def _denoise(self) -> Iterator[Solve]:
+        started = time.perf_counter()
+        result = denoise(
+            self.vertices,
+            self.triangles,
+            self.settings,
+            weights=self.weights,
+            prepared=self.prepared,
+            plan=self.plan,
+            progress=self.note_progress,
+        )
+        self.step_seconds = [time.perf_counter() - started]
+        self.denoised = replace(result, shapes=result.shapes.astype(np.float32))
+        yield self
+
+    def _fair(self) -> Iterator[Solve]:
+        started = time.perf_counter()
+        for step in fair_steps(
+            self.vertices,
+            self.triangles,
+            self.settings,
+            weights=self.weights,
+            prepared=self.prepared,
+        ):
+            self.step_seconds.append(time.perf_counter() - started)
+            positions, density = step.positions.astype(np.float32), step.density.astype(np.float32)
+            step = replace(step, positions=positions, density=density)
+            if not step.solve.converged:
+                self.failed_step = step
+                raise SolverError(
+                    f"step {step.index} did not converge: residual {step.solve.residual:.3g} "
+                    f"after {step.solve.iterations} iterations; choose a smaller tau"
+                )
+            self.steps.append(step)
+            yield self
+            started = time.perf_counter()
+
+    def keep_result_only(self) -> None:
+        """Of a finished solve keep `positions`; let go of everything else that needs memory."""
+        if self.has_result and self.is_over:
+            self.kept = self.positions
+            self.denoised, self.prepared, self.plan = None, None, None
+            self.steps.clear()
+
+    def note_progress(self, part: float) -> None:
+        """Take note of the part of `denoise` that is done.
+
+        Raises
+        ------
+        RunCancelledError
+            The run is no longer wanted.
+        """
+        self.progress = part
+        if self.on_progress is not None:
+            self.on_progress(part)
+        if self.is_cancelled:
+            raise RunCancelledError
+
+
+def run_solves(solves: Iterable[Solve]) -> Iterator[Solve]:
+    """Run one solve after the other; yield the one at hand after every step.
+
+    A mesh that cannot be solved does not keep the others from it.
+    """
+    for solve in solves:
+        if solve.failure is not None:
+            continue
+        try:
+            yield from solve.run()
+        except RunCancelledError:
+            return

@@ -1,0 +1,92 @@
+"""A run in a process of its own, so that a crash of Blender is one line and not a dead program.
+
+The command line starts itself again and waits. That costs the start of a second interpreter
+without any of the large packages, a few hundredths of a second.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import Sequence
+from types import FrameType
+
+from ..batch.process import ending, environment
+
+CHILD = "--child"
+"""First argument of the process that does the work."""
+
+
+class CrashError(Exception):
+    """The process that did the work has died; the message says how."""
+
+
+def run_apart(command: Sequence[str], expected: Sequence[int]) -> int:
+    """Run a process to its end, which sees interrupts as this one does; give its exit status.
+
+    Parameters
+    ----------
+    command
+        Of the process. Its standard output goes nowhere; standard error is that of this one.
+    expected
+        Exit statuses of a process that has told itself how it went.
+
+    Raises
+    ------
+    CrashError
+        It ended in any other way.
+    """
+    process = subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE,  # is closed when this process ends, see `follow_parent`
+        stdout=subprocess.DEVNULL,
+        env=environment(),
+    )
+
+    def pass_on(number: int, frame: FrameType | None) -> None:
+        process.send_signal(number)
+
+    # A console of Windows interrupts all its processes by itself.
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN if os.name == "nt" else pass_on)
+    try:
+        status = process.wait()
+    finally:
+        signal.signal(signal.SIGINT, before)
+        process.stdin.close()
+    if status not in expected:
+        raise CrashError(ending(status))
+    return status
+
+
+def follow_parent() -> None:
+    """End this process as soon as the one that has started it has ended."""
+
+    def wait() -> None:
+        sys.stdin.buffer.read()
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()
+
+
+def keep_to_own_messages() -> None:
+    """Let only what this program itself writes come through to standard error, no C library's."""
+    own = os.dup(2)
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 1)
+        os.dup2(nowhere.fileno(), 2)
+    sys.stderr = os.fdopen(own, "w", buffering=1)
+
+
+def prepare_standard_streams() -> None:
+    """Open what the caller has closed of the three standard streams, to nowhere."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # gets the lowest free number, which is this one
+    for name, number in (("stdout", 1), ("stderr", 2)):
+        if getattr(sys, name) is None:
+            setattr(sys, name, os.fdopen(number, "w", closefd=False))

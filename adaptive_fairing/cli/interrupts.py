@@ -1,0 +1,30 @@
+"""What an interrupt (Ctrl-C) does: while the program starts, and while it works."""
+
+from __future__ import annotations
+
+import os
+import signal
+from types import FrameType
+
+INTERRUPTED = 130
+"""Exit status."""
+
+
+def leave_at_interrupt() -> None:
+    """Let an interrupt end the process at once and without a word, as long as it only starts."""
+    signal.signal(signal.SIGINT, _leave)
+
+
+def raise_at_interrupt() -> None:
+    """From now on raise KeyboardInterrupt at the first interrupt; further ones change nothing."""
+    if signal.getsignal(signal.SIGINT) is _leave:
+        signal.signal(signal.SIGINT, _raise_once)
+
+
+def _leave(number: int, frame: FrameType | None) -> None:
+    os._exit(INTERRUPTED)
+
+
+def _raise_once(number: int, frame: FrameType | None) -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    raise KeyboardInterrupt

@@ -1,0 +1,22 @@
+"""Messages to the user: one line each, on standard error."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from typing import TextIO
+
+PROGRAM = "adaptive-fairing"
+
+
+def say(text: str) -> None:
+    """Write a message to standard error, whether or not somebody listens."""
+    write_line(f"{PROGRAM}: {text}", sys.stderr)
+
+
+def write_line(text: str, stream: TextIO) -> None:
+    """Write a text as one line, whatever line ends and letters are in it."""
+    encoding = stream.encoding or "utf-8"
+    line = " ".join(text.split()).encode(encoding, "backslashreplace").decode(encoding)
+    with contextlib.suppress(OSError):  # nobody listens any more
+        print(line, file=stream, flush=True)

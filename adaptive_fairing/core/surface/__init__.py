@@ -1,0 +1,1 @@
+"""Loop's limit surface itself: refined meshes, exact normals and curvature, creases."""

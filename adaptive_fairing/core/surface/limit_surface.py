@@ -1,0 +1,249 @@
+"""The C¹ surface that a control mesh stands for, as points, normals, curvature and finer meshes."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from scipy import sparse
+
+from ..errors import InputError
+from ..mesh.input_checks import checked_vertices
+from ..mesh.normals import unit_vectors
+from ..mesh.topology import TriangleTopology
+from .curvature import curvature
+from .edge_points import edge_limit_points, edge_normals, unit_cross
+from .masks import limit_matrix, refinement_matrix, tangent_matrices
+from .refined_mesh import RefinedMesh, unrefined_mesh
+from .sectors import Sectors, sector_normals, sectors_of
+
+FloatArray = NDArray[np.float64]
+
+
+class Refined(NamedTuple):
+    """A mesh on the limit surface.
+
+    Attributes
+    ----------
+    vertices : (n, 3) float
+    triangles : (m, 3) int32
+    normals : (n, 3) float
+        Unit normals of the limit surface.
+    """
+
+    vertices: FloatArray
+    triangles: NDArray[np.int32]
+    normals: FloatArray
+
+
+class RefinementLevels:
+    """What refinement needs beside positions: meshes and matrices by level, each made once.
+
+    Parameters
+    ----------
+    topology : TriangleTopology
+    creases : (k, 2) int
+        Vertex pairs of the sharp edges.
+    corners : (j,) int
+        Vertices that stay where they are.
+
+    Raises
+    ------
+    InputError
+        A crease is no edge, or a corner no vertex.
+    """
+
+    def __init__(
+        self, topology: TriangleTopology, creases: ArrayLike = (), corners: ArrayLike = ()
+    ) -> None:
+        is_corner = np.zeros(topology.n_vertices, dtype=bool)
+        numbers = np.asarray(corners, dtype=np.int64)
+        pairs = np.asarray(creases, dtype=np.int64).reshape(-1, 2)
+        for name, indices in (("corners", numbers), ("creases", pairs)):
+            if indices.size and not 0 <= indices.min() <= indices.max() < topology.n_vertices:
+                raise InputError(f"{name} use vertices outside 0 … {topology.n_vertices - 1}")
+        is_corner[numbers] = True
+        self._meshes = [unrefined_mesh(topology, pairs, is_corner)]
+        self._steps: list[sparse.csr_array] = []
+        self._sectors: dict[int, Sectors] = {}
+
+    @cached_property
+    def limit_matrix(self) -> sparse.csr_array:
+        """From the control points of level 0 to its vertices' places on the limit surface."""
+        return limit_matrix(self.mesh(0))
+
+    @cached_property
+    def _tangents(self) -> tuple[sparse.csr_array, sparse.csr_array]:
+        return tangent_matrices(self.mesh(0))
+
+    def mesh(self, level: int) -> RefinedMesh:
+        """Give the connectivity after `level` steps."""
+        while len(self._meshes) <= level:
+            self._meshes.append(self._meshes[-1].finer)
+        return self._meshes[level]
+
+    def refinement_matrix(self, level: int) -> sparse.csr_array:
+        """Step from the control points of level `level - 1` to those of `level`, from 1 on."""
+        while len(self._steps) < level:
+            self._steps.append(refinement_matrix(self.mesh(len(self._steps))))
+        return self._steps[level - 1]
+
+    @property
+    def has_creases(self) -> bool:
+        """Whether there are sharp edges inside, so that normals differ at one vertex."""
+        mesh = self.mesh(0)
+        return bool((mesh.is_sharp & (mesh.right >= 0)).any())
+
+    def control_points(self, positions: FloatArray, level: int) -> list[FloatArray]:
+        """Control points of all levels up to `level`, each (n, 3), from those of level 0."""
+        control = [positions]
+        for step in range(1, level + 1):
+            control.append(self.refinement_matrix(step) @ control[-1])
+        return control
+
+    def limit_points(self, control: list[FloatArray]) -> FloatArray:
+        """Points of the limit surface at the vertices of the last level, (n, 3).
+
+        A vertex keeps its point on all finer levels, so each is computed where it comes first.
+        """
+        parts = [self.limit_matrix @ control[0]]
+        for level, points in enumerate(control[1:], start=1):
+            parts.append(edge_limit_points(self.mesh(level - 1), points))
+        return np.concatenate(parts)
+
+    def sectors(self, level: int) -> Sectors:
+        """Sides of creases, the boundary and corners."""
+        if level not in self._sectors:
+            self._sectors[level] = sectors_of(self.mesh(level))
+        return self._sectors[level]
+
+    def normals(self, control: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
+        """Compute unit normals of the limit surface at the vertices of the last level.
+
+        Returns
+        -------
+        of_vertices : (n, 3)
+            On creases and at corners the mean of the sides; 0 at loose vertices.
+        of_sectors : (s, 3)
+            Of each side of creases, the boundary and corners.
+        """
+        first, second = self._tangents
+        parts = [unit_cross(first @ control[0], second @ control[0])]
+        for level, points in enumerate(control[1:], start=1):
+            parts.append(edge_normals(self.mesh(level - 1), points))
+        normals = np.concatenate(parts)
+        level = len(control) - 1
+        mesh, sectors = self.mesh(level), self.sectors(level)
+        of_sectors = sector_normals(mesh, sectors, control[-1])
+        at = np.unique(sectors.vertex)
+        sums = [np.bincount(sectors.vertex, x, mesh.n_vertices)[at] for x in of_sectors.T]
+        normals[at] = unit_vectors(np.stack(sums, axis=1))
+        return normals, of_sectors
+
+    def corner_normals(self, control: list[FloatArray]) -> FloatArray:
+        """Compute unit normals at the corners of the last level's triangles, (m, 3, 3)."""
+        normals, of_sectors = self.normals(control)
+        level = len(control) - 1
+        corners, sector = self.sectors(level).corners()
+        result = normals[self.mesh(level).triangles]
+        result.reshape(-1, 3)[corners] = of_sectors[sector]
+        return result
+
+
+class LimitSurface:
+    """Loop's limit surface of a control mesh, with creases.
+
+    Parameters
+    ----------
+    topology : TriangleTopology
+    positions : (n_vertices, 3) float
+        Control points.
+    creases : (k, 2) int
+        Vertex pairs of edges that stay sharp.  A vertex with two sharp edges, the boundary's
+        included, lies on a curve, one with more is a corner, and where a single one ends the
+        surface is smooth.
+    corners : (j,) int
+        More vertices that stay where they are.
+
+    Raises
+    ------
+    InputError
+        Positions of another shape or not finite; a crease is no edge.
+
+    Source: see `masks`.
+    """
+
+    def __init__(
+        self,
+        topology: TriangleTopology,
+        positions: ArrayLike,
+        creases: ArrayLike = (),
+        corners: ArrayLike = (),
+    ) -> None:
+        self.levels = RefinementLevels(topology, creases, corners)
+        self.positions = _control_points(positions, topology.n_vertices)
+
+    @classmethod
+    def from_levels(cls, levels: RefinementLevels, positions: ArrayLike) -> LimitSurface:
+        """Make a surface of given refinement levels, which it shares with others."""
+        result = object.__new__(cls)
+        result.levels = levels
+        result.positions = _control_points(positions, levels.mesh(0).n_vertices)
+        return result
+
+    def moved(self, positions: ArrayLike) -> LimitSurface:
+        """Make the surface of other positions, which shares all matrices with this one."""
+        return LimitSurface.from_levels(self.levels, positions)
+
+    def refinement_matrix(self, level: int) -> sparse.csr_array:
+        """Step from the control points of level `level - 1` to those of `level`, from 1 on."""
+        return self.levels.refinement_matrix(level)
+
+    @cached_property
+    def points(self) -> FloatArray:
+        """Points of the limit surface at the vertices, (n, 3); loose vertices stay."""
+        return self.levels.limit_points([self.positions])
+
+    @cached_property
+    def normals(self) -> FloatArray:
+        """Unit normals at the vertices, (n, 3); see `RefinementLevels.normals`."""
+        return self.levels.normals([self.positions])[0]
+
+    def refined(self, levels: int) -> Refined:
+        """Cut every triangle into 4 ** levels ones, all vertices on the limit surface.
+
+        The vertices of the control mesh come first.  Triangles 4 f … 4 f + 3 of a level come from
+        triangle f of the level before, see `refined_mesh`.
+        """
+        control = self.levels.control_points(self.positions, levels)
+        triangles = self.levels.mesh(levels).triangles
+        return Refined(
+            self.levels.limit_points(control), triangles, self.levels.normals(control)[0]
+        )
+
+    def corner_normals(self, levels: int) -> FloatArray:
+        """Compute unit normals at the refined triangles' corners, (m, 3, 3), apart at creases."""
+        return self.levels.corner_normals(self.levels.control_points(self.positions, levels))
+
+    @property
+    def mean_curvature(self) -> FloatArray:
+        """Mean curvature at the vertices, (n,), in 1 / length; see `curvature.curvature`."""
+        return self._curvature[0]
+
+    @property
+    def gaussian_curvature(self) -> FloatArray:
+        """Gaussian curvature at the vertices, (n,), in 1 / length²; see `curvature.curvature`."""
+        return self._curvature[1]
+
+    @cached_property
+    def _curvature(self) -> FloatArray:
+        return curvature(self.levels.mesh(0), *self.levels.control_points(self.positions, 1))
+
+
+def _control_points(positions: ArrayLike, n_vertices: int) -> FloatArray:
+    points = checked_vertices(positions)
+    if len(points) != n_vertices:
+        raise InputError(f"{len(points)} positions for {n_vertices} vertices")
+    return points

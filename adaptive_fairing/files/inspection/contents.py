@@ -1,0 +1,103 @@
+"""What is known of a mesh file, and the checks that all formats share."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...core.errors import listed
+
+LARGEST = float(np.finfo(np.float32).max)
+"""Blender keeps coordinates in single precision: what is larger becomes infinite there."""
+
+
+class DamagedError(Exception):
+    """The file is not what it says; the message is the reason alone."""
+
+
+@dataclass(frozen=True)
+class Contents:
+    """What a mesh file holds.
+
+    Attributes
+    ----------
+    n_vertices, n_faces
+        As the file counts them; None where that cannot be compared with Blender's mesh.
+    repeated_faces
+        (k,) numbers of the faces that have the same vertices as an earlier one, where the importer
+        would drop them in an order left to chance.
+    has_faces_before_groups
+        Whether an .obj file has groups, and faces before the first of them.
+    """
+
+    n_vertices: int | None = None
+    n_faces: int | None = None
+    repeated_faces: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    has_faces_before_groups: bool = False
+
+
+def require_finite(points: ArrayLike) -> None:
+    """Refuse points, (n, 3), with a coordinate that is not finite in single precision."""
+    with np.errstate(invalid="ignore"):
+        bad = np.flatnonzero(~(np.abs(np.asarray(points)) <= LARGEST).all(axis=1))
+    refuse_not_finite(bad)
+
+
+def refuse_not_finite(vertices: ArrayLike) -> None:
+    """Refuse a file in which these vertices, (k,), are not finite, if there are any."""
+    bad = np.asarray(vertices)
+    if len(bad):
+        raise DamagedError(
+            f"{len(bad)} vertices have coordinates that are not finite numbers: {listed(bad)}; "
+            "delete or repair them"
+        )
+
+
+def refuse_unknown_vertices(faces: ArrayLike, n_vertices: int) -> None:
+    """Refuse a file in which these faces, (k,), name vertices that do not exist, if there are."""
+    bad = np.asarray(faces)
+    if len(bad):
+        raise DamagedError(
+            f"{len(bad)} faces name vertices that are not there: {listed(bad)}; the file has "
+            f"{n_vertices} vertices"
+        )
+
+
+def repeated(corners: ArrayLike, starts: ArrayLike) -> NDArray[np.int64]:
+    """Find the faces that have the same vertices as an earlier face.
+
+    Parameters
+    ----------
+    corners
+        Vertices of all faces, one face after the other.
+    starts
+        (m + 1,) where each face starts in them, and where the last one ends.
+
+    Returns
+    -------
+    (k,) array
+        Their numbers, ascending; the order of the corners and their sense do not matter.
+    """
+    corners, starts = np.asarray(corners, dtype=np.int64), np.asarray(starts, dtype=np.int64)
+    sizes = np.diff(starts)
+    found = [_repeated_of_size(corners, starts, sizes == size, size) for size in _sizes(sizes)]
+    return np.sort(np.concatenate(found)) if found else np.empty(0, dtype=np.int64)
+
+
+def _sizes(sizes: NDArray[np.int64]) -> Iterable[int]:
+    return (int(size) for size in np.unique(sizes) if size > 0)
+
+
+def _repeated_of_size(
+    corners: NDArray[np.int64], starts: NDArray[np.int64], chosen: NDArray[np.bool_], size: int
+) -> NDArray[np.int64]:
+    faces = np.flatnonzero(chosen)
+    rows = np.sort(corners[starts[faces, None] + np.arange(size)], axis=1)
+    # Stable, so that of equal rows the first in the file comes first.
+    order = np.lexsort(rows.T[::-1])
+    rows = rows[order]
+    equals_former = (rows[1:] == rows[:-1]).all(axis=1)
+    return faces[order[1:][equals_former]]

@@ -1,0 +1,310 @@
+"""Look at a .ply file: a header that names elements and their properties, then their rows."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .contents import Contents, DamagedError, refuse_unknown_vertices, repeated, require_finite
+
+_TYPES = {
+    "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2",
+    "ushort": "u2", "uint16": "u2", "int": "i4", "int32": "i4", "uint": "u4", "uint32": "u4",
+    "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
+}  # fmt: skip
+_BYTE_ORDERS = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
+_LONGEST_HEADER = 1 << 20
+_LONGEST_NUMBER = 64
+
+
+class Property(NamedTuple):
+    """A property of an element: one number a row, or a list with its length in front."""
+
+    name: str
+    dtype: np.dtype
+    length_dtype: np.dtype | None
+
+
+@dataclass(frozen=True)
+class Element:
+    """Rows that the header promises."""
+
+    name: str
+    count: int
+    properties: list[Property]
+
+
+@dataclass(frozen=True)
+class Header:
+    """What stands above the rows: their layout, and the number of bytes before them."""
+
+    elements: list[Element]
+    is_text: bool
+    n_bytes: int
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Rows of an element.
+
+    Attributes
+    ----------
+    columns
+        Numbers of the plain properties, (n,) each.
+    lists
+        Of each list property all values, one row after the other, and (n + 1,) where each row
+        starts in them.
+    starts
+        (n + 1,) where each row starts in the file, and where the last one ends.
+    """
+
+    columns: Mapping[str, NDArray]
+    lists: Mapping[str, tuple[NDArray, NDArray[np.int64]]]
+    starts: NDArray[np.int64]
+
+
+def inspect_ply(path: Path) -> Contents:
+    """Check that all rows are there, the coordinates and the vertices of faces; count both."""
+    data = path.read_bytes()
+    rows = read_rows(data, read_header(data))
+    vertex = rows.get("vertex")
+    if vertex is None or not {"x", "y", "z"} <= vertex.columns.keys():
+        raise DamagedError("its header names no vertices with x, y and z")
+    points = np.column_stack([vertex.columns[axis] for axis in "xyz"])
+    require_finite(points)
+    corners, starts = _corners(rows)
+    is_bad = (corners < 0) | (corners >= len(points))
+    face_of = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
+    refuse_unknown_vertices(np.unique(face_of[is_bad]), len(points))
+    return Contents(len(points), len(starts) - 1, repeated(corners, starts))
+
+
+def without_faces(path: Path, faces: NDArray[np.int64]) -> bytes:
+    """Give a .ply file without some of its faces, (k,) numbers; all else stays byte by byte."""
+    data = path.read_bytes()
+    header = read_header(data)
+    starts = read_rows(data, header)["face"].starts
+    kept = np.ones(len(starts) - 1, dtype=bool)
+    kept[faces] = False
+    lines = [
+        b"element face %d\n" % kept.sum() if line.split()[:2] == [b"element", b"face"] else line
+        for line in data[: header.n_bytes].splitlines(keepends=True)
+    ]
+    # Runs of faces that are kept are copied in one piece.
+    edges = np.flatnonzero(np.diff(kept, prepend=False, append=False)).reshape(-1, 2)
+    pieces = [data[starts[first] : starts[last]] for first, last in edges]
+    return b"".join([*lines, data[header.n_bytes : starts[0]], *pieces, data[starts[-1] :]])
+
+
+def read_header(data: bytes) -> Header:
+    """Read the header.
+
+    Raises
+    ------
+    DamagedError
+        There is none, or it makes no sense.
+    """
+    end = data.find(b"end_header", 0, _LONGEST_HEADER)
+    if data[:3] != b"ply" or end < 0:
+        raise DamagedError("it has no header of a .ply file")
+    line_end = data.find(b"\n", end)
+    n_bytes = line_end + 1 if line_end >= 0 else len(data)
+    elements: list[Element] = []
+    byte_order = ""
+    for line in data[:end].decode("latin-1").splitlines()[1:]:
+        words = line.split()
+        try:
+            match words:
+                case [] | ["comment" | "obj_info", *_]:
+                    pass
+                case ["format", name, _]:
+                    byte_order = _BYTE_ORDERS[name]
+                case ["element", name, count] if count.isdecimal():
+                    elements.append(Element(name, int(count), []))
+                case ["property", "list", length, kind, name]:
+                    dtypes = [np.dtype(byte_order + _TYPES[each]) for each in (kind, length)]
+                    elements[-1].properties.append(Property(name, *dtypes))
+                case ["property", kind, name]:
+                    dtype = np.dtype(byte_order + _TYPES[kind])
+                    elements[-1].properties.append(Property(name, dtype, None))
+                case _:
+                    raise DamagedError(f"its header has a line that makes no sense: {line[:60]!r}")
+        except (KeyError, IndexError) as error:
+            raise DamagedError(
+                f"its header has a line that makes no sense: {line[:60]!r}"
+            ) from error
+    if not byte_order:
+        raise DamagedError("its header does not name the format")
+    return Header(elements, byte_order == "=", n_bytes)
+
+
+def read_rows(data: bytes, header: Header) -> dict[str, Rows]:
+    """Read the rows of all elements.
+
+    Raises
+    ------
+    DamagedError
+        Not all that the header promises are there, or a row is none.
+    """
+    found, place = {}, header.n_bytes
+    read = _read_text if header.is_text else _read_binary
+    for element in header.elements:
+        found[element.name] = read(data, place, element)
+        place = int(found[element.name].starts[-1])
+    return found
+
+
+def _corners(rows: Mapping[str, Rows]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Vertices of all faces, and where each face starts in them."""
+    face = rows.get("face")
+    if face is not None:
+        for name in ("vertex_indices", "vertex_index"):
+            if name in face.lists:
+                corners, starts = face.lists[name]
+                return corners.astype(np.int64), starts
+    return np.empty(0, dtype=np.int64), np.zeros(1, dtype=np.int64)
+
+
+def _cut_short(element: Element, n_rows: int) -> DamagedError:
+    return DamagedError(
+        f"cut short: its header promises {element.count} rows of {element.name!r}, {n_rows} of "
+        "them are there"
+    )
+
+
+def _read_binary(data: bytes, place: int, element: Element) -> Rows:
+    room = len(data) - place
+    smallest = sum((each.length_dtype or each.dtype).itemsize for each in element.properties)
+    if element.count * smallest > room:
+        raise _cut_short(element, room // smallest)
+    # Mostly all lists have the length of the first: then the rows are one array.
+    fixed = _row_dtype(data, place, element.properties)
+    if fixed is not None and element.count * fixed.itemsize <= room:
+        table = np.frombuffer(data, fixed, element.count, place)
+        lengths = {
+            each.name: table[f"length of {each.name}"]
+            for each in element.properties
+            if each.length_dtype is not None
+        }
+        if all((each == each[:1]).all() for each in lengths.values()):
+            return _rows_of_table(table, element, place)
+    return _walk_binary(data, place, element)
+
+
+def _row_dtype(data: bytes, place: int, properties: Sequence[Property]) -> np.dtype | None:
+    """Layout of a row whose lists are as long as in the row at a place; None if it is cut."""
+    fields: list[tuple] = []
+    for each in properties:
+        if each.length_dtype is None:
+            fields.append((each.name, each.dtype))
+            place += each.dtype.itemsize
+            continue
+        piece = data[place : place + each.length_dtype.itemsize]
+        if len(piece) < each.length_dtype.itemsize:
+            return None
+        length = int(np.frombuffer(piece, each.length_dtype)[0])
+        place += len(piece) + max(length, 0) * each.dtype.itemsize
+        if length < 0 or place > len(data):
+            return None
+        fields += [(f"length of {each.name}", each.length_dtype), (each.name, each.dtype, length)]
+    try:
+        return np.dtype(fields)
+    except ValueError as error:
+        raise DamagedError("its header names a property twice") from error
+
+
+def _rows_of_table(table: NDArray, element: Element, place: int) -> Rows:
+    columns, lists = {}, {}
+    for each in element.properties:
+        if each.length_dtype is None:
+            columns[each.name] = table[each.name]
+        else:
+            values = table[each.name].reshape(len(table), -1)
+            starts = np.arange(len(table) + 1) * values.shape[1]
+            lists[each.name] = values.reshape(-1), starts
+    return Rows(columns, lists, place + np.arange(len(table) + 1) * table.dtype.itemsize)
+
+
+def _walk_binary(data: bytes, place: int, element: Element) -> Rows:
+    """Read rows one by one, because their lengths differ."""
+    places: dict[str, list[int]] = {each.name: [] for each in element.properties}
+    lengths: dict[str, list[int]] = {each.name: [] for each in element.properties}
+    starts = [place]
+    for row in range(element.count):
+        for each in element.properties:
+            length = 1
+            if each.length_dtype is not None:
+                width = each.length_dtype.itemsize
+                order = "big" if each.length_dtype.byteorder == ">" else "little"
+                signed = each.length_dtype.kind == "i"
+                length = int.from_bytes(data[place : place + width], order, signed=signed)
+                place += width
+            places[each.name].append(place)
+            lengths[each.name].append(length)
+            place += length * each.dtype.itemsize
+            if length < 0 or place > len(data):
+                raise _cut_short(element, row)
+        starts.append(place)
+    columns, lists = {}, {}
+    for each in element.properties:
+        ends = np.concatenate([[0], np.cumsum(lengths[each.name])]).astype(np.int64)
+        # Bytes of all values: of each row from its place on.
+        width = each.dtype.itemsize
+        shift = np.array(places[each.name]) - width * ends[:-1]
+        index = np.arange(width * ends[-1]) + np.repeat(shift, width * np.diff(ends))
+        values = np.frombuffer(data, np.uint8)[index].view(each.dtype)
+        if each.length_dtype is None:
+            columns[each.name] = values
+        else:
+            lists[each.name] = values, ends
+    return Rows(columns, lists, np.array(starts))
+
+
+def _read_text(data: bytes, place: int, element: Element) -> Rows:
+    ends = place + 1 + np.flatnonzero(np.frombuffer(data, np.uint8, offset=place) == ord("\n"))
+    if len(data) > place and (len(ends) == 0 or ends[-1] < len(data)):
+        ends = np.append(ends, len(data))
+    if len(ends) < element.count:
+        raise _cut_short(element, len(ends))
+    starts = np.concatenate([[place], ends[: element.count]]).astype(np.int64)
+    lines = data[place : starts[-1]].split(b"\n")[: element.count]
+    columns: dict[str, NDArray] = {}
+    lists: dict[str, tuple[NDArray, NDArray[np.int64]]] = {}
+    table = _numbers(lines, element)
+    sizes = np.array([len(line.split()) for line in lines], dtype=np.int64)
+    at = np.cumsum(sizes) - sizes
+    row_ends = at + sizes
+    for each in element.properties:
+        if (at >= row_ends).any():
+            raise _cut_short(element, int(np.argmax(at >= row_ends)))
+        if each.length_dtype is None:
+            columns[each.name] = table[at]
+            at = at + 1
+            continue
+        lengths = table[at]
+        is_bad = ~((lengths >= 0) & (at + 1 + lengths <= row_ends))
+        if is_bad.any():
+            raise _cut_short(element, int(np.argmax(is_bad)))
+        lengths = lengths.astype(np.int64)
+        ends_of = np.concatenate([[0], np.cumsum(lengths)])
+        index = np.arange(ends_of[-1]) + np.repeat(at + 1 - ends_of[:-1], lengths)
+        lists[each.name] = table[index], ends_of
+        at = at + 1 + lengths
+    return Rows(columns, lists, starts)
+
+
+def _numbers(lines: Sequence[bytes], element: Element) -> NDArray[np.float64]:
+    words = b"\n".join(lines).split()
+    if max(map(len, words), default=0) > _LONGEST_NUMBER:
+        raise DamagedError(f"a row of {element.name!r} has text where a number should be")
+    try:
+        return np.array(words, dtype=np.bytes_).astype(np.float64)
+    except ValueError as error:
+        raise DamagedError(
+            f"a row of {element.name!r} has text where a number should be"
+        ) from error

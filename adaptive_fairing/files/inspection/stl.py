@@ -1,0 +1,46 @@
+"""Look at a .stl file: triangles, each with corners of its own, in binary or text."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+
+from .contents import Contents, DamagedError, require_finite
+
+HEADER_BYTES, TRIANGLE_BYTES = 84, 50
+
+_CORNER = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)")
+
+
+def inspect_stl(path: Path) -> Contents:
+    """Check triangles and coordinates; Blender joins corners, so their number tells nothing."""
+    data = path.read_bytes()
+    promised = int.from_bytes(data[80:84], "little") if len(data) >= HEADER_BYTES else -1
+    if len(data) == HEADER_BYTES + TRIANGLE_BYTES * promised:
+        rows = np.frombuffer(data, np.uint8, offset=HEADER_BYTES).reshape(-1, TRIANGLE_BYTES)
+        corners = np.ascontiguousarray(rows[:, 12:48]).view("<f4").reshape(-1, 3)
+    elif data.lstrip()[:5] == b"solid" and b"\0" not in data:
+        corners = _corners_of_text(data)
+    elif promised < 0:
+        raise DamagedError(f"it has {len(data)} bytes, too few for a .stl file")
+    else:
+        there = (len(data) - HEADER_BYTES) // TRIANGLE_BYTES
+        raise DamagedError(f"its header promises {promised} triangles, it has room for {there}")
+    require_finite(corners)
+    return Contents()
+
+
+def _corners_of_text(data: bytes) -> np.ndarray:
+    words = _CORNER.findall(data)
+    n_facets, n_ends = len(re.findall(rb"\bfacet\s+normal\b", data)), data.count(b"endfacet")
+    if not n_facets == n_ends == len(words) / 3:
+        raise DamagedError(
+            f"cut short or damaged: {n_facets} facets begin, {n_ends} end, with {len(words)} "
+            "corners in all"
+        )
+    try:
+        return np.array([[float(word) for word in corner] for corner in words]).reshape(-1, 3)
+    except ValueError as error:
+        raise DamagedError("a corner has text where a number should be") from error
