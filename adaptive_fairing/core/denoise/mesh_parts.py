@@ -34,12 +34,15 @@ class NoiseFound(NamedTuple):
         Standard deviation in local edge lengths; 0 where it was not judged.
     impulsive : (n,)
         How surely the noise is that of single vertices, 0 to 1.
+    roughness : (n,)
+        The level that the roughness alone would tell; 0 where it was not judged.
     notes : tuple of str
         Why there is nothing to do, if so.
     """
 
     level: FloatArray
     impulsive: FloatArray
+    roughness: FloatArray
     notes: tuple[str, ...] = ()
 
 
@@ -87,7 +90,7 @@ class MeshParts:
             "nothing was changed"
         )
         if n_counted < FEWEST_VERTICES:
-            return NoiseFound(noise, impulsive, (too_few,))
+            return NoiseFound(noise, impulsive, noise, (too_few,))
         rough = Roughness.of(positions, self._frame)
         detail = CleanDetail(self._topology, positions, self._frame, fading, self.is_counted)
         level = np.zeros(len(positions))
@@ -99,12 +102,15 @@ class MeshParts:
                 continue
             model = noise_model(rough, self._frame.spacing, counted, self._averaged)
             level[counted] = model.level(self._frame.spacing[counted])
-            if not keeps_clean:
+            relative = rough.value / np.maximum(model.expected(rough), CLEAN_ROUGHNESS)
+            is_rough = np.median(level[counted]) > CLEAN_ROUGHNESS
+            spiky = impulsive_share(relative, self._frame, counted) if is_rough else 0.0
+            if keeps_clean:
+                found = detail.found(level, counted, spiky > 0)
+            else:
                 # What is taken off for clean meshes is added first.
                 level[counted] = (level[counted] ** 4 + CLEAN_ROUGHNESS**4) ** 0.25
-            relative = rough.value / np.maximum(model.expected(rough), CLEAN_ROUGHNESS)
-            spiky = impulsive_share(relative, self._frame, counted)
-            found = detail.found(level, counted, spiky > 0) if keeps_clean else NOISE
+                found = NOISE
             if found.is_model:
                 models.append(found.reason)
             elif found.is_noise:
@@ -113,18 +119,18 @@ class MeshParts:
                 noise[counted] = np.minimum(level[counted], CLEAN_ROUGHNESS)
         if beyond_clean(strength * noise).any():
             if n_counted < FEWEST_TO_TELL and keeps_clean:
-                return NoiseFound(0 * noise, 0 * noise, (too_few,))
-            return NoiseFound(noise, impulsive)
+                return NoiseFound(0 * noise, 0 * noise, level, (too_few,))
+            return NoiseFound(noise, impulsive, level)
         if models:
             note = f"looks like a clean low-poly model: {models[0]}; nothing was changed"
-            return NoiseFound(noise, impulsive, (note,))
+            return NoiseFound(noise, impulsive, level, (note,))
         typical = float(np.median(level[self.is_counted]))
         what = "clean meshes are" if typical <= CLEAN_ROUGHNESS else "the detail of clean meshes is"
         note = (
             f"no noise found: the surface is rough by {typical:.2g} of the local edge length, as "
             f"{what}; nothing was changed"
         )
-        return NoiseFound(noise, impulsive, (note,))
+        return NoiseFound(noise, impulsive, level, (note,))
 
     def _averaged(self, values: FloatArray) -> FloatArray:
         return self._frame.spread(values, DENSITY_PASSES)

@@ -26,10 +26,11 @@ from .filter_bank import SOLVES_PER_METRIC, FilterBank, FilterFamily, NormalFami
 from .filter_rounds import FAMILIES, USABLE, rounds_for
 from .local_frame import LocalFrame
 from .mesh_parts import MeshParts, NoiseFound
-from .noise.correlation import NoiseCorrelation, noise_correlation
+from .noise.correlation import LEAST_ROUGHNESS, NoiseCorrelation, noise_correlation
 from .noise.level import beyond_clean
 from .noise.order_decay import Fading
 from .noise.own_numbers import own_signs
+from .noise.smooth_noise import smooth_noise
 from .noise.spikes import without_spikes
 from .plan import STRENGTHS, DenoisePlan
 from .tangential_limit import Sliding
@@ -46,6 +47,10 @@ PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large again
 # response, which is about 1 at most, are cut off.
 LARGEST_RESPONSE = 3.0
 
+SMOOTH = (
+    "the surface is evenly uneven over several edges, by {:.2g} of an edge: fine detail, which was "
+    "kept, or the smooth noise of a scanner, which is removed if all roughness counts as noise"
+)
 IMPULSIVE = "the noise is impulsive: single vertices that stand out were put back first"
 
 
@@ -110,11 +115,19 @@ def mixed_surfaces(
             stage = stage.calmed(impulsive)
             found, fading = stage.noise_found(strength, keeps_clean)
             notes = (IMPULSIVE,)
-        plan = DenoisePlan.idle(found.level)
-        if beyond_clean(max(STRENGTHS) * strength * found.level).any():
-            is_noisy = stage.parts.is_counted & (found.level > 0)
-            correlation = noise_correlation(fading, stage.frame, is_noisy)
-            plan = _planned(stage, found.level, correlation, strength, features)
+        level, counted = found.level, stage.parts.is_counted
+        plan, correlation = DenoisePlan.idle(level), None
+        # White noise that is stronger hides the smooth kind.
+        if counted.any() and np.median(found.roughness[counted]) < LEAST_ROUGHNESS:
+            smooth = smooth_noise(stage.track.positions, stage.frame, fading, counted)
+            if smooth.may_be_noise and not keeps_clean:
+                level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
+            elif smooth.is_likely and not beyond_clean(strength * level).any():
+                notes = (*notes, SMOOTH.format(smooth.level))
+        if beyond_clean(max(STRENGTHS) * strength * level).any():
+            if correlation is None:
+                correlation = noise_correlation(fading, stage.frame, counted & (level > 0))
+            plan = _planned(stage, level, correlation, strength, features)
         plan = replace(plan, impulsive=impulsive)
     else:
         if plan.impulsive.any():
