@@ -1,6 +1,6 @@
 """Fair some two hundred meshes as a batch: failures, a kill, two workers, a limit of memory.
 
-    python benchmarks/batch.py [--count 200] [--meshes FOLDER] [--memory 3G] [--work DIR]
+    python -m benchmarks.batch [--count 200] [--meshes FOLDER] [--memory 3G] [--work DIR]
 
 The meshes are those of FOLDER, made ones of many sizes and valences, and some that cannot be
 faired. They are faired by one worker and by two, in turns on shares of the meshes, so that what
@@ -24,15 +24,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import psutil
-from measuring import describe, load, machine, table
+
+from adaptive_fairing.batch.plan import RECORDS
+from adaptive_fairing.files.formats import SUFFIXES
+
+from . import meshes as made
+from .measuring import describe, load, machine, table
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
-
-import meshes as made  # noqa: E402
-
-from adaptive_fairing.batch.plan import RECORDS  # noqa: E402
-from adaptive_fairing.files.formats import SUFFIXES  # noqa: E402
 
 SIZES = (200, 500, 1000, 2000, 5000, 10000, 20000)
 """Triangles of the made meshes."""
@@ -127,7 +126,7 @@ def collect(folder: Path, count: int, more: Path | None) -> None:
         mesh = made.irregular(size) if index % 2 else made.sphere(size)
         # Other coordinates for each, so that no two outputs are the same.
         mesh = mesh._replace(vertices=mesh.vertices * (1 + 0.01 * index))
-        made.write_ply(mesh, folder / f"made_{index:03d}_{size}.ply")
+        mesh.write(folder / f"made_{index:03d}_{size}.ply")
 
 
 def in_turns(given: Path, one: Path, two: Path) -> tuple[Run, Run]:

@@ -1,6 +1,6 @@
 """One program's smoothing of one mesh, timed in a process of its own.
 
-    python benchmarks/competitors.py PROGRAM MESH.ply --tau 0.01 --time 0.001 --patience 20
+    python -m benchmarks.competitors PROGRAM MESH.ply --tau 0.01 --time 0.001 --patience 20
 
 prints one line of JSON with seconds for "one" step from scratch and "four" of them (null where one
 took longer than the patience), the processor time of all threads for the last of these runs, the
@@ -18,15 +18,16 @@ import argparse
 import json
 import time
 from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
-import meshes
 import numpy as np
-from measuring import Stopwatch, peak_memory, resident_memory
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from tools.samples.triangles import FloatArray
+
+from . import meshes
+from .measuring import peak_memory, resident_memory
 
 CG_TOLERANCE = 1e-6
 """Relative residual, as in our default settings."""
@@ -58,9 +59,9 @@ def ours(mesh: meshes.Mesh, amount: Amount) -> Smoother:
     def run(steps: int) -> Timed:
         settings = FairingSettings(tau=amount.tau, steps=steps, cg_tolerance=CG_TOLERANCE)
         times = []
-        watch = Stopwatch()
+        start = time.perf_counter()
         for result in fair_steps(mesh.vertices, mesh.triangles, settings):
-            times.append(watch.seconds())
+            times.append(time.perf_counter() - start)
             positions = result.positions
         # The first interval has the set-up; the last has no system for a next step.
         whole = np.diff(times)[:-1]
@@ -91,49 +92,34 @@ def libigl(mesh: meshes.Mesh, amount: Amount, cholesky: bool = False) -> Smoothe
         return np.stack(columns, axis=1)
 
     def run(steps: int) -> Timed:
-        watch = Stopwatch()
+        start = time.perf_counter()
         positions = mesh.vertices
         laplacian = igl.cotmatrix(positions, triangles)
         for _ in range(steps):
             mass = igl.massmatrix(positions, triangles)
             right_side = mass @ positions
             positions = solved(mass - amount.time * laplacian, right_side, positions)
-        return Timed(watch.seconds(), positions)
+        return Timed(time.perf_counter() - start, positions)
 
     return run
 
 
-def libigl_cholesky(mesh: meshes.Mesh, amount: Amount) -> Smoother:
-    """Solve the same systems by libigl's own Cholesky factorization."""
-    return libigl(mesh, amount, cholesky=True)
-
-
-def meshlab(mesh: meshes.Mesh, name: str, **options: object) -> Smoother:
-    """Run a filter of pymeshlab."""
+def meshlab(mesh: meshes.Mesh, amount: Amount, name: str) -> Smoother:
+    """Run a filter of pymeshlab with its defaults; a step of Taubin's is forth and back."""
     import pymeshlab
 
     def run(steps: int) -> Timed:
         collection = pymeshlab.MeshSet()
         collection.add_mesh(pymeshlab.Mesh(mesh.vertices, mesh.triangles))
-        watch = Stopwatch()
-        collection.apply_filter(name, stepsmoothnum=steps, **options)
-        seconds = watch.seconds()
+        start = time.perf_counter()
+        collection.apply_filter(name, stepsmoothnum=steps)
+        seconds = time.perf_counter() - start
         return Timed(seconds, collection.current_mesh().vertex_matrix())
 
     return run
 
 
-def meshlab_laplacian(mesh: meshes.Mesh, amount: Amount) -> Smoother:
-    """Laplacian smoothing with its default, cotangent weights."""
-    return meshlab(mesh, "apply_coord_laplacian_smoothing")
-
-
-def meshlab_taubin(mesh: meshes.Mesh, amount: Amount) -> Smoother:
-    """Taubin's smoothing; its step is a forward and a backward one."""
-    return meshlab(mesh, "apply_coord_taubin_smoothing")
-
-
-def blender(mesh: meshes.Mesh, modifier: str, **options: object) -> Smoother:
+def blender(mesh: meshes.Mesh, amount: Amount, modifier: str, **options: object) -> Smoother:
     """Evaluate a modifier in Blender."""
     import bpy
 
@@ -146,13 +132,13 @@ def blender(mesh: meshes.Mesh, modifier: str, **options: object) -> Smoother:
     def run(steps: int) -> Timed:
         item.modifiers.clear()
         bpy.context.view_layer.update()
-        watch = Stopwatch()
+        start = time.perf_counter()
         smoothing = item.modifiers.new("smoothing", modifier)
         for name, value in {"iterations": steps, **options}.items():
             setattr(smoothing, name, value)
         graph = bpy.context.evaluated_depsgraph_get()
         evaluated = item.evaluated_get(graph).data
-        seconds = watch.seconds()
+        seconds = time.perf_counter() - start
         positions = np.empty(3 * len(evaluated.vertices), dtype=np.float32)
         evaluated.vertices.foreach_get("co", positions)
         return Timed(seconds, positions.reshape(-1, 3).astype(float))
@@ -160,32 +146,20 @@ def blender(mesh: meshes.Mesh, modifier: str, **options: object) -> Smoother:
     return run
 
 
-def blender_laplacian(mesh: meshes.Mesh, amount: Amount) -> Smoother:
-    """Laplacian Smooth."""
-    return blender(mesh, "LAPLACIANSMOOTH", lambda_factor=1.0)
-
-
-def blender_smooth(mesh: meshes.Mesh, amount: Amount) -> Smoother:
-    """Smooth."""
-    return blender(mesh, "SMOOTH")
-
-
-def blender_corrective(mesh: meshes.Mesh, amount: Amount) -> Smoother:
-    """Smooth Corrective, without the correction: smoothing is what is compared."""
-    return blender(mesh, "CORRECTIVE_SMOOTH", use_only_smooth=True)
-
-
 OURS = "Adaptive Fairing"
 
 PROGRAMS: Mapping[str, Callable[[meshes.Mesh, Amount], Smoother]] = {
     OURS: ours,
     "libigl, cotangent + CG": libigl,
-    "libigl, cotangent + Cholesky": libigl_cholesky,
-    "Blender Laplacian Smooth": blender_laplacian,
-    "Blender Smooth": blender_smooth,
-    "Blender Corrective Smooth": blender_corrective,
-    "MeshLab Laplacian": meshlab_laplacian,
-    "MeshLab Taubin": meshlab_taubin,
+    "libigl, cotangent + Cholesky": partial(libigl, cholesky=True),
+    "Blender Laplacian Smooth": partial(blender, modifier="LAPLACIANSMOOTH", lambda_factor=1.0),
+    "Blender Smooth": partial(blender, modifier="SMOOTH"),
+    # Without the correction: smoothing is what is compared.
+    "Blender Corrective Smooth": partial(
+        blender, modifier="CORRECTIVE_SMOOTH", use_only_smooth=True
+    ),
+    "MeshLab Laplacian": partial(meshlab, name="apply_coord_laplacian_smoothing"),
+    "MeshLab Taubin": partial(meshlab, name="apply_coord_taubin_smoothing"),
 }
 """By name in the tables. CGAL's program is cgal/smooth_shape.cpp."""
 
@@ -199,7 +173,7 @@ def main() -> None:
     parser.add_argument("--time", type=float, required=True)
     parser.add_argument("--patience", type=float, default=20.0, help="seconds")
     arguments = parser.parse_args()
-    mesh = meshes.read_ply(arguments.mesh)
+    mesh = meshes.read(arguments.mesh)
     smoother = PROGRAMS[arguments.program](mesh, Amount(arguments.tau, arguments.time))
     before = resident_memory()
     start = time.process_time()

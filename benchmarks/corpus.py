@@ -1,15 +1,16 @@
 """Run every mesh file of a folder through the command line and print what became of it.
 
-    python benchmarks/corpus.py FOLDER [--markdown] [-- ARGUMENTS OF adaptive-fairing]
+    python -m benchmarks.corpus FOLDER [-- ARGUMENTS OF adaptive-fairing]
 
-One process per mesh. The files that come out are read by this script, not by Blender, and are
-compared with the files that went in. Exit status 1 if anything looks wrong: a traceback, a message
+One process per mesh. The files that come out are read by meshio, not by Blender, and are compared
+with the files that went in. Exit status 1 if anything looks wrong: a traceback, a message
 of several lines, numbers that are not finite, other faces than those of the input.
 """
 
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import os
 import subprocess
@@ -20,12 +21,38 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
+import meshio
 import numpy as np
-from mesh_files import READERS, RawMesh, read_mesh_file
+
+from .measuring import table
 
 ROOT = Path(__file__).resolve().parents[1]
 PREFIX = "adaptive-fairing: "
 COLUMNS = ("file", "outcome", "s", "MB", "vertices", "faces", "moved", "check", "messages")
+
+
+READ = {".obj", ".ply"}
+
+
+@dataclass
+class RawMesh:
+    """Vertices (n, 3) and polygons as tuples of vertex indices, as they stand in the file."""
+
+    vertices: np.ndarray
+    faces: list[tuple[int, ...]]
+
+
+def read_mesh_file(path: Path) -> RawMesh:
+    """Read positions and polygons of a file."""
+    if path.suffix.lower() == ".obj":
+        # Without normals and texture: meshio wants one of each for every vertex.
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+        kept = "\n".join(line for line in lines if line.startswith(("v ", "f ")))
+        mesh = meshio.read(io.StringIO(kept), file_format="obj")
+    else:
+        mesh = meshio.read(path)
+    rows = [row for cells in mesh.cells for row in cells.data.tolist() if len(row) > 2]
+    return RawMesh(mesh.points, [tuple(row) for row in rows])
 
 
 @dataclass
@@ -42,17 +69,16 @@ def main() -> int:
     """Run the folder and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
-    parser.add_argument("--markdown", action="store_true", help="print a Markdown table")
     parser.add_argument("arguments", nargs="*", help="for adaptive-fairing, after --")
     options = parser.parse_args()
-    files = sorted(path for path in options.folder.iterdir() if path.suffix.lower() in READERS)
+    files = sorted(path for path in options.folder.iterdir() if path.suffix.lower() in READ)
     rows, n_suspicious = [], 0
     for file in files:
         row, is_suspicious = examine(file, options.arguments)
         n_suspicious += is_suspicious
         rows.append(row)
         print(f"{len(rows)}/{len(files)} {file.name}: {row[1]}", file=sys.stderr)
-    print_table(rows, markdown=options.markdown)
+    print(table(COLUMNS, rows))
     print(f"\n{len(files)} files, {n_suspicious} suspicious")
     return 1 if n_suspicious else 0
 
@@ -142,21 +168,6 @@ def moved(given: RawMesh, result: RawMesh) -> str:
     distance = np.linalg.norm(after - before, axis=1)
     size = max(float(np.ptp(before, axis=0).max()), 1e-30)
     return f"{np.count_nonzero(distance)} ({100 * distance.max() / size:.1f} %)"
-
-
-def print_table(rows: list[list[str]], *, markdown: bool) -> None:
-    """Print rows under `COLUMNS`."""
-    if markdown:
-        print("| " + " | ".join(COLUMNS) + " |")
-        print("|" + " --- |" * len(COLUMNS))
-        for row in rows:
-            print("| " + " | ".join(row) + " |")
-        return
-    widths = [max(len(row[k]) for row in [list(COLUMNS), *rows]) for k in range(len(COLUMNS))]
-    for row in [list(COLUMNS), *rows]:
-        print(
-            "  ".join(text.ljust(width) for text, width in zip(row, widths, strict=True)).rstrip()
-        )
 
 
 def _no_constant(name: str) -> float:

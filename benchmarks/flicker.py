@@ -1,6 +1,6 @@
 """Measure the flicker of a faired sequence: one strength for all frames, or each its own.
 
-    python benchmarks/flicker.py [--frames 50] [--picture FILE.png]
+    python -m benchmarks.flicker [--frames 50] [--picture FILE.png]
 
 A noisy foot bends to and fro; the noise moves along with the surface, so that what a steady
 smoother removes hardly changes from one frame to the next. The frames go through the command line
@@ -18,26 +18,25 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+import meshio
 import numpy as np
-from measuring import describe, load, machine, table
-from mesh_files import read_mesh_file
-from numpy.typing import NDArray
+
+from tools.samples.ply import write_ply
+from tools.samples.triangles import Faces, FloatArray, local_edge_lengths, vertex_normals
+
+from .measuring import describe, load, machine, table
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
-
-from meshes import Mesh, write_ply  # noqa: E402  needs the search path
-
-from tools.samples.triangles import mean_edge_lengths, vertex_normals  # noqa: E402
 
 NOISE = 0.15  # standard deviation in local edge lengths
 BEND = 1.0  # of one end against the other, in radians
 SEED = 20260009
 
+PAPER = ["--method", "timestep", "--tau"]
 CASES = {
-    "fixed τ, mean edge": ["--method", "timestep", "--tau", "0.004"],
+    "fixed τ, mean edge": [*PAPER, "0.004"],
     "until 60 % of the curvature is left": [
-        "--method", "timestep", "--tau", "0.001", "--steps", "12", "--stop-curvature", "0.6",
+        *PAPER, "0.001", "--steps", "12", "--stop-curvature", "0.6",
     ],
     "automatic": ["--method", "auto"],
 }  # fmt: skip
@@ -60,12 +59,12 @@ class Sequence:
         (m, 3).
     """
 
-    frames: NDArray[np.float64]
-    normals: NDArray[np.float64]
-    edges: NDArray[np.float64]
-    triangles: NDArray[np.int32]
+    frames: FloatArray
+    normals: FloatArray
+    edges: FloatArray
+    triangles: Faces
 
-    def removed(self, faired: NDArray[np.float64]) -> NDArray[np.float64]:
+    def removed(self, faired: FloatArray) -> FloatArray:
         """Measure what was removed at every vertex in every frame, (f, n), in local edges."""
         moved = np.einsum("fnd,fnd->fn", faired - self.frames, self.normals)
         return moved / self.edges
@@ -80,8 +79,8 @@ def main() -> int:
     parser.add_argument("--picture", type=Path)
     options = parser.parse_args()
     print(f"{describe(machine())}; {load()}\n")
-    mesh = read_mesh_file(options.mesh)
-    sequence = bending(mesh.vertices, np.array(mesh.faces, dtype=np.int32), options.frames)
+    mesh = meshio.read(options.mesh)
+    sequence = bending(mesh.points, mesh.get_cells_type("triangle"), options.frames)
     rows, curves = [], {}
     with tempfile.TemporaryDirectory() as folder:
         given = Path(folder) / "given"
@@ -106,12 +105,12 @@ def main() -> int:
     return 0
 
 
-def bending(rest: NDArray[np.float64], triangles: NDArray[np.int32], n_frames: int) -> Sequence:
+def bending(rest: FloatArray, triangles: Faces, n_frames: int) -> Sequence:
     """Bend a surface to and fro once, with noise along the normals that moves with it."""
     axis = int(np.ptp(rest, axis=0).argmax())
     low, high = rest[:, axis].min(), rest[:, axis].max()
     along = (rest[:, axis] - low) / (high - low)
-    edges = mean_edge_lengths(rest, triangles)
+    edges = local_edge_lengths(rest, triangles)
     amount = np.random.default_rng(SEED).normal(0.0, NOISE, len(rest)) * edges
     other = (axis + 1) % 3
     centre = rest.mean(axis=0)
@@ -131,7 +130,7 @@ def write_frames(sequence: Sequence, folder: Path) -> None:
     """Write the noisy frames as numbered files."""
     folder.mkdir()
     for number, positions in enumerate(sequence.frames, start=1):
-        write_ply(Mesh("frame", positions, sequence.triangles), folder / f"foot_{number:04d}.ply")
+        write_ply(folder / f"foot_{number:04d}.ply", positions, sequence.triangles, kind="double")
 
 
 def fair_frames(given: Path, output: Path, arguments: list[str]) -> list[int]:
@@ -145,18 +144,18 @@ def fair_frames(given: Path, output: Path, arguments: list[str]) -> list[int]:
     return [mesh["steps"] for mesh in json.loads(report.read_text())["meshes"]]
 
 
-def read_frames(folder: Path, n_frames: int) -> NDArray[np.float64]:
+def read_frames(folder: Path, n_frames: int) -> FloatArray:
     """Read the faired frames, (f, n, 3)."""
     paths = [folder / f"foot_{number:04d}.ply" for number in range(1, n_frames + 1)]
-    return np.array([read_mesh_file(path).vertices for path in paths], dtype=np.float64)
+    return np.array([meshio.read(path).points for path in paths], dtype=np.float64)
 
 
-def changes(removed: NDArray[np.float64]) -> NDArray[np.float64]:
+def changes(removed: FloatArray) -> FloatArray:
     """RMS change of the removed displacement between frames, over the RMS removed, (f - 1,)."""
     return rms(np.diff(removed, axis=0)) / np.sqrt((removed**2).mean())
 
 
-def figures(removed: NDArray[np.float64], steps: list[int]) -> list[str]:
+def figures(removed: FloatArray, steps: list[int]) -> list[str]:
     """Describe a run for the table."""
     amounts = rms(removed)
     total = np.sqrt((removed**2).mean())
@@ -169,12 +168,12 @@ def figures(removed: NDArray[np.float64], steps: list[int]) -> list[str]:
     ]  # fmt: skip
 
 
-def rms(values: NDArray[np.float64]) -> NDArray[np.float64]:
+def rms(values: FloatArray) -> FloatArray:
     """Root of the mean square of every row."""
     return np.sqrt((values**2).mean(axis=1))
 
 
-def draw(curves: dict[tuple[str, str], NDArray[np.float64]], path: Path) -> None:
+def draw(curves: dict[tuple[str, str], FloatArray], path: Path) -> None:
     """Draw the change from frame to frame, a panel for each case."""
     import matplotlib
 

@@ -6,9 +6,8 @@ import os
 import platform
 import re
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+import timeit
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,25 +17,9 @@ import scipy
 MEGABYTE = 1e6
 
 
-class Stopwatch:
-    """Seconds since it was made."""
-
-    def __init__(self) -> None:
-        self._start = time.perf_counter()
-
-    def seconds(self) -> float:
-        """Elapsed wall-clock time."""
-        return time.perf_counter() - self._start
-
-
 def best_time(action: Callable[[], object], repeats: int) -> float:
     """Shortest wall-clock time of several runs, in seconds: the one least disturbed by others."""
-    times = []
-    for _ in range(repeats):
-        watch = Stopwatch()
-        action()
-        times.append(watch.seconds())
-    return min(times)
+    return min(timeit.repeat(action, number=1, repeat=repeats))
 
 
 def peak_memory() -> int:
@@ -107,17 +90,6 @@ def _processor() -> str:
 def _blas() -> str:
     details = np.show_config(mode="dicts")["Build Dependencies"]["blas"]
     return f"{details.get('name', 'unknown')} {details.get('version', '')}".strip()
-
-
-@contextmanager
-def announced(text: str) -> Iterator[None]:
-    """Show on a terminal what is under way; leave nothing behind in the tables."""
-    visible = sys.stderr.isatty()
-    if visible:
-        print(f"\r\x1b[K{text} …", end="", file=sys.stderr, flush=True)
-    yield
-    if visible:
-        print("\r\x1b[K", end="", file=sys.stderr, flush=True)
 
 
 def table(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -1,6 +1,6 @@
 """Measure the peak memory of solves against the estimate made before them.
 
-    python benchmarks/memory.py [NAME ...]
+    python -m benchmarks.memory [NAME ...]
 
 Each solve runs in a process of its own; what Python, numpy and scipy take before it is not counted.
 """
@@ -8,19 +8,14 @@ Each solve runs in a process of its own; what Python, numpy and scipy take befor
 from __future__ import annotations
 
 import json
-import resource
 import subprocess
 import sys
-from pathlib import Path
 
-ROOT = Path(__file__).resolve().parents[1]
-for folder in (ROOT / "tests", ROOT):
-    sys.path.insert(0, str(folder))
+from adaptive_fairing.core import FairingSettings, PreparedMesh, denoise, fair
+from adaptive_fairing.core.problem.prepared_mesh import DEFAULT_TOLERANCE
+from tests.support import bad_meshes, meshes
 
-from support import bad_meshes, meshes  # noqa: E402  the search path has to be set before
-
-from adaptive_fairing.core import FairingSettings, PreparedMesh, denoise, fair  # noqa: E402
-from adaptive_fairing.core.problem.prepared_mesh import DEFAULT_TOLERANCE  # noqa: E402
+from .measuring import peak_memory, table
 
 # Meshes with the tolerance of the paper's integrals, or None to denoise them.
 CASES = {
@@ -42,47 +37,30 @@ CASES = {
 
 def main() -> int:
     """Print a row for every case, or for those that are named."""
-    print(f"{'case':20} {'triangles':>9} {'estimate MB':>11} {'measured MB':>11} {'ratio':>6}")
+    rows = []
     for name in sys.argv[1:] or CASES:
-        row = json.loads(
-            subprocess.run(
-                [sys.executable, __file__, "--measure", name],
-                capture_output=True,
-                check=True,
-                text=True,
-            ).stdout
-        )
-        estimate, measured = row["estimate"] / 1e6, row["measured"] / 1e6
-        print(
-            f"{name:20} {row['triangles']:9} {estimate:11.0f} {measured:11.0f} "
-            f"{estimate / measured:6.2f}"
-        )
+        command = [sys.executable, "-m", "benchmarks.memory", "--measure", name]
+        done = subprocess.run(command, capture_output=True, check=True, text=True)
+        triangles, estimate, measured = json.loads(done.stdout)
+        megabytes = [f"{size / 1e6:.0f}" for size in (estimate, measured)]
+        rows.append([name, str(triangles), *megabytes, f"{estimate / measured:.2f}"])
+    print(table(["case", "triangles", "estimate MB", "measured MB", "ratio"], rows))
     return 0
 
 
-def measure(name: str) -> dict[str, float]:
-    """Solve a case in this process; give the estimate and the rise of the peak memory."""
+def measure(name: str) -> tuple[int, int, int]:
+    """Solve a case here; return its triangles, the estimate and the rise of the peak memory."""
     make, tolerance = CASES[name]
     vertices, faces = make()
-    before = _peak()
+    before = peak_memory()
     if tolerance is None:
         denoise(vertices, faces)
     else:
         fair(vertices, faces, FairingSettings(steps=2, quadrature_tolerance=tolerance))
-    measured = _peak() - before
+    measured = peak_memory() - before
     prepared = PreparedMesh(vertices, faces, quadrature_tolerance=tolerance or DEFAULT_TOLERANCE)
     estimate = prepared.needed_bytes("denoise" if tolerance is None else "fair")
-    return {"triangles": len(faces), "estimate": estimate, "measured": measured}
-
-
-def _peak() -> int:
-    status = Path("/proc/self/status")
-    if status.exists():
-        # Not the resource usage: that begins with the peak of the process that started this one.
-        (line,) = (text for text in status.read_text().splitlines() if text.startswith("VmHWM"))
-        return 1024 * int(line.split()[1])
-    unit = 1 if sys.platform == "darwin" else 1024
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit
+    return len(faces), estimate, measured
 
 
 if __name__ == "__main__":

@@ -1,5 +1,9 @@
 """Where the time of the set-up and of one step goes, and how far a step is from what must be.
 
+A thread looks many times a second at what all threads of the core do, and counts it by module. In
+a table a module has the share of the looks that found a thread in it, functions of other packages
+that it calls included.
+
 The limit is the time in which this machine could do what a step cannot avoid:
 
     arithmetic   the matrix products of evaluation, local matrices and right side,
@@ -11,39 +15,41 @@ It has neither the arithmetic between the products nor the irregular access of t
 takes the matrix as it is stored, read once per iteration for all three coordinates. All counts as
 in double precision, although large meshes are solved in single.
 
-    python benchmarks/profile_step.py [--sizes 328000] [--mesh FILE] [--repeats 5] [--record]
+    python -m benchmarks.profile_step [--sizes 328000] [--mesh FILE] [--repeats 5] [--record]
 """
 
 from __future__ import annotations
 
 import argparse
+import sys
+import threading
 import time
 from collections import Counter
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from types import FrameType
 from typing import NamedTuple
 
-import history
-import meshes
 import numpy as np
-from measuring import (
-    announced,
-    best_time,
-    describe,
-    load,
-    machine,
-    seconds_text,
-    table,
-    usable_cores,
-)
-from stages import SETUP, STEP, Clock, Stage
 
+import adaptive_fairing.core
 from adaptive_fairing.core import FairingSettings, TriangleTopology, fair_steps
 from adaptive_fairing.core.linalg.symmetric_pattern import SymmetricPattern
 from adaptive_fairing.core.loop.basis import basis_table
 from adaptive_fairing.core.loop.patches import PatchSet
 from adaptive_fairing.core.loop.quadrature import quadrature_choice
 
-REST = "everything else"
+from . import history, meshes
+from .measuring import best_time, describe, load, machine, seconds_text, table, usable_cores
+
+CORE = Path(adaptive_fairing.core.__file__).parent
+
+WAITING = "runtime.threads"
+"""Module in which the main thread waits for the others."""
+
+PAUSE = 0.001
+"""Seconds between two looks."""
 
 COPIED_BYTES = 1 << 28
 """Size of the array whose copying measures the memory: far beyond any cache."""
@@ -52,24 +58,12 @@ GEMM_SIZE = 1536
 """Rows and columns of the matrices whose product measures the arithmetic."""
 
 
-class Stages(NamedTuple):
-    """Seconds by stage, wall-clock and of all threads' processors; the last stage is `REST`."""
-
-    seconds: dict[str, float]
-    processor: dict[str, float]
-
-    @property
-    def total(self) -> float:
-        """Wall-clock time of all stages."""
-        return sum(self.seconds.values())
-
-
 class Profile(NamedTuple):
-    """One run: where the time of the set-up and of a step went."""
+    """Wall-clock and processor seconds of an action, and its looks by module of the core."""
 
-    setup: Stages
-    step: Stages
-    iterations: int
+    seconds: float
+    processor: float
+    looks: Counter[str]
 
 
 class Rates(NamedTuple):
@@ -90,39 +84,46 @@ class Work(NamedTuple):
         return self.operations / rates.arithmetic + self.transferred / rates.traffic
 
 
-def profile(mesh: meshes.Mesh, settings: FairingSettings) -> Profile:
-    """Run the set-up and two steps, and see where their time went."""
-    clock = Clock()
+def profile(action: Callable[[], object]) -> tuple[object, Profile]:
+    """Run an action of the core and see in which modules its threads are."""
+    looks: Counter[str] = Counter()
+    ended = threading.Event()
 
-    def now() -> tuple[Counter[str], Counter[str]]:
-        """Read all clocks."""
-        return (
-            clock.seconds + Counter({REST: time.perf_counter()}),
-            clock.processor + Counter({REST: time.process_time()}),
-        )
+    def look() -> None:
+        while not ended.wait(PAUSE):
+            found = [_module(frame) for frame in sys._current_frames().values()]
+            looks.update(
+                [name for name in found if name not in (None, WAITING)] or {*found} - {None}
+            )
 
-    with clock.watching((*SETUP, *STEP)):
-        steps = fair_steps(mesh.vertices, mesh.triangles, settings)
-        at_start = now()
-        next(steps)
-        at_first = now()
-        second = next(steps)
-        at_second = now()
-    return Profile(
-        # Until the first step is out, the set-up and the stages of one step and a half are done.
-        Stages(*(_difference(a, b, SETUP) for a, b in zip(at_start, at_first, strict=True))),
-        Stages(*(_difference(a, b, STEP) for a, b in zip(at_first, at_second, strict=True))),
-        second.solve.iterations,
-    )
+    watcher = threading.Thread(target=look, daemon=True)
+    watcher.start()
+    start, processor = time.perf_counter(), time.process_time()
+    try:
+        result = action()
+    finally:
+        spent = time.perf_counter() - start, time.process_time() - processor
+        ended.set()
+        watcher.join()
+    return result, Profile(*spent, looks)
 
 
-def _difference(
-    before: Counter[str], after: Counter[str], stages: tuple[Stage, ...]
-) -> dict[str, float]:
-    """Take the times of stages between two moments, and as `REST` what none accounts for."""
-    spent = {name: after[name] - before[name] for name in after}
-    rest = 2 * spent[REST] - sum(spent.values())
-    return {stage.label: spent.get(stage.label, 0.0) for stage in stages} | {REST: rest}
+def _module(frame: FrameType | None) -> str | None:
+    """Name the innermost module of the core that a thread is in."""
+    while frame is not None:
+        path = Path(frame.f_code.co_filename)
+        if CORE in path.parents:
+            return ".".join(path.relative_to(CORE).with_suffix("").parts)
+        frame = frame.f_back
+    return None
+
+
+def profiles(mesh: meshes.Mesh, settings: FairingSettings) -> tuple[Profile, Profile, int]:
+    """Profile what is done for the first step, and for the second; return its iterations, too."""
+    steps = fair_steps(mesh.vertices, mesh.triangles, settings)
+    _, first = profile(lambda: next(steps))
+    step, second = profile(lambda: next(steps))
+    return first, second, step.solve.iterations
 
 
 def measured_rates() -> Rates:
@@ -174,35 +175,24 @@ def unavoidable_work(mesh: meshes.Mesh, settings: FairingSettings, iterations: i
 def report(mesh: meshes.Mesh, settings: FairingSettings, repeats: int) -> dict[str, float]:
     """Print the tables for one mesh; return the ratios to be recorded."""
     rates = measured_rates()
-    runs = []
-    for k in range(repeats):
-        with announced(f"{mesh.name}: run {k + 1} of {repeats}"):
-            runs.append(profile(mesh, settings))
-    setup = min((run.setup for run in runs), key=lambda stages: stages.total)
-    step = min((run.step for run in runs), key=lambda stages: stages.total)
+    runs = [profiles(mesh, settings) for _ in range(repeats)]
+    best = [min((run[k] for run in runs), key=lambda found: found.seconds) for k in range(2)]
+    iterations = runs[0][2]
     print(f"\n## {mesh.name}, {len(mesh.triangles)} triangles (load {load()})\n")
-    for title, stages in (("set-up", setup), ("one step", step)):
-        rows = [
-            [
-                name,
-                seconds_text(seconds),
-                f"{seconds / stages.total:.0%}",
-                seconds_text(stages.processor[name]),
-            ]
-            for name, seconds in stages.seconds.items()
-        ]
-        processor = seconds_text(sum(stages.processor.values()))
-        rows.append(["all", seconds_text(stages.total), "100%", processor])
-        print(table([title, "s", "share", "processor s"], rows), "\n")
+    for k, title in enumerate(("set-up and first step", "second step")):
+        looks = sum((run[k].looks for run in runs), Counter())
+        rows = [[name, f"{count / looks.total():.0%}"] for name, count in looks.most_common()]
+        print(table([title, "share"], [row for row in rows if row[1] != "0%"]))
+        spent = map(seconds_text, best[k][:2])
+        print("\n{} s, {} s of all processors\n".format(*spent))
 
-    iterations = runs[0].iterations
     work = unavoidable_work(mesh, settings, iterations)
     again = measured_rates()  # the machine may have been busy with other things before
     rates = Rates(*(max(pair) for pair in zip(rates, again, strict=True)))
     limit = work.seconds(rates)
     ratios = {
-        "set-up / step": setup.total / step.total,
-        "step / limit": step.total / limit,
+        "set-up / step": best[0].seconds / best[1].seconds,
+        "step / limit": best[1].seconds / limit,
     }
     print(
         f"{iterations} iterations; limit {seconds_text(limit)} s: "

@@ -4,7 +4,7 @@ Every program runs in a process of its own on the same files, in turns: A B C A 
 of each counts. So whatever else the machine does hits all alike, and the ratios of one run of this
 script hold, whatever the seconds are. Programs that are not installed are left out with a line.
 
-    python benchmarks/speed.py [--sizes 10000 100000 1000000] [--mesh FILE] [--plot speed.png]
+    python -m benchmarks.speed [--sizes 10000 100000 1000000] [--mesh FILE] [--plot speed.png]
 """
 
 from __future__ import annotations
@@ -18,22 +18,14 @@ import tempfile
 from pathlib import Path
 from typing import NamedTuple
 
-import cgal_program
-import history
-import meshes
-from competitors import OURS, PROGRAMS
-from measuring import (
-    MEGABYTE,
-    announced,
-    describe,
-    load,
-    log_slope,
-    machine,
-    seconds_text,
-    table,
-)
-
 from adaptive_fairing.core.diffusion.smoothing_radius import equivalent_uniform_tau
+from tools.samples.triangles import edge_lengths
+
+from . import cgal_program, history, meshes
+from .competitors import OURS, PROGRAMS
+from .measuring import MEGABYTE, describe, load, log_slope, machine, seconds_text, table
+
+ROOT = Path(__file__).resolve().parents[1]
 
 SIZES = [10_000, 30_000, 100_000, 328_000, 1_000_000]
 
@@ -42,28 +34,28 @@ CGAL_AS_NAMED = "CGAL smooth_shape, same parameter"
 CGAL_TIMES = {CGAL: 1, CGAL_AS_NAMED: 4}
 """Diffusion time of CGAL's runs over ours: its parameter `time` counts four times as much."""
 
+BLENDER = "Blender Laplacian Smooth"
+
 MODULES = {"Blender": "bpy", "libigl": "igl", "MeshLab": "pymeshlab"}
 """Python module that a program needs, by the first word of its name."""
 
-SETUP_TO_STEP = "set-up and last measuring / step"
-STEP_TO_CGAL = "step / step of CGAL"
-FOUR_TO_CGAL = "four steps from scratch / those of CGAL"
-PROCESSOR_TO_CGAL = "processor time of four steps from scratch / that of CGAL"
-STEP_TO_CGAL_AS_NAMED = "step / step of CGAL with the same parameter"
-FOUR_TO_CGAL_AS_NAMED = "four steps from scratch / those of CGAL with the same parameter"
-STEP_TO_LIBIGL = "step / step from scratch of libigl with CG"
-STEP_TO_BLENDER = "step / one iteration of Blender's Laplacian Smooth"
+SETUP_TO_STEP, SETUP_GOAL = "set-up and last measuring / step", 1.5
 
-GOALS = {
-    SETUP_TO_STEP: 1.5,
-    STEP_TO_CGAL: 0.2,
-    FOUR_TO_CGAL: 0.4,
-    STEP_TO_CGAL_AS_NAMED: 0.2,
-    FOUR_TO_CGAL_AS_NAMED: 0.4,
-    STEP_TO_LIBIGL: 1.0,
-    STEP_TO_BLENDER: 0.02,
-}
-"""What the ratios should be on meshes of 200,000 triangles and more."""
+FOUR = "four steps from scratch"
+
+RATIOS = (
+    ("step / step of CGAL", "step", CGAL, "step", 0.2),
+    (f"{FOUR} / those of CGAL", "four", CGAL, "four", 0.4),
+    (f"processor time of {FOUR} / that of CGAL", "processor", CGAL, "processor", None),
+    ("step / step of CGAL with the same parameter", "step", CGAL_AS_NAMED, "step", 0.2),
+    (f"{FOUR} / those of CGAL with the same parameter", "four", CGAL_AS_NAMED, "four", 0.4),
+    # From scratch: its further steps keep the first Laplacian, ours see the current surface.
+    ("step / step from scratch of libigl with CG", "step", "libigl, cotangent + CG", "one", 1.0),
+    # Its further iterations keep the factorized matrix of the first.
+    ("step / one iteration of Blender's Laplacian Smooth", "step", BLENDER, "one", 0.02),
+)
+"""Name, figure of ours, program, its figure, and what the ratio should be on meshes of 200,000
+triangles and more."""
 
 NOTES = f"""
 one step, four: from scratch, with everything that has to be set up; step: one more step, on a
@@ -128,7 +120,6 @@ class Contest:
         self._patience = patience
         self._commands: dict[str, list[str]] = {}
         self._last: dict[str, tuple[int, float]] = {}
-        here = Path(__file__).resolve().parent
         for name in wanted:
             module = MODULES.get(name.split()[0].rstrip(","))
             if name in CGAL_TIMES:
@@ -139,21 +130,20 @@ class Contest:
             elif module is not None and importlib.util.find_spec(module) is None:
                 print(f"{name}: left out, needs the Python module {module}")
             else:
-                self._commands[name] = [sys.executable, str(here / "competitors.py"), name]
+                self._commands[name] = [sys.executable, "-m", "benchmarks.competitors", name]
 
     def run(self, mesh: meshes.Mesh, radius: float, repeats: int) -> dict[str, Result]:
         """Let all programs smooth a mesh in turns; results by name, in the order of the table."""
         settings = meshes.comparable_settings(mesh, radius)
         time = equivalent_uniform_tau(mesh.vertices, mesh.triangles, settings)
         path = self._folder / "mesh.ply"
-        meshes.write_ply(mesh, path)
+        mesh.write(path)
         runs: dict[str, list[dict[str, float | None]]] = {}
         for turn in range(repeats):
             for name in self._commands:
                 if self._is_too_slow(name, len(mesh.triangles), turn, bool(runs.get(name))):
                     continue
-                with announced(f"{mesh.name}: {name}, run {turn + 1} of {repeats}"):
-                    run = self._one_run(name, path, settings.tau, time)
+                run = self._one_run(name, path, settings.tau, time)
                 if run is not None:
                     runs.setdefault(name, []).append(run)
                     self._last[name] = len(mesh.triangles), run["one"]
@@ -182,7 +172,12 @@ class Contest:
             command += ["--tau", repr(tau), "--time", repr(time), "--patience", repr(four_up_to)]
         try:
             done = subprocess.run(
-                command, capture_output=True, text=True, timeout=5 * self._patience, check=True
+                command,
+                capture_output=True,
+                text=True,
+                timeout=5 * self._patience,
+                check=True,
+                cwd=ROOT,
             )
         except subprocess.TimeoutExpired:
             print(f"{name}: given up after {5 * self._patience:.0f} s")
@@ -198,7 +193,7 @@ class Contest:
 
 def print_results(mesh: meshes.Mesh, results: dict[str, Result]) -> None:
     """Print the table of one mesh."""
-    edge = meshes.mean_edge(mesh)[0]
+    edge = edge_lengths(mesh.vertices, mesh.triangles).mean()
     n = len(mesh.triangles)
     rows = [
         [
@@ -213,12 +208,14 @@ def print_results(mesh: meshes.Mesh, results: dict[str, Result]) -> None:
         ]
         for name, result in results.items()
     ]
-    print(f"\n## {mesh.name}, {n} triangles (load {load()})\n")
+    classes = meshes.count_classes(mesh)
+    print(f"\n## {mesh.name}, {n} triangles of {classes} classes (load {load()})\n")
     times = ["one step s", "four s", "step s", "processor s"]
     print(table(["", *times, "memory", "per triangle", "moved"], rows))
     print()
+    goals = {SETUP_TO_STEP: SETUP_GOAL} | {name: goal for name, *_, goal in RATIOS}
     for name, ratio in ratios_of(results).items():
-        goal = GOALS.get(name)
+        goal = goals[name]
         print(f"{name}: {ratio:.3g}" + (f" (goal: at most {goal:g})" if goal else ""), flush=True)
 
 
@@ -228,23 +225,10 @@ def ratios_of(results: dict[str, Result]) -> dict[str, float]:
     if ours is None or ours.four is None or ours.step is None:
         return {}
     ratios = {SETUP_TO_STEP: (ours.four - 4 * ours.step) / ours.step}
-    cgal = results.get(CGAL)
-    if cgal is not None and cgal.step is not None and cgal.four is not None:
-        ratios[STEP_TO_CGAL] = ours.step / cgal.step
-        ratios[FOUR_TO_CGAL] = ours.four / cgal.four
-        ratios[PROCESSOR_TO_CGAL] = ours.processor / cgal.processor
-    as_named = results.get(CGAL_AS_NAMED)
-    if as_named is not None and as_named.step is not None and as_named.four is not None:
-        ratios[STEP_TO_CGAL_AS_NAMED] = ours.step / as_named.step
-        ratios[FOUR_TO_CGAL_AS_NAMED] = ours.four / as_named.four
-    flow = results.get("libigl, cotangent + CG")
-    if flow is not None:
-        # From scratch: its further steps keep the first Laplacian, ours see the current surface.
-        ratios[STEP_TO_LIBIGL] = ours.step / flow.one
-    modifier = results.get("Blender Laplacian Smooth")
-    if modifier is not None:
-        # Its further iterations keep the factorized matrix of the first.
-        ratios[STEP_TO_BLENDER] = ours.step / modifier.one
+    for name, own, program, theirs, _ in RATIOS:
+        other = getattr(results.get(program), theirs, None)
+        if other:
+            ratios[name] = getattr(ours, own) / other
     return ratios
 
 
@@ -297,7 +281,7 @@ def main() -> None:
     print(NOTES)
     ratios |= print_slopes(sizes)
     if any(len(series) > 1 for series in sizes.values()):
-        from speed_plot import draw  # matplotlib is wanted for this alone
+        from .speed_plot import draw  # matplotlib is wanted for this alone
 
         draw({name: series for name, series in sizes.items() if len(series) > 1}, arguments.plot)
         print(f"\ndrawn in {arguments.plot}")

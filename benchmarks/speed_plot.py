@@ -7,10 +7,11 @@ from pathlib import Path
 from typing import Protocol
 
 import matplotlib
-from measuring import MEGABYTE
 
 matplotlib.use("Agg")
 from matplotlib import pyplot
+
+from .measuring import MEGABYTE
 
 MARKERS = "osD^v<>PX*"
 

@@ -5,6 +5,14 @@
 // Every task fairs one share of the meshes (`--shard i/n`), and a last one sums them up. A task may
 // be run again at any time: what is finished is skipped, and outputs appear whole or not.
 
+// The Manager checks little of what it is sent: settings may be missing or of any value. So this
+// script does; what it throws is a text, which users get to see as it is.
+
+const MESH_SUFFIXES = [
+    ".blend", ".obj", ".ply", ".stl", ".glb", ".gltf", ".fbx", ".usd", ".usda", ".usdc", ".usdz",
+    ".abc",
+];
+
 const JOB_TYPE = {
     label: "Adaptive Fairing",
     description: "Remove noise from many meshes, or from the frames of a moving surface",
@@ -17,13 +25,24 @@ const JOB_TYPE = {
         },
         {
             key: "input", type: "string", subtype: "file_path", required: true,
+            visible: "submission",
             description: "Folder with mesh files, or a pattern such as /scans/*.ply; for an " +
                 "animation its .blend, .abc or .usd file. The workers must see it under this path",
         },
         {
+            key: "input_path", type: "string", visible: "web",
+            eval: "str(abspath(settings.input))",
+            description: "Input, without the // that stands for the folder of the .blend file",
+        },
+        {
             key: "mesh_count", type: "int32", default: 100, visible: "submission",
-            eval: "sum(p.is_file() for p in Path(abspath(settings.input)).rglob('*'))",
-            evalInfo: { showLinkButton: true, description: "Files in the input folder" },
+            // Names that an expression is given are unknown inside of its loops.
+            eval: "sum(name.lower().endswith(" +
+                `(${MESH_SUFFIXES.map(suffix => `'${suffix}'`).join(", ")})` +
+                ") for name in __import__('glob').glob(str(abspath(settings.input)) if " +
+                "__import__('glob').has_magic(settings.input) else " +
+                "__import__('glob').escape(str(abspath(settings.input))) + '/**', recursive=True))",
+            evalInfo: { showLinkButton: true, description: "Mesh files of the input" },
             description: "About how many meshes there are: decides the number of tasks. Unused " +
                 "for an animation",
         },
@@ -39,7 +58,13 @@ const JOB_TYPE = {
         },
         {
             key: "output_dir", type: "string", subtype: "dir_path", required: true,
+            label: "Output Folder", visible: "submission",
             description: "Folder for the results, which the workers see under this path",
+        },
+        {
+            key: "output_path", type: "string", visible: "web",
+            eval: "str(abspath(settings.output_dir))",
+            description: "Output folder, without the // of the .blend file's folder",
         },
         {
             key: "format", type: "string", default: "",
@@ -52,19 +77,26 @@ const JOB_TYPE = {
         },
         {
             key: "method", type: "string", default: "auto",
-            choices: ["timestep", "tensor", "uniform", "auto"],
-            description: "What follows the density: the timestep, the diffusion tensor, or " +
-                "nothing; auto estimates the noise and needs neither Tau nor Steps",
+            choices: ["auto", "timestep", "tensor", "uniform"],
+            description: "auto estimates the noise and needs Strength only. The others need Tau, " +
+                "Steps and Density: the density sets the timestep, the diffusion tensor, or nothing",
         },
         {
             key: "strength", type: "float", default: 1.0,
             description: "Of the method auto: factor of the noise that it estimates",
         },
-        { key: "tau", type: "float", default: 0.016, description: "Time of a step" },
-        { key: "steps", type: "int32", default: 4, description: "Number of steps" },
+        {
+            key: "tau", type: "float", default: 0.016,
+            description: "Time of a step. Unused by the method auto",
+        },
+        {
+            key: "steps", type: "int32", default: 4,
+            description: "Number of steps. Unused by the method auto",
+        },
         {
             key: "density", type: "string", default: "edge", choices: ["edge", "area"],
-            description: "Measure of the density: mean edge length or area around a vertex",
+            description: "Measure of the density: mean edge length or area around a vertex. Unused " +
+                "by the method auto",
         },
         {
             key: "boundary", type: "string", default: "fixed", choices: ["fixed", "free"],
@@ -76,11 +108,17 @@ const JOB_TYPE = {
                 "for single meshes",
         },
         {
-            key: "keyed_file", type: "string", subtype: "file_path", default: "",
+            key: "keyed", type: "string", subtype: "file_path", default: "",
+            label: "Keyed File", visible: "submission",
             description: "Frames only: a .blend file for one object that plays all of them",
         },
         {
-            key: "jobs", type: "int32", default: 1,
+            key: "keyed_file", type: "string", visible: "web",
+            eval: "str(abspath(settings.keyed)) if settings.keyed else ''",
+            description: "Keyed file, without the // of the .blend file's folder",
+        },
+        {
+            key: "jobs", type: "int32", default: 1, label: "Worker Processes",
             description: "Processes that a task works with at a time",
         },
         {
@@ -89,9 +127,9 @@ const JOB_TYPE = {
                 "Empty: what is free",
         },
         {
-            key: "allow_failures", type: "bool", default: false,
-            description: "Let the job succeed although meshes have failed; summary.json in the " +
-                "output folder names them",
+            key: "fail_on_error", type: "bool", default: false,
+            description: "Let the job fail if meshes have failed. Otherwise it succeeds, and " +
+                "summary.json in the output folder and the log of the last task name them",
         },
         {
             key: "more_arguments", type: "string", default: "", visible: "submission",
@@ -106,9 +144,9 @@ const JOB_TYPE = {
 };
 
 function compileJob(job) {
-    const settings = job.settings;
+    const settings = completeSettings(job.settings);
     checkSettings(settings);
-    const shares = shareCount(settings);
+    const shares = Math.ceil(meshCount(settings) / settings.chunk_size);
     const fairing = [];
     for (let share = 1; share <= shares; share++) {
         const task = fairingTask(settings, share, shares);
@@ -122,16 +160,66 @@ function compileJob(job) {
     job.addTask(merge);
 }
 
+// Settings that were not sent have their defaults; paths that nobody has evaluated stand as given.
+function completeSettings(sent) {
+    const empty = { string: "", int32: 0, float: 0, bool: false };
+    const settings = {};
+    for (const { key, type, default: start } of JOB_TYPE.settings) {
+        const values = [sent[key], start, empty[type]];
+        settings[key] = values.find(value => value !== undefined && value !== null);
+    }
+    settings.input_path = settings.input_path || settings.input;
+    settings.output_path = settings.output_path || settings.output_dir;
+    settings.keyed_file = settings.keyed_file || settings.keyed;
+    return settings;
+}
+
 function checkSettings(settings) {
-    if (settings.chunk_size < 1) {
-        throw new Error("Chunk Size must be at least 1");
+    for (const { key, choices } of JOB_TYPE.settings) {
+        if (choices) {
+            check(choices.includes(settings[key]),
+                `${nameOf(key)} is "${settings[key]}", it must be one of: ${choices.join(", ")}`);
+        }
     }
-    if (isAnimation(settings) && !settings.frames) {
-        throw new Error("An animation needs Frames, such as 1-50");
+    check(settings.input_path, "Input is missing: give a folder, a pattern or a file");
+    check(settings.output_path, "Output Folder is missing");
+    for (const key of ["chunk_size", "jobs", "steps"]) {
+        check(settings[key] >= 1, `${nameOf(key)} must be at least 1`);
     }
-    if (settings.keyed_file && !isSequence(settings)) {
-        throw new Error("Keyed File is for frames: single meshes do not become one object");
+    for (const key of ["tau", "strength"]) {
+        check(settings[key] > 0 && isFinite(settings[key]), `${nameOf(key)} must be above 0`);
     }
+    check(/^(\d+(\.\d+)?\s*[KMGT]?B?)?$/i.test(settings.memory),
+        `Memory is "${settings.memory}": give a size such as 8G, or nothing`);
+    const suffix = "." + settings.format.toLowerCase().replace(/^\./, "");
+    check(suffix === "." || MESH_SUFFIXES.includes(suffix),
+        `Format is "${settings.format}", it must be one of: ${MESH_SUFFIXES.join(" ")}`);
+    if (isSequence(settings)) {
+        check(suffix !== ".blend", "Format: frames are written as mesh files, not as .blend");
+    }
+    if (isAnimation(settings)) {
+        check(settings.frames.trim(), "An animation needs Frames, such as 1-50");
+        frameNumbers(settings);
+    }
+    if (settings.keyed_file) {
+        check(isSequence(settings),
+            "Keyed File is for frames: single meshes do not become one object");
+        check(settings.keyed_file.toLowerCase().endsWith(".blend"),
+            "Keyed File must be the name of a .blend file");
+        check([".", ".ply"].includes(suffix), "Format must be ply, or nothing, with a Keyed File");
+    }
+}
+
+function check(isGood, message) {
+    if (!isGood) {
+        throw message;
+    }
+}
+
+// The name that Blender shows for a setting.
+function nameOf(key) {
+    const { label } = JOB_TYPE.settings.find(setting => setting.key === key);
+    return label || key.split("_").map(word => word[0].toUpperCase() + word.slice(1)).join(" ");
 }
 
 function isAnimation(settings) {
@@ -142,12 +230,17 @@ function isSequence(settings) {
     return settings.kind !== "meshes";
 }
 
-function meshCount(settings) {
-    return isAnimation(settings) ? frameCount(settings.frames) : Math.max(settings.mesh_count, 1);
+// Every frame of the list as a text, ascending. All of Flamenco's notations are understood.
+function frameNumbers(settings) {
+    try {
+        return frameChunker(settings.frames, 1);
+    } catch (error) {
+        throw `Frames is "${settings.frames}": ${error.message || error}`;
+    }
 }
 
-function shareCount(settings) {
-    return Math.ceil(meshCount(settings) / settings.chunk_size);
+function meshCount(settings) {
+    return isAnimation(settings) ? frameNumbers(settings).length : Math.max(settings.mesh_count, 1);
 }
 
 function fairingTask(settings, share, shares) {
@@ -170,11 +263,12 @@ function fairingTask(settings, share, shares) {
 
 function mergeTask(settings) {
     const task = author.Task("merge", "blender");
-    const options = ["--merge", "--report", path.join(settings.output_dir, "summary.json")];
+    const options = ["--merge", "--report", path.join(settings.output_path, "summary.json")];
     if (settings.keyed_file) {
         options.push("-o", settings.keyed_file);
     }
-    if (settings.allow_failures) {
+    if (!settings.fail_on_error) {
+        // Otherwise every worker would try the merge, fail, and be kept from this kind of task.
         options.push("--allow-failures");
     }
     task.addCommand(blenderCommand(settings, options, 1));
@@ -188,7 +282,8 @@ function blenderCommand(settings, options, steps) {
         argsBefore: ["--addons", settings.addon],
         blendfile: "",
         // What follows -c belongs to the program.
-        args: ["-c", "adaptive_fairing", settings.input].concat(commonOptions(settings), options),
+        args: ["-c", "adaptive_fairing", settings.input_path].concat(
+            commonOptions(settings), options),
     }, steps);
 }
 
@@ -196,25 +291,29 @@ function blenderCommand(settings, options, steps) {
 // have made.
 function commonOptions(settings) {
     const options = [
-        "--out-dir", settings.output_dir,
+        "--out-dir", settings.output_path,
         "--method", settings.method,
-        "--strength", String(settings.strength),
-        "--tau", String(settings.tau),
-        "--steps", String(settings.steps),
-        "--density", settings.density,
         "--boundary", settings.boundary,
     ];
-    // With a keyed file the format is fixed.
-    if (settings.format && !settings.keyed_file) {
-        options.push("--format", settings.format);
-    } else if (settings.keyed_file) {
+    if (settings.method === "auto") {
+        options.push("--strength", decimal(settings.strength));
+    } else {
+        options.push(
+            "--tau", decimal(settings.tau),
+            "--steps", String(settings.steps),
+            "--density", settings.density);
+    }
+    if (settings.keyed_file) {
         options.push("--format", "ply");
+    } else if (settings.format) {
+        options.push("--format", settings.format);
     }
     if (settings.object) {
         options.push("--object", settings.object);
     }
     if (isAnimation(settings)) {
-        options.push("--frames", settings.frames);
+        const frames = frameNumbers(settings);
+        options.push("--frames", frameChunker(settings.frames, frames.length)[0]);
     } else if (isSequence(settings)) {
         options.push("--sequence");
     }
@@ -222,4 +321,9 @@ function commonOptions(settings) {
         options.push("--same-strength");
     }
     return options.concat(shellSplit(settings.more_arguments));
+}
+
+// Blender sends numbers in single precision: 0.016 comes as 0.01600000075995922.
+function decimal(value) {
+    return String(Number(value.toPrecision(7)));
 }

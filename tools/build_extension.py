@@ -8,8 +8,10 @@ The sources are copied into a scratch folder first and the manifest is completed
 manifest in the repository stays as it is, and nothing that happens to lie in the work tree can
 get into a zip.
 
+With --release it makes all of them, and beside them SHA256SUMS and release_notes.md.
+
 Usage: python tools/build_extension.py [--output dist] [--wheels wheels] [--blender PROGRAM]
-       [--list] [PACKAGE ...]
+       [--list] [--release | PACKAGE ...]
 """
 
 from __future__ import annotations
@@ -24,12 +26,16 @@ import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 
+import release_files
 from fetch_wheels import DEFAULT_DIRECTORY, WHEELS, WheelError, fetch_platform
 
 ROOT = Path(__file__).resolve().parent.parent
 MANIFEST = "blender_manifest.toml"
 CONTENTS = (MANIFEST, "__init__.py", "LICENSE", "adaptive_fairing")
 NO_WHEELS = "no-wheels"
+WITHOUT_SCIPY = "without_scipy"
+"""What the name of the zip without wheels says, where the others name a platform."""
+
 PACKAGES = (NO_WHEELS, *WHEELS)
 
 
@@ -149,7 +155,11 @@ def _build_staged(
             manifest.write_text(text, "utf-8")
             command.append("--split-platforms")
         _run(command)
-        return [Path(shutil.move(path, output / path.name)) for path in sorted(made.glob("*.zip"))]
+        ending = "" if platforms else f"-{WITHOUT_SCIPY}"
+        return [
+            Path(shutil.move(path, output / f"{path.stem}{ending}.zip"))
+            for path in sorted(made.glob("*.zip"))
+        ]
 
 
 def _copy_sources(destination: Path) -> None:
@@ -176,7 +186,14 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--wheels", type=Path, default=DEFAULT_DIRECTORY)
     parser.add_argument("--blender", type=Path, help="use this Blender program's builder")
     parser.add_argument("--list", action="store_true", help="print what is inside each zip")
+    parser.add_argument(
+        "--release",
+        action="store_true",
+        help="make all packages, their checksums and the release notes",
+    )
     options = parser.parse_args(arguments)
+    if options.release and options.packages:
+        parser.error("--release makes all packages: name none")
     if unknown := set(options.packages) - set(PACKAGES):
         parser.error(f"unknown package {', '.join(sorted(unknown))}; known: {', '.join(PACKAGES)}")
     try:
@@ -186,7 +203,8 @@ def main(arguments: list[str] | None = None) -> int:
             wheels=options.wheels,
             blender=options.blender,
         )
-    except (BuildError, WheelError) as error:
+        extra = release_files.write(built, options.output) if options.release else []
+    except (BuildError, WheelError, release_files.ReleaseError) as error:
         print(f"error: {error}", file=sys.stderr)
         return 1
     for path in built:
@@ -195,6 +213,8 @@ def main(arguments: list[str] | None = None) -> int:
         if options.list:
             for name, size in entries:
                 print(f"    {size:>11,}  {name}")
+    for path in extra:
+        print(f"{path.stat().st_size / 1e6:7.2f} MB             {path.name}")
     return 0
 
 

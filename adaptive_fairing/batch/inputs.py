@@ -12,6 +12,9 @@ from typing import NamedTuple, NoReturn
 
 from ..files.formats import SUFFIXES, is_supported
 
+MOST_FRAMES = 1_000_000
+"""Of the timeline of Blender."""
+
 
 class ArgumentsError(Exception):
     """Arguments that make no sense together; the message is one line for the user."""
@@ -108,6 +111,8 @@ def parse_frames(text: str) -> list[int]:
         first, last = int(match[1]), int(match[2] or match[1])
         if last < first:
             raise ArgumentsError(f"--frames {text}: {last} comes before {first}")
+        if last - first >= MOST_FRAMES:
+            raise ArgumentsError(f"--frames {text}: more than {MOST_FRAMES} frames")
         frames.update(range(first, last + 1))
     return sorted(frames)
 

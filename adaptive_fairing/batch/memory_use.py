@@ -11,14 +11,15 @@ from .inputs import ArgumentsError
 UNITS = {"": 1, "K": 10**3, "M": 10**6, "G": 10**9, "T": 10**12}
 
 
-def resident_bytes() -> int | None:
-    """Memory that this process holds now; None if the system does not tell."""
-    statm = Path("/proc/self/statm")
-    if not statm.exists():
+def resident_bytes(process: int | str = "self") -> int | None:
+    """Memory that a process holds now; None if it has ended, or the system does not tell."""
+    try:
+        words = Path(f"/proc/{process}/statm").read_text().split()
+    except OSError:
         return None
     import resource
 
-    return int(statm.read_text().split()[1]) * resource.getpagesize()
+    return int(words[1]) * resource.getpagesize()
 
 
 def peak_bytes() -> int | None:
@@ -34,6 +35,16 @@ def peak_bytes() -> int | None:
 
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return int(peak) * (1 if sys.platform == "darwin" else 1024)
+
+
+def address_space_bytes() -> int | None:
+    """Limit of this process's address space (``ulimit -v``); None for no limit."""
+    if sys.platform == "win32":
+        return None
+    import resource
+
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    return None if limit == resource.RLIM_INFINITY else limit
 
 
 def parse_bytes(text: str) -> int:

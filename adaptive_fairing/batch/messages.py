@@ -32,6 +32,8 @@ class Job:
         File and frame of the mesh whose analysis serves this one too; None for none.
     scale
         As in `PreparedMesh`.
+    refine
+        As in `FairingJob`.
     """
 
     input: str
@@ -41,6 +43,7 @@ class Job:
     output: str | None
     reference: tuple[str, int | None] | None = None
     scale: float | None = None
+    refine: int | None = None
 
     def message(self) -> dict[str, Any]:
         """Write the job as a message."""

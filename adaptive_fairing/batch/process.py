@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import IO, Any
 
+from .memory_use import resident_bytes
 from .messages import decode, encode
 
 SECONDS_TO_LEAVE = 5.0
@@ -49,6 +50,10 @@ class WorkerProcess:
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
+    def held_bytes(self) -> int:
+        """Memory that the process holds now; 0 if the system does not tell."""
+        return resident_bytes(self._process.pid) or 0
+
     def send(self, message: dict[str, Any]) -> None:
         """Send a message; one that a dying process cannot take is lost, its end is told anyway."""
         try:
@@ -70,6 +75,11 @@ class WorkerProcess:
             self._process.wait()
         self._reader.join()
         self._close()
+
+    def kill(self) -> None:
+        """End the process at once, whatever it is doing."""
+        self._process.kill()
+        self.end()
 
     def how_it_ended(self) -> str:
         """Say how a process that has ended by itself did so."""

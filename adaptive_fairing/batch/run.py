@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from ..core import DenoiseSettings, FairingError, FairingSettings
+from ..core import DenoiseSettings, FairingSettings
 from ..files.report import settings_record
 from ..version import program_version
 from .conflicts import identity
@@ -48,6 +48,8 @@ class Batch:
         Starts a worker process.
     jobs
         Number of worker processes.
+    refine
+        As in `FairingJob`.
     memory
         Bytes that the worker processes may hold together; None for no limit.
     """
@@ -57,6 +59,7 @@ class Batch:
     object_name: str | None = None
     reference: Item | None = None
     same_strength: bool = False
+    refine: int | None = None
     command: Sequence[str] = field(default=())
     jobs: int = 1
     memory: int | None = None
@@ -72,6 +75,8 @@ class Batch:
             "frame": item.frame,
             "output": item.name,
         }
+        if self.refine is not None:
+            known["refine"] = self.refine
         if self.reference is not None:
             known["sequence"] = {
                 "reference_files": input_stamp(self.reference.input),
@@ -90,8 +95,6 @@ def run_batch(batch: Batch, reporter: Reporter) -> Json:
 
     Raises
     ------
-    FairingError
-        What all frames have in common cannot be measured.
     OSError
         A folder or a record cannot be written.
     """
@@ -141,21 +144,25 @@ def _outcomes(batch: Batch, items: Sequence[Item]) -> Iterator[Outcome]:
     schedule = Schedule(batch.command, batch.jobs, batch.memory)
     settings, scale = settings_record(batch.settings), None
     if batch.reference is not None and batch.same_strength:
-        settings, scale = _measure(batch, schedule)
+        measured = _measure(batch, schedule)
+        if measured.error is not None:
+            # No fault of the process: another one could do none of the frames either.
+            reason = f"first frame, {batch.reference.input.name}: {measured.error}"
+            yield from (Outcome(item, reason, {}) for item in items)
+            return
+        settings, scale = measured.account["settings"], measured.account["scale"]
     tasks = [Task(item, _job(batch, item, settings, scale), first_claim(item)) for item in items]
     yield from schedule.run(tasks)
 
 
-def _measure(batch: Batch, schedule: Schedule) -> tuple[Json, float]:
+def _measure(batch: Batch, schedule: Schedule) -> Outcome:
     """Let a worker find what gives all frames the smoothing of the first."""
     first = batch.reference
     job = Job(
         str(first.input), first.frame, batch.object_name, settings_record(batch.settings), None
     )
     (outcome,) = schedule.run([Task(first, job, first_claim(first))])
-    if outcome.error is not None:
-        raise FairingError(f"first frame, {first.input.name}: {outcome.error}")
-    return outcome.account["settings"], outcome.account["scale"]
+    return outcome
 
 
 def _job(batch: Batch, item: Item, settings: Json, scale: float | None) -> Job:
@@ -168,6 +175,7 @@ def _job(batch: Batch, item: Item, settings: Json, scale: float | None) -> Job:
         os.path.abspath(item.output),
         None if first is None else (str(first.input), first.frame),
         scale,
+        batch.refine,
     )
 
 
@@ -180,6 +188,7 @@ def _summary(batch: Batch, entries: list[Json], started: float) -> Json:
             "object": batch.object_name,
             "is_sequence": batch.reference is not None,
             "same_strength": batch.same_strength,
+            "refine": batch.refine,
             "jobs": batch.jobs,
             "memory_limit": batch.memory,
         },

@@ -23,6 +23,9 @@ READING_FACTOR = 4
 LARGE_BYTES = 1_500_000_000
 """A process that has held more ends after it: freed memory does not always go back."""
 
+SECONDS_BETWEEN_LOOKS = 0.2
+"""At what the processes hold, where the system tells: estimates may be wrong."""
+
 
 @dataclass
 class Task:
@@ -63,7 +66,7 @@ class Outcome:
     account: Json
 
 
-@dataclass
+@dataclass(eq=False)
 class _Worker:
     process: WorkerProcess
     claim: int = 0
@@ -94,15 +97,21 @@ class Schedule:
     def run(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
         """Fair the meshes; yield what became of each as soon as it is known.
 
-        A mesh that does not fit beside what is running waits while others are faired. Processes
-        end with the generator.
+        A mesh that does not fit beside what is running waits while others are faired. A process
+        that makes all of them hold more than the limit is ended; its mesh gets another chance
+        alone. Processes end with the generator.
         """
         self._waiting = list(tasks)
         try:
             yield from self._refuse_too_large()
             self._hand_out()
             while any(worker.task for worker in self._workers.values()):
-                process, message = self._events.get()
+                try:
+                    process, message = self._events.get(timeout=SECONDS_BETWEEN_LOOKS)
+                except queue.Empty:
+                    yield from self._end_what_holds_too_much()
+                    self._hand_out()
+                    continue
                 worker = self._workers.get(process)
                 if worker is not None:  # otherwise it was sent away
                     yield from self._handle(worker, message)
@@ -125,6 +134,7 @@ class Schedule:
         elif event in ("done", "failed"):
             account = {key: value for key, value in message.items() if key != "event"}
             yield Outcome(task.item, account.pop("error", None), account)
+            worker.claim = max(worker.claim, account.get("peak_bytes") or 0)
             self._release(worker)
         elif event == "ended":
             del self._workers[worker.process]
@@ -144,6 +154,27 @@ class Schedule:
             self._dismiss(worker)
         else:
             worker.process.send({"answer": "later"})
+
+    def _end_what_holds_too_much(self) -> Iterator[Outcome]:
+        """Hold the limit against estimates that were too low."""
+        if self.limit is None:
+            return
+        held = {worker: process.held_bytes() for process, worker in self._workers.items()}
+        if sum(held.values()) <= self.limit:
+            return
+        worst = max(held, key=lambda worker: held[worker] - worker.claim)
+        task = worst.task
+        del self._workers[worst.process]
+        worst.process.kill()
+        if task is None:
+            return
+        others_work = any(worker.task for worker in self._workers.values())
+        if others_work and held[worst] <= self.limit:
+            task.claim = self.limit  # alone next time
+            self._waiting.insert(0, task)
+        else:
+            task.claim = held[worst]
+            yield self._too_large(task, "was stopped when it held")
 
     def _hand_out(self) -> None:
         """Give waiting meshes to idle processes, or to new ones, as long as they fit."""
@@ -179,10 +210,10 @@ class Schedule:
                 self._waiting.remove(task)
                 yield self._too_large(task)
 
-    def _too_large(self, task: Task) -> Outcome:
+    def _too_large(self, task: Task, what: str = "needs about") -> Outcome:
         return Outcome(
             task.item,
-            f"needs about {in_gigabytes(task.claim)} of memory, the limit is "
+            f"{what} {in_gigabytes(task.claim)} of memory, the limit is "
             f"{in_gigabytes(self.limit)}: raise --memory, decimate the mesh, or fair it in parts",
             {"needed_bytes": task.claim},
         )
@@ -194,7 +225,7 @@ class Schedule:
 
     def _release(self, worker: _Worker) -> None:
         worker.task = None
-        if worker.claim > LARGE_BYTES:
+        if worker.claim > min(LARGE_BYTES, self.limit or LARGE_BYTES):
             self._dismiss(worker)
 
     def _dismiss(self, worker: _Worker) -> None:

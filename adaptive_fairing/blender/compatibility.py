@@ -37,3 +37,11 @@ def known_options(operator: Callable[..., set[str]], options: dict[str, Any]) ->
     """
     properties = operator.get_rna_type().properties.keys()
     return {name: value for name, value in options.items() if name in properties}
+
+
+def weight_paint_settings(context: bpy.types.Context) -> bpy.types.UnifiedPaintSettings:
+    """Give the settings of the brush in Weight Paint; since Blender 5.0 every mode has its own."""
+    tools = context.tool_settings
+    return (
+        getattr(tools, "unified_paint_settings", None) or tools.weight_paint.unified_paint_settings
+    )

@@ -32,10 +32,11 @@ class SolverProperties:
         items=(
             (
                 "auto",
-                "Automatic",
+                "Denoise",
                 "Estimate the noise and remove it, without parameters",
                 3,
             ),
+            ("", "Diffusion (paper)", ""),
             (
                 "adaptive_timestep",
                 "Adaptive Timestep",
@@ -208,19 +209,45 @@ class OutputProperties:
         description="Smooth where the weights of the group are small instead",
         default=False,
     )
-    output: EnumProperty(
+    from_original: BoolProperty(
+        name="From Original",
+        description=(
+            "Start from the shape before the first run, and discard what the runs have done since; "
+            "otherwise start from the shape that is shown"
+        ),
+        default=False,
+    )
+    result: EnumProperty(
         name="Result",
+        description="What the object gets",
+        items=(
+            (
+                "LIVE",
+                "Live",
+                "The mesh itself has the shape that is shown, so every exporter writes it; the "
+                "original and the offsets are kept as attributes for the Strength slider",
+            ),
+            (
+                "MODIFIER",
+                "Modifier",
+                "The mesh stays as it is; the modifier Adaptive Fairing shows the result",
+            ),
+        ),
+        default="LIVE",
+    )
+    output: EnumProperty(
+        name="Steps As",
         description="What the object gets",
         items=(
             (
                 "ABSOLUTE_KEYS",
                 "Evolution",
-                "Every step, or strength, as an absolute shape key: one slider runs through them",
+                "Every step as an absolute shape key: one slider runs through them",
             ),
             (
                 "RELATIVE_KEYS",
                 "Relative Shape Keys",
-                "Every step, or strength, as a relative shape key, which exporters understand",
+                "Every step as a relative shape key",
             ),
             ("FINAL_SHAPE", "Final Shape Only", "Move the vertices; no shape keys"),
         ),
@@ -238,9 +265,10 @@ class OutputProperties:
     store_density: BoolProperty(
         name="Density Attribute",
         description=(
-            "Store the density of the last step as fairing_density and fairing_density_color"
+            "Store the density of the mesh as fairing_density and fairing_density_color; the "
+            "paper's methods always do"
         ),
-        default=True,
+        default=False,
     )
 
 

@@ -183,6 +183,8 @@ def run_plan(
         object_name=arguments.object,
         reference=plan.all_items[0] if plan.is_sequence else None,
         same_strength=arguments.same_strength,
+        # An object with a key for every frame is refined as a whole: one triangulation for all.
+        refine=None if plan.keyed is not None else refinement(arguments),
         command=worker_command,
         jobs=plan.jobs,
         memory=plan.memory or available_bytes(),
@@ -209,8 +211,15 @@ def run_plan(
         with silent_output():
             from ..blender.jobs.keyed_object import write_keyed_file
 
-        write_keyed_file(plan.items, arguments.object, plan.keyed)
+        write_keyed_file(plan.items, arguments.object, plan.keyed, refinement(arguments))
     return account, None
+
+
+def refinement(arguments: argparse.Namespace) -> int | None:
+    """Give the steps by which results are refined; 0 for limit points alone, None for neither."""
+    if arguments.refine is not None:
+        return arguments.refine
+    return 0 if arguments.limit else None
 
 
 def describe(account: dict[str, Any]) -> str:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 from ..batch.conflicts import Pair, require_no_conflict
 from ..batch.inputs import ArgumentsError
+from ..batch.memory_use import address_space_bytes, in_gigabytes
 from ..batch.summary import outcome_of
 from ..files.formats import BLEND, SUFFIXES, is_supported
 from ..version import program_version
@@ -41,6 +42,13 @@ PAPER_METHODS = {
     "tensor": "adaptive_tensor",
     "uniform": "uniform",
 }
+ADDRESS_SPACE = 1_000_000_000
+"""Blender takes 1.4 GB as a module on Linux (measured); with far less, libraries that it loads wait
+for memory without end."""
+
+MOST_STEPS = 100_000
+"""More would not end in a lifetime; each is a shape of its own in a .blend file."""
+
 DENSITIES = {"edge": "edge_length", "area": "area"}
 
 OF_AUTO = ("strength", "features")
@@ -84,6 +92,12 @@ def main(
         arguments = parse(given)
     except SystemExit as request:  # argparse ends the process after --help and after an error
         return int(request.code or DONE)
+    space = address_space_bytes()
+    if space is not None and space < ADDRESS_SPACE:
+        return _fail(
+            f"the address space is limited to {in_gigabytes(space)} (ulimit -v), Blender takes "
+            f"{in_gigabytes(ADDRESS_SPACE)} when it starts"
+        )
     command = list(worker_command or (sys.executable, "-m", "adaptive_fairing"))
     if is_apart and not is_child and not arguments.plan:
         return _run_apart(arguments, [*command, CHILD, *given])
@@ -95,6 +109,12 @@ def main(
         if error.name not in _MISSING:
             raise
         return _fail(_MISSING[error.name])
+    except MemoryError:
+        return _fail("not enough memory for this mesh: reduce it, or use a larger machine")
+    except Exception as error:
+        if not is_apart or sys.flags.dev_mode:
+            raise
+        return _fail(f"unexpected {type(error).__name__}: {error} (python -X dev shows where)")
     except KeyboardInterrupt:
         kept = "what is finished stays, run again to go on" if arguments.plan else None
         _fail(f"interrupted: {kept or 'no output was written'}")
@@ -129,6 +149,10 @@ def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
         arguments.plan = batch.plan_of(arguments)
     except ArgumentsError as error:
         parser.error(str(error))
+    for name in ("steps", "density_passes"):
+        number = getattr(arguments, name)
+        if number is not None and number > MOST_STEPS:
+            parser.error(f"--{name.replace('_', '-')} {number}: give at most {MOST_STEPS}")
     misplaced = _misplaced(arguments)
     if misplaced is not None:
         parser.error(misplaced)
@@ -253,6 +277,19 @@ def build_parser() -> argparse.ArgumentParser:
         "changes by at most X per unit of time",
     )
     parser.add_argument(
+        "--refine",
+        type=int,
+        choices=(1, 2, 3),
+        metavar="N",
+        help="refine the result by N steps of Loop subdivision, 1 to 3, onto the smooth limit "
+        "surface; edges marked sharp stay sharp",
+    )
+    parser.add_argument(
+        "--limit",
+        action="store_true",
+        help="put the vertices of the result on the smooth limit surface, without new ones",
+    )
+    parser.add_argument(
         "--report", type=Path, metavar="FILE.json", help="write settings and measures as JSON"
     )
     parser.add_argument(
@@ -314,7 +351,12 @@ def _run(arguments: argparse.Namespace) -> int:
 
     raise_at_interrupt()
     job = FairingJob(
-        arguments.input, arguments.output, settings, arguments.object, arguments.report
+        arguments.input,
+        arguments.output,
+        settings,
+        arguments.object,
+        arguments.report,
+        refine=batch.refinement(arguments),
     )
     show = not arguments.quiet and sys.stderr.isatty()
     try:
@@ -326,8 +368,6 @@ def _run(arguments: argparse.Namespace) -> int:
                 report = run_job(job, on_step)
     except (FairingError, OSError) as error:
         return _fail(str(error))
-    except MemoryError:
-        return _fail("not enough memory for this mesh: reduce it, or use a larger machine")
     if not arguments.quiet:
         for note in report["notes"]:
             say(f"note: {note}")
@@ -349,7 +389,10 @@ def _run_batch(arguments: argparse.Namespace, worker_command: Sequence[str]) -> 
         return _fail(str(error))
     if not arguments.quiet:
         say(batch.describe(account))
-    if problem is None or arguments.allow_failures:
+    if problem is None:
+        return DONE
+    if arguments.allow_failures:
+        say(f"note: {problem}")
         return DONE
     return _fail(problem)
 

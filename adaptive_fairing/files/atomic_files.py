@@ -41,9 +41,10 @@ def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         with _named_errors(final):
             yield draft
             _require_whole(draft)
-            os.replace(draft, final)
+            _move(draft, final)
     finally:
-        draft.unlink(missing_ok=True)
+        for left in (draft, draft.with_name(f"{draft.name}@")):
+            left.unlink(missing_ok=True)
 
 
 @contextmanager
@@ -68,7 +69,7 @@ def replaced_files(path: str | os.PathLike[str]) -> Iterator[Path]:
             for file in [*companions, draft]:
                 place = final.parent / file.relative_to(folder)
                 place.parent.mkdir(parents=True, exist_ok=True)
-                os.replace(file, place)
+                _move(file, place)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
 
@@ -78,7 +79,8 @@ def remove_drafts(path: str | os.PathLike[str]) -> None:
     final = Path(os.path.realpath(path))
     start = _draft_start(final)
     for draft in final.parent.glob(f"{glob.escape(start)}*"):
-        name = draft.name.removeprefix(start).removesuffix(final.suffix)
+        # Blender writes a .blend under a name with one more letter first.
+        name = draft.name.removeprefix(start).removesuffix("@").removesuffix(final.suffix)
         if len(name) == 12 and set(name) <= set("0123456789abcdef"):
             if draft.is_dir():
                 shutil.rmtree(draft)
@@ -138,6 +140,13 @@ def require_space(folder: Path, n_bytes: int) -> None:
         _append_zeros(probe, n_bytes)
     finally:
         probe.unlink(missing_ok=True)
+
+
+def _move(draft: Path, final: Path) -> None:
+    """Put a finished file into its place; it may be read and written by those who could before."""
+    if final.exists():
+        shutil.copymode(final, draft)
+    os.replace(draft, final)
 
 
 def _require_whole(file: Path) -> None:

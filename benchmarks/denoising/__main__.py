@@ -24,7 +24,7 @@ from .ours import PAPER_SCHEMES, core_digest
 from .pairs import ALL_NOISE, CASES, CLEAN, MAIN_NOISE, Pair, in_folder, made, noise_name
 from .peers import IN_USE, PEERS, RESEARCH, Peer
 from .pictures import picture
-from .verdict import clean_criterion, criteria, grouped, research_criteria, standing
+from .verdict import clean_criterion, criteria, grouped, standing
 
 GROUPS = {
     **{name: tuple(members) for name, members in shapes.GROUPS.items()},
@@ -60,29 +60,28 @@ def main(arguments: Sequence[str] | None = None) -> None:
                 picture(entry, peers, options.output)
 
 
-def report(entries: Sequence[Entry], peers: Sequence, schemes: Sequence) -> str:
+def report(entries: Sequence[Entry], peers: Sequence[Peer], schemes: Sequence[Peer]) -> str:
     """Return all tables of a run as one text in Markdown."""
-    names = [peer.name for peer in peers]
-    research = [peer for peer in peers if peer.published]
     noisy = _noisy(entries)
     clean = [entry for entry in entries if entry.pair.noise == CLEAN and entry.auto]
     parts = []
+    if noisy and noisy[0].auto:
+        parts += ["## Mesh by mesh", tables.by_mesh(noisy, peers)]
+        groups = grouped(noisy, lambda entry: entry.pair.noise)
+        for title, some in (
+            ("the smoothers in use, at one parameter for all meshes", IN_USE),
+            ("the research literature, at its published parameters", RESEARCH),
+        ):
+            rivals = [peer for peer in peers if peer in some]
+            if rivals:
+                found = {kind: standing(group, rivals) for kind, group in groups.items()}
+                rows = {kind: (len(groups[kind]), each) for kind, each in found.items()}
+                overall = standing(noisy, rivals)
+                parts += [f"## Against {title}"]
+                parts += [tables.by_noise(rows | {"all": (len(noisy), overall)})]
+                if some is RESEARCH:
+                    parts += [tables.of_criteria(criteria([*found.values()], overall))]
     if noisy:
-        if noisy[0].auto:
-            parts += ["## Mesh by mesh", tables.by_mesh(noisy, names)]
-            parts += ["## Against one parameter for all", tables.by_mesh_and_peer(noisy, names)]
-            parts += ["## Must show", tables.of_criteria(criteria(noisy, names))]
-            groups = grouped(noisy, lambda entry: entry.pair.noise)
-            if len(groups) > 1:
-                parts += ["## By kind of noise", tables.by_noise(groups, names)]
-            if research:
-                kinds = {kind: standing(some, research) for kind, some in groups.items()}
-                overall = standing(noisy, research)
-                rows = {kind: (len(groups[kind]), found) for kind, found in kinds.items()}
-                rows["all"] = len(noisy), overall
-                parts += ["## Against the research literature", tables.by_noise_research(rows)]
-                judged = research_criteria([*kinds.values()], overall)
-                parts += [tables.of_criteria(judged)]
         parts += ["## Method by method", tables.by_peer(noisy, [*peers, *schemes])]
     if clean:
         parts += ["## Clean meshes", tables.of_clean(clean)]

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import bpy
 import numpy as np
 
-from .geometry import Faces, FloatArray
+from tools.samples.triangles import Faces, FloatArray
 
 
 def smooth(vertices: FloatArray, faces: Faces, sweep: tuple[float, ...]) -> Iterator[FloatArray]:

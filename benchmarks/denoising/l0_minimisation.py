@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import csr_array, eye_array
 from scipy.sparse.linalg import splu
 
-from .geometry import Faces, FloatArray, inner_edges, scaled_normals, unit
+from tools.samples.triangles import Faces, FloatArray, inner_edges, normals
 
 FIRST, LAST, GROWTH = 1e-3, 1e3, 2**0.5
 """Weight β of the edge operator: where it starts, where it ends, how it grows."""
@@ -35,8 +35,8 @@ def l0_minimisation(
     sweep
         λ over the squared mean edge times the mean dihedral angle in radians.
     """
-    diamonds, beside = inner_edges(faces, opposite=True)
-    normal = unit(scaled_normals(vertices, faces))
+    diamonds, beside = inner_edges(faces)
+    normal = normals(vertices, faces)
     cosine = np.einsum("kd,kd->k", normal[beside[:, 0]], normal[beside[:, 1]])
     angle = float(np.arccos(np.clip(cosine, -1, 1)).mean())
     sides = vertices[diamonds[:, 0]] - vertices[diamonds[:, 2]]

@@ -11,14 +11,13 @@ from functools import cached_property
 import igl
 import numpy as np
 
-from .geometry import (
+from tools.samples.triangles import (
     Faces,
     FloatArray,
     is_closed,
     local_edge_lengths,
-    scaled_normals,
+    normals,
     signed_volume,
-    unit,
 )
 
 N_CLASSES = 5
@@ -54,7 +53,7 @@ class Reference:
 
     @cached_property
     def _face_normals(self) -> FloatArray:
-        return unit(scaled_normals(self.vertices, self.faces))
+        return normals(self.vertices, self.faces)
 
     @cached_property
     def _volume(self) -> float | None:
@@ -82,8 +81,7 @@ class Reference:
         counts = np.maximum(np.bincount(self.density_class, minlength=N_CLASSES), 1)
         classes = np.sqrt(np.bincount(self.density_class, squares, N_CLASSES) / counts)
         moves = np.linalg.norm(result - self.vertices, axis=1)[self._used] / self.local_edges
-        normals = unit(scaled_normals(result, self.faces))
-        cosines = np.einsum("fd,fd->f", self._face_normals, normals)
+        cosines = np.einsum("fd,fd->f", self._face_normals, normals(result, self.faces))
         return {
             "mean": float(np.sqrt(squares.mean())),
             "worst": float(classes.max()),

@@ -12,7 +12,7 @@ from functools import partial
 import numpy as np
 from scipy.sparse import csr_array
 
-from .geometry import Faces, FloatArray, edges_of, local_edge_lengths, vertex_normals
+from tools.samples.triangles import Faces, FloatArray, edges_of, local_edge_lengths, vertex_normals
 
 SPIKES = 0.2
 """Share of the vertices that impulsive noise moves."""

@@ -17,7 +17,7 @@ import numpy as np
 from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
-from .geometry import Faces, FloatArray, inner_edges, scaled_normals, unit
+from tools.samples.triangles import Faces, FloatArray, inner_edges, scaled_normals, unit
 
 VERTEX_STEPS = 10
 """Updates of the vertices after the normals were filtered."""

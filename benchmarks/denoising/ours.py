@@ -11,8 +11,8 @@ from pathlib import Path
 import adaptive_fairing.core
 from adaptive_fairing.core import DenoiseSettings, FairingSettings, denoise, fair_steps
 from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale, suggest_tau
+from tools.samples.triangles import Faces, FloatArray
 
-from .geometry import Faces, FloatArray
 from .peers import Peer, Values, spread
 
 STEPS = 4

@@ -10,7 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from .geometry import Faces, FloatArray
+from tools.samples.triangles import Faces, FloatArray
+
 from .noise import KINDS, add_noise
 
 STAIRCASE, CAMERA, SCANNER = "staircase", "camera", "scanner"
@@ -89,10 +90,6 @@ class Pair:
         for array in (self.clean, self.noisy, self.faces):
             content.update(np.ascontiguousarray(array).tobytes())
         return content.hexdigest()[:20]
-
-    def write(self, path: Path) -> None:
-        """Write an .npz file."""
-        np.savez_compressed(path, **vars(self))
 
 
 def made(names: list[str], noises: list[str]) -> Iterator[Pair]:

@@ -15,8 +15,9 @@ import numpy as np
 from scipy.sparse import diags_array
 from scipy.sparse.linalg import cg
 
+from tools.samples.triangles import Faces, FloatArray, edges_of
+
 from . import blender_modifiers
-from .geometry import Faces, FloatArray, edges_of
 from .l0_minimisation import l0_minimisation
 from .normal_filters import bilateral_filter, guided_filter
 
@@ -271,7 +272,7 @@ RESEARCH: Sequence[Peer] = (
         "bilateral normals",
         ("scipy",),
         "iterations",
-        (2, 5, 10, 20, 40),
+        (2, 5, 10, 20, 40, 80),
         bilateral_filter,
         SIGMAS,
         starts_at_least=False,
@@ -298,6 +299,7 @@ RESEARCH: Sequence[Peer] = (
         published="λ 0.2",
     ),
 )
-"""What the research literature compares with, at the values that its authors give and around."""
+"""What the research literature compares with, at the values that its authors give and around; L0
+minimisation at the λ with which Zhang et al. compared their filter."""
 
 PEERS: Sequence[Peer] = (*IN_USE, *RESEARCH)

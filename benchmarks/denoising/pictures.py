@@ -8,8 +8,9 @@ from pathlib import Path
 
 import numpy as np
 
+from tools.samples.triangles import FloatArray, local_edge_lengths, vertex_normals
+
 from .contest import Entry
-from .geometry import FloatArray, local_edge_lengths, vertex_normals
 from .measures import Reference, Score
 from .ours import auto
 from .peers import Peer
@@ -46,7 +47,7 @@ def picture(entry: Entry, peers: Sequence[Peer], folder: Path) -> Path:
         (name, by_name[name].published, entry.peers[name][by_name[name].published])
         for name in BESIDE
         if name in by_name
-    ] or [best_peer(entry, list(by_name))]
+    ] or [best_peer(entry, peers)]
     theirs = [by_name[name].result(pair.noisy, pair.faces, value) for name, value, _ in shown]
     ours = auto(pair.noisy, pair.faces)
     vertex = _most_different(Reference(pair.clean, pair.faces), ours, theirs[0])

@@ -10,7 +10,7 @@ import numpy as np
 from mathutils.bvhtree import BVHTree  # exists once bpy has been imported
 from scipy.ndimage import binary_opening, gaussian_filter
 
-from .geometry import Faces, FloatArray, local_edge_lengths, scaled_normals
+from tools.samples.triangles import Faces, FloatArray, local_edge_lengths, scaled_normals
 
 Scan = tuple[FloatArray, FloatArray, Faces]
 """Clean positions (n, 3), noisy positions (n, 3), triangles (m, 3)."""

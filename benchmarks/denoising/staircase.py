@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 from skimage.measure import marching_cubes
 
-from .geometry import Faces, FloatArray
+from tools.samples.triangles import Faces, FloatArray
 
 TURN = Rotation.from_euler("xyz", (18, -27, 31), degrees=True).as_matrix()
 """Between the shape and the voxels, so that no flat side is parallel to them."""

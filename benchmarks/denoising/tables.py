@@ -13,15 +13,15 @@ from .verdict import (
     Standing,
     best_of,
     best_peer,
-    criteria,
     geometric_mean,
     one_parameter,
+    slashed,
 )
 
 Rows = list[list[str]]
 
 
-def by_mesh(entries: Sequence[Entry], names: Sequence[str]) -> str:
+def by_mesh(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
     """Auto against the best peer at its best parameter, mesh by mesh."""
     header = (
         "mesh", "vertices", "noisy", "auto", "best peer", "ratio", "worst class", "ratio",
@@ -29,7 +29,7 @@ def by_mesh(entries: Sequence[Entry], names: Sequence[str]) -> str:
     )  # fmt: skip
     rows: Rows = []
     for entry in entries:
-        best, worst = best_peer(entry, names), best_peer(entry, names, "worst")
+        best, worst = best_peer(entry, peers), best_peer(entry, peers, "worst")
         own = entry.auto
         rows.append(
             [
@@ -51,21 +51,8 @@ def by_mesh(entries: Sequence[Entry], names: Sequence[str]) -> str:
     return table(header, rows)
 
 
-def by_mesh_and_peer(entries: Sequence[Entry], names: Sequence[str]) -> str:
-    """Auto's mean error over every peer's at its one parameter, mesh by mesh; below 1 auto wins."""
-    singles = [one_parameter(entries, name) for name in names]
-    rows = [
-        [
-            entry.pair.label,
-            *(f"{entry.auto['mean'] / single.scores[k]['mean']:.2f}" for single in singles),
-        ]
-        for k, entry in enumerate(entries)
-    ]
-    return table(("auto over", *names), rows)
-
-
 def by_peer(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
-    """Every peer at its best parameter per mesh and at one for all, geometric means."""
+    """Every peer at its best parameter per mesh and at its one parameter, geometric means."""
     header = (
         "method", "mean, best parameters", "worst class", "mean, one parameter", "worst class",
         "auto is below on", "auto over it: mean", "largest", "the one parameter", "grid too narrow",
@@ -77,7 +64,7 @@ def by_peer(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
         rows.append(["auto", *[f"{mean:.4f}", f"{worst:.4f}"] * 2, *["–"] * 5])
     for peer in peers:
         best = [best_of(entry, peer.name) for entry in entries]
-        single = one_parameter(entries, peer.name)
+        single = one_parameter(entries, peer)
         narrow = sum(peer.at_edge(point.parameter) for point in best)
         ratios = [own["mean"] / other["mean"] for own, other in zip(autos, single.scores)]  # noqa: B905
         rows.append(
@@ -103,31 +90,19 @@ def of_criteria(found: Sequence[Criterion]) -> str:
     return table(("must show", "found", ""), rows)
 
 
-def by_noise(groups: dict[str, list[Entry]], names: Sequence[str]) -> str:
-    """Return the criteria of every kind of noise in one line."""
+def by_noise(standings: dict[str, tuple[int, Standing]]) -> str:
+    """Auto over the best peer by kind of noise: error / angle, geometric means."""
     header = (
-        "noise", "meshes", "mean ratio", "largest", "below all at one parameter", "worst class",
-        "largest", "flips",
-    )  # fmt: skip
-    rows: Rows = []
-    for noise, entries in groups.items():
-        found = criteria(entries, names)
-        cells = [each.found + ("" if each.passed else " ✗") for each in found]
-        rows.append([noise, str(len(entries)), *cells])
-    return table(header, rows)
-
-
-def by_noise_research(standings: dict[str, tuple[int, Standing]]) -> str:
-    """Auto over the best research peer by kind of noise: error / angle, geometric means."""
-    header = (
-        "noise", "meshes", "over published parameters", "over the best parameter", "largest error",
-        "no more flips", "processor time",
+        "noise", "meshes", "over one parameter", "over the best per mesh", "worst class",
+        "largest error", "no more flips", "processor time",
     )  # fmt: skip
     rows = [
         [
             noise,
             str(count),
-            *("{:.2f} / {:.2f}".format(*pair) for pair in (found.published, found.best)),
+            slashed(found.fixed),
+            slashed(found.best),
+            f"{found.worst:.2f}",
             f"{found.largest:.2f}",
             f"{found.flips:.0%}",
             f"{found.seconds:.2g}",

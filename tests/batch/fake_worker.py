@@ -2,6 +2,7 @@
 
     needs=3,takes=0.1,fails=no good      needs 3 GB, works for 0.1 s, fails
     dies=9                               ends itself by this signal
+    holds=0.3                            takes 0.3 GB without having said so
 
 Everything it does is appended to the file that the environment variable FAKE_LOG names.
 """
@@ -11,6 +12,7 @@ import os
 import sys
 import time
 
+from adaptive_fairing.batch.memory_use import peak_bytes
 from adaptive_fairing.batch.messages import Job, decode, encode
 
 
@@ -47,10 +49,13 @@ for message in inbox:
             send(event="later")
             continue
     log(what="start", output=job.output, needs=wishes.get("needs"))
+    held = b"x" * int(float(wishes.get("holds", 0)) * 1e9)
     time.sleep(float(wishes.get("takes", 0)))
     log(what="end", output=job.output, needs=wishes.get("needs"))
     if "fails" in wishes:
         send(event="failed", error=wishes["fails"])
     else:
-        send(event="done", report={"of": job.output})
+        peak = {"peak_bytes": peak_bytes()} if "holds" in wishes else {}
+        send(event="done", report={"of": job.output}, **peak)
+    del held
 log(what="leave", output=None)

@@ -125,6 +125,37 @@ def test_two_large_meshes_come_one_after_the_other(log):
     assert kinds == ["start", "end", "start", "end"]
 
 
+needs_proc = pytest.mark.skipif(not Path("/proc/self/statm").exists(), reason="no /proc")
+
+
+@needs_proc
+def test_a_process_that_holds_more_than_the_limit_is_ended_and_replaced(log):
+    tasks = [task("greedy", "holds=0.5,takes=600", 10**8), *(task(name, "") for name in "abc")]
+    outcomes = run(tasks, jobs=1, limit=3 * 10**8)
+    assert outcomes["greedy"].error.startswith("was stopped when it held 0.")
+    assert "the limit is 0.30 GB: raise --memory" in outcomes["greedy"].error
+    assert all(outcomes[name].error is None for name in "abc")
+    process = {e["output"]: e["process"] for e in log() if e["what"] == "start"}
+    assert process["greedy"] != process["a"] == process["c"]
+
+
+@needs_proc
+def test_meshes_that_hold_too_much_together_get_a_chance_alone(log):
+    tasks = [task(name, "holds=0.25,takes=1.5", 10**8) for name in "ab"]
+    outcomes = run(tasks, jobs=2, limit=4 * 10**8)
+    assert [outcomes[name].error for name in "ab"] == [None, None]
+    kinds = [entry["what"] for entry in log() if entry["what"] in ("start", "end")]
+    assert kinds == ["start", "start", "end", "start", "end"]
+
+
+def test_a_process_that_has_held_more_than_the_limit_is_not_used_again(log):
+    """Even if it was too quick to be seen at it."""
+    tasks = [task("a", "holds=0.4", 10**8), task("b", "", 10**8)]
+    run(tasks, jobs=1, limit=3 * 10**8)
+    process = {e["output"]: e["process"] for e in log() if e["what"] == "start"}
+    assert process["a"] != process["b"]
+
+
 def test_ending_the_generator_ends_the_processes(log):
     outcomes = Schedule(COMMAND, 2, None).run(
         [task("short", ""), *(task(f"long {i}", "takes=60") for i in range(3))]

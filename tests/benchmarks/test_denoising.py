@@ -14,15 +14,15 @@ from scipy.special import erf
 from support.meshes import flat_grid, graded_sphere, icosphere
 
 from benchmarks.denoising import blender_modifiers, contest, noise, pairs, scans, verdict
-from benchmarks.denoising.geometry import (
+from benchmarks.denoising.measures import N_CLASSES, Reference, score
+from benchmarks.denoising.peers import Peer
+from samples.ply import write_ply
+from samples.triangles import (
     edges_of,
     local_edge_lengths,
     scaled_normals,
     vertex_normals,
 )
-from benchmarks.denoising.measures import N_CLASSES, Reference, score
-from benchmarks.denoising.peers import Peer
-from samples.ply import write_ply
 
 AMPLITUDE = 0.1
 
@@ -315,7 +315,21 @@ def test_the_ends_of_a_grid_are_known():
 
 
 def made_up(mean: float, **others) -> dict:
-    return {"mean": mean, "worst": mean, "flips": 0, "moved": 0.0} | others
+    return {
+        "mean": mean,
+        "worst": mean,
+        "angle": mean,
+        "flips": 0,
+        "moved": 0.0,
+        "seconds": 1.0,
+    } | others
+
+
+def peer(name: str, published: str | None = None) -> Peer:
+    return Peer(name, (), "", (0, 1), Shrinking(), published=published)
+
+
+FIRST, SECOND = peer("first"), peer("second")
 
 
 def entry(own: float, first: list[float], second: list[float], **others) -> contest.Entry:
@@ -331,29 +345,41 @@ def entry(own: float, first: list[float], second: list[float], **others) -> cont
 
 def test_the_verdict_takes_the_best_parameter_per_mesh_and_one_for_all():
     entries = [entry(0.09, [0.1, 0.2], [0.4, 0.4]), entry(0.08, [0.5, 0.12], [0.1, 0.3])]
-    assert verdict.best_peer(entries[0], ["first", "second"])[:2] == ("first", "0")
-    assert verdict.best_peer(entries[1], ["first", "second"])[:2] == ("second", "0")
-    single = verdict.one_parameter(entries, "first")
+    assert verdict.best_peer(entries[0], [FIRST, SECOND])[:2] == ("first", "0")
+    assert verdict.best_peer(entries[1], [FIRST, SECOND])[:2] == ("second", "0")
+    single = verdict.one_parameter(entries, FIRST)
     assert single.parameter == "1"  # 0.2 · 0.12 is less than 0.1 · 0.5
     assert [each["mean"] for each in single.scores] == [0.2, 0.12]
-    found = verdict.criteria(entries, ["first", "second"])
-    assert [each.passed for each in found] == [True] * 6
-    assert found[0].found == f"{(0.9 * 0.8) ** 0.5:.3f}"
-    assert found[1].found == "0.900"
+    found = verdict.standing(entries, [FIRST, SECOND])
+    assert found.best == pytest.approx([(0.9 * 0.8) ** 0.5] * 2)
+    assert found.largest == pytest.approx(0.9)
+    assert found.worst == pytest.approx(found.best[0])
+    assert found.fixed == pytest.approx([(0.09 / 0.2 * 0.08 / 0.1) ** 0.5] * 2)
+    assert (found.flips, found.seconds) == (1.0, 1.0)
+
+
+def test_what_the_authors_publish_is_the_one_parameter():
+    entries = [entry(0.09, [0.1, 0.2], [0.4, 0.4]), entry(0.08, [0.5, 0.12], [0.1, 0.3])]
+    single = verdict.one_parameter(entries, peer("first", published="0"))
+    assert [each["mean"] for each in single.scores] == [0.1, 0.5]
 
 
 def test_the_verdict_fails_what_does_not_hold():
-    good, bad = entry(0.05, [0.1], [0.1]), entry(0.11, [0.1], [0.1], flips=1)
-    found = verdict.criteria([good, bad], ["first", "second"])
-    assert [each.passed for each in found] == [True, False, False, True, False, False]
-    assert not verdict.clean_criterion([entry(0.1, [0.1], [0.1], moved=0.02), good]).passed
-    assert verdict.clean_criterion([good]).passed
+    good = [entry(0.05, [0.1], [0.1])]
+    bad = [entry(0.13, [0.1], [0.1], flips=1, angle=0.05)]
+    standings = [verdict.standing(some, [FIRST, SECOND]) for some in (good, bad, good + bad)]
+    assert all(each.passed for each in verdict.criteria(standings[:1], standings[0]))
+    found = verdict.criteria(standings[:2], standings[2])
+    assert [each.passed for each in found] == [False, True, False, False, False]
+    assert found[0].found == "1.30 / 0.50"
+    assert not verdict.clean_criterion([entry(0.1, [0.1], [0.1], moved=0.02), *good]).passed
+    assert verdict.clean_criterion(good).passed
 
 
 def test_a_parameter_that_failed_on_one_mesh_is_not_the_one_for_all():
     entries = [entry(0.1, [0.1, 0.2], [0.1]), entry(0.1, [0.1, 0.2], [0.1])]
     del entries[1].peers["first"]["0"]
-    assert verdict.one_parameter(entries, "first").parameter == "1"
+    assert verdict.one_parameter(entries, FIRST).parameter == "1"
 
 
 @pytest.mark.parametrize(

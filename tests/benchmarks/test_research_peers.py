@@ -7,9 +7,9 @@ import pytest
 from support.meshes import icosphere
 
 from benchmarks.denoising import noise, normal_filters
-from benchmarks.denoising.geometry import edges_of, inner_edges, scaled_normals, unit
 from benchmarks.denoising.l0_minimisation import edge_weights, l0_minimisation
 from benchmarks.denoising.measures import Reference
+from samples.triangles import edges_of, inner_edges, scaled_normals, unit
 
 SIDE = 14
 """Squares along an edge of the cube."""
@@ -167,7 +167,7 @@ def test_the_edge_operator_vanishes_on_flat_pairs_alone():
 
 def test_inner_edges_have_the_corners_of_both_their_triangles():
     faces = icosphere(1)[1][:-3]
-    corners, beside = inner_edges(faces, opposite=True)
+    corners, beside = inner_edges(faces)
     for (a, b, c, d), (first, second) in zip(corners, beside, strict=True):
         assert set(faces[first]) == {a, b, c}
         assert set(faces[second]) == {a, c, d}

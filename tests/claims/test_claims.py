@@ -16,10 +16,10 @@ from claims.homogenisation import run as homogenisation
 from claims.measures import TENSOR, TIMESTEP, UNIFORM, DensityClasses, matched_tau
 from claims.page import replace_tables
 from claims.pairs import HEAD, MeshPair
-from claims.shapes import flat_hexagon, graded_hexagon, icosphere
+from claims.shapes import flat_hexagon, graded_hexagon
 from claims.tables import Table, shown
 from samples.noise import add_noise
-from samples.triangles import density_ratio, edge_lengths, vertex_normals
+from samples.triangles import density_ratio, edge_lengths, icosphere, vertex_normals
 
 
 @pytest.fixture(scope="module")

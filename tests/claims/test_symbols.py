@@ -15,8 +15,9 @@ from claims.bandwidth import (
     sphere_damping,
 )
 from claims.linear_elements import fair_linear, mass_matrix, stiffness_matrix
-from claims.shapes import flat_hexagon, icosphere
+from claims.shapes import flat_hexagon
 from claims.symbols import wave_vector
+from samples.triangles import icosphere
 
 LENGTHS = np.array([1.75, 2.0, 3.0, 5.0, 17.0])
 

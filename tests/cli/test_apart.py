@@ -134,3 +134,40 @@ def test_nobody_needs_to_listen(tmp_path):
     os.close(writer)
     assert result.returncode == 0
     assert out.exists()
+
+
+@pytest.mark.parametrize("megabytes", [300, 700, 1500])
+@pytest.mark.parametrize("many", [False, True], ids=["single", "batch"])
+def test_a_limit_of_the_address_space_is_told_in_one_line(tmp_path, megabytes, many):
+    """Or does no harm: what is too little depends on the machine."""
+    resource = pytest.importorskip("resource")
+    given, out = write_raw(tmp_path, "obj", *icosphere(1)), tmp_path / "out"
+    out.mkdir()
+    result = subprocess.run(
+        [*PROGRAM, given, *(["--out-dir", out] if many else ["-o", out / "given.obj"]), "--quiet"],
+        cwd=ROOT,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20,) * 2),
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert result.returncode in (0, 1)
+    failures = 1 + many if result.returncode else 0  # of a batch each mesh, and the whole
+    assert 0 <= result.stderr.count("\n") <= failures
+    assert (out / "given.obj").exists() == (result.returncode == 0)
+
+
+@pytest.mark.parametrize("option", ["--steps", "--density-passes"])
+@pytest.mark.parametrize("number", ["1e20", str(10**20)])
+def test_numbers_of_steps_beyond_reason_are_refused(tmp_path, option, number):
+    given = write_raw(tmp_path, "obj", *icosphere(1))
+    result = subprocess.run(
+        [*PROGRAM, given, "--method", "timestep", option, number],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert result.returncode == 2
+    assert result.stderr.count("\n") == 1
+    assert number in result.stderr

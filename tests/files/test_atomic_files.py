@@ -2,6 +2,7 @@
 
 import errno
 import os
+import stat
 import subprocess
 import sys
 from pathlib import Path
@@ -9,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from adaptive_fairing.files.atomic_files import (
+    remove_drafts,
     replaced_file,
     replaced_files,
     require_space,
@@ -92,6 +94,50 @@ def test_the_new_file_has_the_usual_permissions(old):
     with replaced_file(old) as draft:
         draft.write_text("new")
     assert old.stat().st_mode == ordinary.stat().st_mode
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="modes of POSIX")
+@pytest.mark.parametrize("replaced", [replaced_file, replaced_files])
+@pytest.mark.parametrize("mode", [0o600, 0o664, 0o755])
+def test_a_file_that_is_replaced_keeps_its_mode(old, replaced, mode):
+    old.chmod(mode)
+    with replaced(old) as draft:
+        draft.write_text("new")
+    assert stat.S_IMODE(old.stat().st_mode) == mode
+
+
+@pytest.mark.parametrize("suffix", ["", "@"])
+def test_what_a_killed_process_has_left_is_removed_and_nothing_else(old, suffix):
+    """Blender writes a .blend file under a name with an @ first."""
+    code = "import os; os.kill(os.getpid(), 9)" if sys.platform != "win32" else "os._exit(1)"
+    writer = (
+        "import sys; from adaptive_fairing.files.atomic_files import replaced_file\n"
+        f"with replaced_file({str(old)!r}) as draft:\n"
+        f"    open(str(draft) + {suffix!r}, 'w').write('half')\n    {code}"
+    )
+    subprocess.run([sys.executable, "-c", writer], cwd=ROOT, check=False)
+    left = set(old.parent.iterdir()) - {old}
+    assert len(left) == 1
+    for other in (".name.0123456789ab.png", ".name.txt", ".name.of_mine.txt", "name.txt@"):
+        old.with_name(other).write_text("mine")
+    remove_drafts(old)
+    assert not left & set(old.parent.iterdir())
+    assert len(list(old.parent.iterdir())) == 5
+
+
+@pytest.mark.parametrize("replaced", [replaced_file, replaced_files])
+@pytest.mark.parametrize("letter", ["n", "é", "点", "𝔛"])
+def test_a_name_may_be_as_long_as_the_system_takes(tmp_path, replaced, letter):
+    path = tmp_path / f"{letter * (251 // len(letter.encode()))}.txt"
+    with replaced(path) as draft:
+        draft.write_text("new")
+    assert path.read_text() == "new"
+
+
+def test_a_link_that_leads_round_is_named(tmp_path):
+    (tmp_path / "loop.txt").symlink_to("loop.txt")
+    with pytest.raises(OSError, match=r"cannot write .*loop\.txt: "):
+        writable_place(tmp_path / "loop.txt")
 
 
 @pytest.mark.parametrize(

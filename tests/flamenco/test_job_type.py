@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import runpy
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 from support.flamenco import CompileError, JobType, check_definition
 
-from adaptive_fairing import defaults
+from adaptive_fairing.batch.inputs import parse_frames
 from adaptive_fairing.cli import main as cli
-from adaptive_fairing.core import FairingSettings
+from adaptive_fairing.core import DenoiseSettings, FairingSettings
 
 SCRIPT = Path(__file__).resolve().parents[2] / "flamenco" / "adaptive_fairing.js"
 MESHES = {"input": "/farm/scans", "output_dir": "/farm/out", "mesh_count": 25}
@@ -46,23 +44,38 @@ def test_every_setting_is_described(job_type):
         assert setting["description"]
 
 
-def test_the_expressions_give_values_of_their_type(job_type, tmp_path):
-    for name in ("a.ply", "b.ply"):
-        (tmp_path / name).touch()
-    scene = SimpleNamespace(frame_start=3, frame_end=7)
-    names = {
-        "Path": Path,
-        "abspath": lambda path: path,
-        "settings": SimpleNamespace(input=str(tmp_path)),
-        "C": SimpleNamespace(scene=scene),
-    }
-    expressions = {
-        setting["key"]: setting["eval"]
-        for setting in job_type.definition["settings"]
-        if "eval" in setting
-    }
-    values = {key: eval(text, names) for key, text in expressions.items()}
-    assert values == {"mesh_count": 2, "frames": "3-7"}
+@pytest.mark.parametrize("pattern", ["scans", "scans/**/*.ply", "//scans", "//scans/*.*", "scans/"])
+def test_mesh_files_of_a_folder_or_a_pattern_are_counted(job_type, tmp_path, pattern):
+    for name in (
+        "scans/a.ply", "scans/B.PLY", "scans/deep/c.ply", "scans/notes.txt", "scans/.draft.ply",
+        "scans/summary.json", "scans/fairing_records/a.ply.json", "scans/[odd].ply",
+    ):  # fmt: skip
+        path = tmp_path / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.touch()
+    given = pattern if pattern.startswith("//") else str(tmp_path / pattern)
+    expected = {"scans/**/*.ply": 3, "//scans/*.*": 3}.get(pattern, 4)
+    assert job_type.evaluate("mesh_count", {"input": given}, tmp_path) == expected
+
+
+def test_the_frames_are_the_scenes(job_type):
+    assert job_type.evaluate("frames", {}) == "3-7"
+
+
+def test_paths_may_start_at_the_blend_file(job_type):
+    """As the add-on evaluates them, visible on the manager's web pages."""
+    by_key = {setting["key"]: setting for setting in job_type.definition["settings"]}
+    for key in ("input_path", "output_path", "keyed_file"):
+        assert by_key[key]["visible"] == "web"
+    task, merge = job_type.submit(
+        kind="numbered frames", input="//scans/*.ply", output_dir="//out", keyed="//all.blend",
+        mesh_count=1, blend_folder="/farm/shot",
+    )  # fmt: skip
+    for each in (task, merge):
+        assert parsed(each).input == ["/farm/shot/scans/*.ply"]
+        assert parsed(each).out_dir == Path("/farm/shot/out")
+    assert parsed(merge).output == Path("/farm/shot/all.blend")
+    assert parsed(merge).report == Path("/farm/shot/out/summary.json")
 
 
 def test_choices_and_defaults_are_the_programs(job_type):
@@ -70,16 +83,34 @@ def test_choices_and_defaults_are_the_programs(job_type):
     options = {
         option: action for action in cli.build_parser()._actions for option in action.option_strings
     }
-    # Afresh: other tests put another method there for a while.
-    method = runpy.run_path(defaults.__file__)["METHOD"]
-    start = FairingSettings(method=method)
-    density = next(name for name, value in cli.DENSITIES.items() if value == start.density)
-    translated = {"method": cli.METHOD_NAMES[method], "density": density}
-    for key in ("method", "strength", "tau", "steps", "density", "boundary"):
-        action = options[f"--{key}"]
-        assert by_key[key]["default"] == translated.get(key, getattr(start, key))
-        if action.choices:
-            assert sorted(by_key[key]["choices"]) == sorted(action.choices)
+    paper, denoise = FairingSettings(), DenoiseSettings()
+    density = next(name for name, value in cli.DENSITIES.items() if value == paper.density)
+    defaults = {
+        "method": options["--method"].default, "strength": denoise.strength, "tau": paper.tau,
+        "steps": paper.steps, "density": density, "boundary": denoise.boundary,
+    }  # fmt: skip
+    for key, default in defaults.items():
+        assert by_key[key]["default"] == default
+        if options[f"--{key}"].choices:
+            assert sorted(by_key[key]["choices"]) == sorted(options[f"--{key}"].choices)
+
+
+def test_settings_of_the_other_methods_are_not_passed(job_type):
+    """The program refuses them."""
+    for method in ("auto", "timestep", "tensor", "uniform"):
+        for task in job_type.submit(**MESHES, method=method):
+            arguments = parsed(task)
+            assert arguments.method == method
+            assert (arguments.strength is None) == (method != "auto")
+            for name in ("tau", "steps", "density"):
+                assert (getattr(arguments, name) is None) == (method == "auto")
+
+
+def test_what_was_not_sent_has_its_default(job_type):
+    """A job may come from another program than the add-on."""
+    sent = {"input": "/farm/scans", "output_dir": "/farm/out"}
+    bare, full = job_type.compile(**sent), job_type.submit(**sent)
+    assert [program_arguments(task) for task in bare] == [program_arguments(task) for task in full]
 
 
 @pytest.mark.parametrize(
@@ -87,7 +118,7 @@ def test_choices_and_defaults_are_the_programs(job_type):
     [(25, 10, 3), (20, 10, 2), (1, 10, 1), (0, 10, 1), (7, 1, 7)],
 )
 def test_there_is_a_task_for_every_chunk_and_one_that_merges(job_type, count, chunk_size, n_tasks):
-    *fairing, merge = job_type.compile(**{**MESHES, "mesh_count": count}, chunk_size=chunk_size)
+    *fairing, merge = job_type.submit(**{**MESHES, "mesh_count": count}, chunk_size=chunk_size)
     assert len(fairing) == n_tasks
     assert merge.dependencies == list(range(n_tasks))
     assert all(task.dependencies == [] for task in fairing)
@@ -97,13 +128,13 @@ def test_there_is_a_task_for_every_chunk_and_one_that_merges(job_type, count, ch
 
 
 def test_the_steps_of_the_tasks_are_the_frames(job_type):
-    *fairing, _ = job_type.compile(**{**ANIMATION, "frames": "1-30, 41-60"}, chunk_size=10)
+    *fairing, _ = job_type.submit(**{**ANIMATION, "frames": "1-30, 41-60"}, chunk_size=10)
     assert [task.commands[0]["totalStepCount"] for task in fairing] == [10] * 5
 
 
 def test_all_tasks_ask_for_the_same_results(job_type):
     """Otherwise the last one does not find what the others have made."""
-    tasks = job_type.compile(**ANIMATION, keyed_file="/farm/all.blend", steps=7, tau=0.5)
+    tasks = job_type.submit(**ANIMATION, keyed="/farm/all.blend", method="tensor", steps=7, tau=0.5)
     own = ("shard", "merge", "report", "jobs", "allow_failures", "flamenco", "output", "memory")
     asked = [
         {key: value for key, value in vars(parsed(task)).items() if key not in own}
@@ -121,48 +152,87 @@ def test_the_program_accepts_what_it_is_given(job_type, tmp_path, monkeypatch):
     """The checks of the program itself, which look at the files as well."""
     (tmp_path / "a_1.ply").touch()
     here = {"input": str(tmp_path), "output_dir": str(tmp_path / "out")}
-    keyed = {"keyed_file": str(tmp_path / "all.blend")}
+    keyed = {"keyed": str(tmp_path / "all.blend")}
     for settings in (
         here,
         {**here, "format": "obj", "object": "Bean", "memory": "8G", "jobs": 2},
         {**here, "kind": "numbered frames"},
         {**here, **keyed, "kind": "numbered frames", "same_strength": False},
         {**here, "kind": "animation", "frames": "1-5", "input": str(tmp_path / "a_1.ply")},
-        {**here, "more_arguments": "--stop-curvature 0.5 --density-passes 2"},
+        {**here, "method": "uniform", "more_arguments": "--stop-curvature 0.5 --density-passes 2"},
     ):
-        for task in job_type.compile(**{"mesh_count": 1, **settings}):
+        for task in job_type.submit(**{"mesh_count": 1, **settings}):
             assert cli.parse(program_arguments(task)).plan is not None
 
 
 def test_the_extension_is_enabled_before_the_command(job_type):
-    arguments = job_type.compile(**MESHES)[0].blender_arguments("-b -y --factory-startup")
+    arguments = job_type.submit(**MESHES)[0].blender_arguments("-b -y --factory-startup")
     assert arguments[:7] == [
         "-b", "-y", "--factory-startup",
         "--addons", "bl_ext.user_default.adaptive_fairing", "-c", "adaptive_fairing",
     ]  # fmt: skip
 
 
-def test_a_broken_mesh_fails_the_job_at_its_end_and_no_worker(job_type):
-    *fairing, merge = job_type.compile(**MESHES)
+def test_a_broken_mesh_fails_no_task_unless_that_is_asked_for(job_type):
+    """A merge that fails is tried by every worker, and then the job waits for others for ever."""
+    assert all(parsed(task).allow_failures for task in job_type.submit(**MESHES))
+    *fairing, merge = job_type.submit(**MESHES, fail_on_error=True)
     assert all(parsed(task).allow_failures for task in fairing)
     assert not parsed(merge).allow_failures
-    *_, merge = job_type.compile(**MESHES, allow_failures=True)
-    assert parsed(merge).allow_failures
 
 
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({**MESHES, "chunk_size": 0}, "Chunk Size must be at least 1"),
-        ({**ANIMATION, "frames": ""}, "An animation needs Frames"),
-        ({**MESHES, "keyed_file": "/farm/all.blend"}, "Keyed File is for frames"),
+        ({"chunk_size": 0}, "Chunk Size must be at least 1"),
+        ({"jobs": 0}, "Worker Processes must be at least 1"),
+        ({"steps": -3}, "Steps must be at least 1"),
+        ({"tau": 0.0}, "Tau must be above 0"),
+        ({"strength": -1.0}, "Strength must be above 0"),
+        ({"input": ""}, "Input is missing: give a folder, a pattern or a file"),
+        ({"input": None}, "Input is missing: give a folder, a pattern or a file"),
+        ({"output_dir": ""}, "Output Folder is missing"),
+        ({"method": "magic"}, 'Method is "magic", it must be one of: auto, timestep, tensor, '
+         "uniform"),
+        ({"memory": "much"}, 'Memory is "much": give a size such as 8G, or nothing'),
+        ({"format": "doc"}, 'Format is "doc", it must be one of: .blend .obj .ply .stl .glb .gltf '
+         ".fbx .usd .usda .usdc .usdz .abc"),
+        ({"kind": "animation"}, "An animation needs Frames, such as 1-50"),
+        ({"kind": "animation", "frames": "10-1"}, 'Frames is "10-1": invalid range "10-1"'),
+        ({"kind": "animation", "frames": "a-b"}, 'Frames is "a-b": invalid range "a-b"'),
+        ({"kind": "numbered frames", "format": "blend"},
+         "Format: frames are written as mesh files, not as .blend"),
+        ({"keyed_file": "/farm/all.blend"},
+         "Keyed File is for frames: single meshes do not become one object"),
+        ({"kind": "numbered frames", "keyed_file": "/farm/all.ply"},
+         "Keyed File must be the name of a .blend file"),
+        ({"kind": "numbered frames", "keyed_file": "/farm/all.blend", "format": "obj"},
+         "Format must be ply, or nothing, with a Keyed File"),
     ],
-)
+)  # fmt: skip
 def test_settings_that_make_no_sense_are_refused_at_submission(job_type, settings, message):
-    with pytest.raises(CompileError, match=message):
-        job_type.compile(**settings)
+    """In these very words: a text is thrown, not an error with its trace."""
+    with pytest.raises(CompileError) as caught:
+        job_type.compile(**{**MESHES, **settings})
+    assert str(caught.value) == message
+
+
+@pytest.mark.parametrize("frames", ["1-6", "1..6", " 1..3, 4-6", "6,5,4,3,2,1"])
+def test_frames_are_understood_as_flamenco_does(job_type, frames):
+    first, second, merge = job_type.submit(**{**ANIMATION, "frames": frames}, chunk_size=3)
+    for task in (first, second, merge):
+        assert parse_frames(parsed(task).frames) == [1, 2, 3, 4, 5, 6]
+    assert [task.commands[0]["totalStepCount"] for task in (first, second)] == [3, 3]
+
+
+def test_numbers_are_as_they_were_typed(job_type):
+    """The add-on sends single precision."""
+    task, _ = job_type.submit(**{**MESHES, "mesh_count": 1}, method="uniform", tau=0.0107)
+    assert "0.0107" in program_arguments(task)
+    task, _ = job_type.submit(**{**MESHES, "mesh_count": 1}, strength=0.7)
+    assert "0.7" in program_arguments(task)
 
 
 def test_names_with_spaces_stay_one_argument(job_type):
-    task = job_type.compile(**{**MESHES, "input": "/farm/old scans/*.ply"})[0]
+    task = job_type.submit(**{**MESHES, "input": "/farm/old scans/*.ply"})[0]
     assert program_arguments(task)[0] == "/farm/old scans/*.ply"

@@ -9,11 +9,15 @@ Source: https://flamenco.blender.org/usage/job-types/ and flamenco-openapi.yaml 
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
 import shlex
+import struct
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import quickjs
@@ -119,30 +123,58 @@ class JobType:
     def __init__(self, script: Path) -> None:
         self._context = quickjs.Context()
         self._context.eval(GLOBALS)
-        for function in (frame_count, frame_chunks, shlex.split):
-            name = {
-                frame_count: "frameCount", frame_chunks: "frameChunker", shlex.split: "shellSplit",
-            }[function]  # fmt: skip
-            self._add_function(name, function)
+        self._add_function("frameChunker", frame_chunks)
+        self._add_function("shellSplit", shlex.split)
         self._context.eval(script.read_text("utf-8"))
         self.definition = json.loads(self._context.eval("JSON.stringify(JOB_TYPE)"))
 
+    def submit(self, *, blend_folder: str = "/farm", **settings: Any) -> list[Task]:
+        """Submit a job as Blender's add-on does.
+
+        Untouched settings have their defaults, numbers are of single precision, and hidden
+        settings are evaluated.
+
+        Parameters
+        ----------
+        blend_folder
+            What ``//`` stands for.
+        """
+        assert set(settings) <= {setting["key"] for setting in self.definition["settings"]}
+        complete = {**self.defaults(), **settings}
+        for setting in self.definition["settings"]:
+            if "eval" in setting and setting.get("visible") in ("web", "hidden"):
+                complete[setting["key"]] = self.evaluate(setting["key"], complete, blend_folder)
+            value = complete[setting["key"]]
+            if setting["type"] == "float":
+                complete[setting["key"]] = struct.unpack("f", struct.pack("f", value))[0]
+        return self.compile(**complete)
+
+    def evaluate(self, key: str, settings: Mapping[str, Any], blend_folder: str = "/farm") -> Any:
+        """Evaluate a setting's expression; names in it are local, so loops do not see them."""
+        (setting,) = [each for each in self.definition["settings"] if each["key"] == key]
+        names = {
+            "Path": Path,
+            "abspath": lambda name: Path(blend_folder, str(name)[2:]) if str(name).startswith("//")
+            else Path(name),
+            "settings": SimpleNamespace(**settings),
+            "jobname": "job",
+            "C": SimpleNamespace(scene=SimpleNamespace(frame_start=3, frame_end=7)),
+        }  # fmt: skip
+        return eval(setting["eval"], {}, names)
+
     def compile(self, **settings: Any) -> list[Task]:
-        """Compile a job; settings that are not given have their defaults.
+        """Compile a job from the settings that were sent; a manager adds and checks nothing.
 
         Raises
         ------
         CompileError
-            The script throws an error.
+            The script throws something; the message is what users get.
         """
-        complete = {**self.defaults(), **settings}
-        for setting in self.definition["settings"]:
-            check_value(setting, complete.get(setting["key"]))
-        assert set(complete) <= {setting["key"] for setting in self.definition["settings"]}
         try:
-            tasks = json.loads(self._context.eval(f"compiled({json.dumps(complete)})"))
+            tasks = json.loads(self._context.eval(f"compiled({json.dumps(settings)})"))
         except quickjs.JSException as error:
-            raise CompileError(str(error)) from error
+            # For a text that was thrown QuickJS adds the trace that it does not have.
+            raise CompileError(str(error).removesuffix("\nundefined")) from error
         found = [Task(**task) for task in tasks]
         for index, task in enumerate(found):
             check_task(task, index)
@@ -157,10 +189,20 @@ class JobType:
         }
 
     def _add_function(self, name: str, function: Any) -> None:
+        def as_json(*values: Any) -> str:
+            try:
+                return json.dumps({"result": function(*values)})
+            except ValueError as error:
+                return json.dumps({"error": str(error)})
+
         # Functions of Python give and take plain values; lists go as JSON.
-        self._context.add_callable(f"{name}AsJson", lambda *values: json.dumps(function(*values)))
+        self._context.add_callable(f"{name}AsJson", as_json)
         self._context.eval(
-            f"function {name}(...values) {{ return JSON.parse({name}AsJson(...values)); }}"
+            f"""function {name}(...values) {{
+                const answer = JSON.parse({name}AsJson(...values));
+                if (answer.error) throw new Error(answer.error);
+                return answer.result;
+            }}"""
         )
 
 
@@ -184,13 +226,9 @@ def check_definition(definition: dict[str, Any]) -> None:
 
 
 def check_value(setting: dict[str, Any], value: Any) -> None:
-    """Check the value of a setting, as it comes with a submitted job."""
+    """Check that a default is of the type of its setting."""
     wanted = SETTING_TYPES[setting["type"]]
-    if wanted is float and isinstance(value, int):
-        value = float(value)
-    assert type(value) is wanted, f"{setting['key']} is {value!r}, not of type {setting['type']}"
-    if setting.get("required"):
-        assert value != "", f"{setting['key']} is required"
+    assert type(value) is wanted or (wanted is float and type(value) is int), setting["key"]
     if "choices" in setting:
         assert value in setting["choices"]
 
@@ -208,21 +246,23 @@ def check_task(task: Task, index: int) -> None:
             assert all(isinstance(each, str) for each in parameters[name]), parameters[name]
 
 
-def frame_count(frames: str) -> int:
-    """Count the frames of a list such as ``1-30, 47``."""
-    return len(_frames(frames))
-
-
 def frame_chunks(frames: str, size: int) -> list[str]:
-    """Cut a list of frames into pieces of at most `size`, as texts."""
-    numbers = _frames(frames)
-    pieces = [numbers[start : start + size] for start in range(0, len(numbers), size)]
-    return [",".join(map(str, piece)) for piece in pieces]
+    """Cut a list of frames, such as ``1-30, 47`` or ``1..30``, into pieces of at most `size`."""
+    if size < 1:
+        raise ValueError(f"invalid chunk size, must be positive number: {size}")
+    numbers: set[int] = set()
+    for part in frames.strip().split(","):
+        match = re.fullmatch(r"\s*(\d+)(?:\s*(?:-|\.\.)\s*(\d+))?\s*", part)
+        if match is None or int(match[2] or match[1]) < int(match[1]):
+            raise ValueError(f'invalid range "{part}"')
+        numbers |= set(range(int(match[1]), int(match[2] or match[1]) + 1))
+    ordered = sorted(numbers)
+    pieces = [ordered[start : start + size] for start in range(0, len(ordered), size)]
+    return [",".join(_runs(piece)) for piece in pieces]
 
 
-def _frames(text: str) -> list[int]:
-    numbers = []
-    for part in text.split(","):
-        first, _, last = part.partition("-")
-        numbers += range(int(first), int(last or first) + 1)
-    return sorted(set(numbers))
+def _runs(numbers: list[int]) -> Iterator[str]:
+    """Write ascending numbers, three and more in a row as ``first-last``."""
+    for _, group in itertools.groupby(enumerate(numbers), key=lambda pair: pair[1] - pair[0]):
+        run = [number for _, number in group]
+        yield from [f"{run[0]}-{run[-1]}"] if len(run) > 2 else map(str, run)

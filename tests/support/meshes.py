@@ -6,10 +6,13 @@ flat ones).
 """
 
 import numpy as np
+from scipy.spatial import ConvexHull
+
+from tools.samples.triangles import edges_of, icosahedron, icosphere, split_1_to_4
+
+__all__ = ["edges_of", "icosahedron", "icosphere", "split_1_to_4"]
 
 Mesh = tuple[np.ndarray, np.ndarray]
-
-GOLDEN_RATIO = (1.0 + np.sqrt(5.0)) / 2.0
 
 
 # Closed meshes -----------------------------------------------------------------------------------
@@ -24,35 +27,6 @@ def tetrahedron() -> Mesh:
 def octahedron() -> Mesh:
     """Return the regular octahedron in the unit sphere: 6 vertices of valence 4."""
     return bipyramid(4)
-
-
-def icosahedron() -> Mesh:
-    """Return the regular icosahedron in the unit sphere: 12 vertices of valence 5."""
-    g = GOLDEN_RATIO
-    corners = [
-        (-1, g, 0), (1, g, 0), (-1, -g, 0), (1, -g, 0),
-        (0, -1, g), (0, 1, g), (0, -1, -g), (0, 1, -g),
-        (g, 0, -1), (g, 0, 1), (-g, 0, -1), (-g, 0, 1),
-    ]  # fmt: skip
-    faces = [
-        (0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11),
-        (1, 5, 9), (5, 11, 4), (11, 10, 2), (10, 7, 6), (7, 1, 8),
-        (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9),
-        (4, 9, 5), (2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1),
-    ]  # fmt: skip
-    return _on_sphere(corners), _faces(faces)
-
-
-def icosphere(levels: int) -> Mesh:
-    """Return the icosahedron split 1:4 ``levels`` times, every new vertex put on the unit sphere.
-
-    It has ``10 * 4**levels + 2`` vertices, 12 of valence 5 and the others regular.
-    """
-    vertices, faces = icosahedron()
-    for _ in range(levels):
-        vertices, faces = split_1_to_4(vertices, faces)
-        vertices /= np.linalg.norm(vertices, axis=1, keepdims=True)
-    return vertices, faces
 
 
 def bipyramid(n_segments: int) -> Mesh:
@@ -134,6 +108,22 @@ def random_closed(seed: int, coarse: Mesh | None = None, noise: float = 0.02) ->
         vertices = total / np.linalg.norm(total, axis=1, keepdims=True)
         vertices -= vertices.mean(axis=0)  # without it everything slides into one point
     return vertices + noise * generator.normal(size=vertices.shape), faces
+
+
+def random_hull(seed: int, n_vertices: int) -> Mesh:
+    """Return the convex hull of random points on the sphere: triangles of all shapes.
+
+    Its vertices have 3 to 10 neighbours; seeds of hulls with other valences are passed over.
+    """
+    generator = np.random.default_rng((seed, n_vertices))
+    while True:
+        vertices = _on_sphere(generator.normal(size=(n_vertices, 3)))
+        faces = ConvexHull(vertices).simplices
+        a, b, c = vertices[faces].transpose(1, 0, 2)
+        outward = np.einsum("fd,fd->f", np.cross(b - a, c - a), a - vertices.mean(axis=0)) > 0
+        faces = np.where(outward[:, None], faces, faces[:, ::-1])
+        if valences(faces, n_vertices).max() <= 10:
+            return vertices, _faces(faces)
 
 
 def noisy_ball(levels: int = 3, noise: float = 0.01) -> Mesh:
@@ -269,23 +259,6 @@ def keep_faces(vertices: np.ndarray, faces: np.ndarray, keep: np.ndarray) -> Mes
     """Return the faces where ``keep`` is true and the vertices they use, renumbered."""
     used, renumbered = np.unique(faces[keep], return_inverse=True)
     return vertices[used], renumbered.reshape(-1, 3).astype(np.int32)
-
-
-def split_1_to_4(vertices: np.ndarray, faces: np.ndarray) -> Mesh:
-    """Split every triangle at its edge midpoints; the old vertices keep their indices."""
-    edges, edge_of = np.unique(_sides(faces), axis=0, return_inverse=True)
-    middle = len(vertices) + edge_of.reshape(3, -1)  # sides (0,1), (1,2), (2,0) of every face
-    a, b, c = faces.T
-    ab, bc, ca = middle
-    split = np.concatenate(
-        [_columns(a, ab, ca), _columns(ab, b, bc), _columns(ca, bc, c), _columns(ab, bc, ca)]
-    )
-    return np.vstack([vertices, vertices[edges].mean(axis=1)]), split
-
-
-def edges_of(faces: np.ndarray) -> np.ndarray:
-    """Return the undirected edges, (n_edges, 2), lower index first."""
-    return np.unique(_sides(faces), axis=0)
 
 
 def valences(faces: np.ndarray, n_vertices: int) -> np.ndarray:

@@ -150,6 +150,21 @@ def keyframe_motion(obj, frame, amount):
     obj.keyframe_insert("rotation_euler", frame=frame)
 
 
+def select(obj, chosen):
+    """Select vertices for Edit Mode."""
+    # As attributes: setting "select" of an edge that never had one crashes Blender.
+    attributes = obj.data.attributes
+    for name, domain in (
+        (".select_vert", "POINT"),
+        (".select_edge", "EDGE"),
+        (".select_poly", "FACE"),
+    ):
+        if name in attributes:
+            attributes.remove(attributes[name])
+        attributes.new(name, "BOOLEAN", domain)
+    attributes[".select_vert"].data.foreach_set("value", np.asarray(chosen, dtype=bool))
+
+
 def key_positions(obj, name):
     """Positions of a shape key."""
     block = obj.data.shape_keys.key_blocks[name]

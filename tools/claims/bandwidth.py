@@ -16,13 +16,13 @@ from scipy.sparse.linalg import splu
 from scipy.special import eval_legendre
 
 from adaptive_fairing.core import LoopSpace, TriangleTopology
-from samples.triangles import FloatArray, mean_edge_lengths
+from samples.triangles import FloatArray, icosphere, local_edge_lengths
 
 from .findings import Findings
 from .linear_elements import fair_linear, mass_matrix, stiffness_matrix
 from .measures import TIMESTEP, DensityClasses, root_mean_square
 from .pairs import MeshPair
-from .shapes import flat_hexagon, icosphere
+from .shapes import flat_hexagon
 from .symbols import measured_symbol, wave_vector
 from .tables import Cell, Table
 
@@ -81,7 +81,7 @@ def plane_damping(wavelengths: FloatArray) -> Damping:
 def sphere_damping(degrees: Sequence[int]) -> Damping:
     """Damp zonal harmonics on an icosphere: (y, S y) / (y, y) in the mass matrix's product."""
     positions, triangles = icosphere(SPHERE_LEVEL)
-    edge = float(mean_edge_lengths(positions, triangles).mean())
+    edge = float(local_edge_lengths(positions, triangles).mean())
     time = 0.5 * (RADIUS * edge) ** 2
     space = LoopSpace(TriangleTopology(triangles, len(positions)), TIGHT)
     values = np.stack([eval_legendre(degree, positions[:, 2]) for degree in degrees], axis=1)

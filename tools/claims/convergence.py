@@ -10,13 +10,12 @@ from scipy.sparse.linalg import eigsh
 
 from adaptive_fairing.core import LoopSpace, TriangleTopology, fair
 from adaptive_fairing.core.mesh.density import smoothed
-from samples.triangles import Faces, FloatArray, mean_edge_lengths
+from samples.triangles import Faces, FloatArray, icosphere, local_edge_lengths
 
 from .findings import Findings
 from .linear_elements import mass_matrix, stiffness_matrix
 from .measures import UNIFORM
 from .pairs import MeshPair
-from .shapes import icosphere
 from .tables import Cell, Table
 
 LEVELS = (2, 3, 4, 5)
@@ -33,7 +32,7 @@ def run(pairs: Sequence[MeshPair]) -> Findings:
     sizes, loop, linear, radius, energy = [], [], [], [], []
     for level in LEVELS:
         vertices, triangles = icosphere(level)
-        sizes.append(float(mean_edge_lengths(vertices, triangles).mean()))
+        sizes.append(float(local_edge_lengths(vertices, triangles).mean()))
         topology = TriangleTopology(triangles, len(vertices))
         control = interpolating(topology, vertices)
         space = LoopSpace(topology, TIGHT)

@@ -1,4 +1,8 @@
-"""How different two schemes come out, on one mesh, at three choices of τ."""
+"""How different two schemes come out, on one mesh, at three choices of τ.
+
+The adaptive timestep against the adaptive tensor (section 3.3, Fig 4.1), and the mean edge length
+against the ring area as the measure of density (section 3.2).
+"""
 
 from __future__ import annotations
 
@@ -9,7 +13,16 @@ from scipy.optimize import minimize_scalar
 
 from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale, suggest_tau
 
-from .measures import Scheme, matched_tau, root_mean_square
+from .findings import Findings
+from .measures import (
+    TENSOR,
+    TENSOR_AREA,
+    TIMESTEP,
+    TIMESTEP_AREA,
+    Scheme,
+    matched_tau,
+    root_mean_square,
+)
 from .pairs import MeshPair
 from .tables import Cell, Table
 
@@ -25,6 +38,17 @@ COLUMNS = (
     "mean error",
     "worst error",
 )
+
+
+def two_schemes(pairs: Sequence[MeshPair]) -> Findings:
+    """Compare the two schemes with either density measure."""
+    schemes = ((TIMESTEP, TENSOR), (TIMESTEP_AREA, TENSOR_AREA))
+    return Findings([difference_table(pairs, *two) for two in schemes])
+
+
+def density_measures(pairs: Sequence[MeshPair]) -> Findings:
+    """Compare the two measures of density in the timestep scheme."""
+    return Findings([difference_table(pairs, TIMESTEP, TIMESTEP_AREA)])
 
 
 def difference_table(pairs: Sequence[MeshPair], first: Scheme, second: Scheme) -> Table:

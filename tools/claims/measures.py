@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from adaptive_fairing.core import FairingSettings, fair
-from samples.triangles import Faces, FloatArray, edges_of, mean_edge_lengths, vertex_normals
+from samples.triangles import Faces, FloatArray, edges_of, local_edge_lengths, vertex_normals
 
 MATCH_TOLERANCE = 0.01
 """Relative difference at which two roughnesses count as equal."""
@@ -64,7 +64,7 @@ class DensityClasses:
 
     def __init__(self, clean: FloatArray, triangles: Faces) -> None:
         self.triangles = triangles
-        self.lengths = mean_edge_lengths(clean, triangles)
+        self.lengths = local_edge_lengths(clean, triangles)
         self._normals = vertex_normals(clean, triangles)
         low, high = np.percentile(self.lengths, [10, 90])
         self.dense, self.coarse = self.lengths <= low, self.lengths >= high

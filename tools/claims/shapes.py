@@ -1,34 +1,10 @@
-"""Meshes whose exact answers are known: the sphere, and flat hexagons, even or graded."""
+"""Meshes whose exact answers are known: flat hexagons, even or graded."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from samples.triangles import Faces, FloatArray, edges_of
-
-
-def icosphere(levels: int) -> tuple[FloatArray, Faces]:
-    """Return the unit icosahedron split 1:4 `levels` times, every vertex on the sphere."""
-    golden = (1 + 5**0.5) / 2
-    corner = [(0, s, t * golden) for s in (-1, 1) for t in (-1, 1)]
-    vertices = np.array([np.roll(c, k) for k in range(3) for c in corner])
-    vertices /= np.linalg.norm(vertices, axis=1, keepdims=True)
-    triangles = _convex_triangles(vertices)
-    for _ in range(levels):
-        edges = edges_of(triangles)
-        key = edges[:, 0] * len(vertices) + edges[:, 1]
-        a, b, c = triangles.T
-        ab, bc, ca = (
-            len(vertices)
-            + np.searchsorted(key, np.minimum(u, v) * len(vertices) + np.maximum(u, v))
-            for u, v in ((a, b), (b, c), (c, a))
-        )
-        middle = vertices[edges].sum(axis=1)
-        middle /= np.linalg.norm(middle, axis=1, keepdims=True)
-        vertices = np.concatenate([vertices, middle])
-        split = [(a, ab, ca), (ab, b, bc), (ca, bc, c), (ab, bc, ca)]
-        triangles = np.concatenate([np.stack(t, axis=1) for t in split]).astype(np.int32)
-    return vertices, triangles
+from samples.triangles import Faces, FloatArray
 
 
 def flat_hexagon(n_rings: int) -> tuple[FloatArray, Faces]:
@@ -64,15 +40,3 @@ def graded_hexagon(n_rings: int, ratio: float) -> tuple[FloatArray, Faces]:
     squared = np.sum(vertices**2, axis=1, keepdims=True)
     least = 3 / (ratio + 2)
     return vertices * (least + (1 - least) * squared), triangles
-
-
-def _convex_triangles(vertices: FloatArray) -> Faces:
-    """Return the triangles of the icosahedron: all triples at the least mutual distance."""
-    distance = np.linalg.norm(vertices[:, None] - vertices[None], axis=2)
-    near = distance < 1.01 * np.min(distance[distance > 0])
-    np.fill_diagonal(near, False)
-    a, b, c = np.nonzero(near[:, :, None] & near[None] & near[:, None, :])
-    triangles = np.stack([a, b, c], axis=1)[(a < b) & (b < c)]
-    inward = np.linalg.det(vertices[triangles]) < 0
-    triangles[inward] = triangles[inward][:, ::-1]
-    return triangles.astype(np.int32)

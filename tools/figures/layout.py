@@ -1,4 +1,4 @@
-"""Panels of rendered meshes with captions, put together into one picture with Pillow."""
+"""Sheets of rendered panels: pictures side by side, each with a title and a line of text."""
 
 from __future__ import annotations
 
@@ -10,14 +10,20 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
 
 from render import Look, View, render
 
-GAP = 10
-TITLE_SIZE, TEXT_SIZE = 17, 13
-FONT = matplotlib.get_data_path() + "/fonts/ttf/DejaVuSans.ttf"
-"""Pillow's own font has no Greek letters."""
+matplotlib.use("Agg")
+from matplotlib import pyplot
+
+FOLDER = Path(__file__).resolve().parents[2] / "assets" / "figures"
+
+GAP, HEAD = 10, 42
+"""Pixels between panels, and above each for its text."""
+
+DPI = 100
+TITLE_SIZE, TEXT_SIZE = 12, 9
 
 LEVELS = 72
 """Levels of brightness kept in the file: plenty for clay, and a third of the size."""
@@ -62,19 +68,53 @@ def figure(
     samples
         Cycles samples per pixel.
     """
-    rows = [[_panel(panel, triangles, shots, samples) for panel in row] for row in panels]
-    width = max(sum(item.width + GAP for item in row) for row in rows) + GAP
-    height = sum(max(item.height for item in row) + GAP for row in rows) + GAP
-    sheet = Image.new("RGB", (width, height), "white")
-    top = GAP
-    for row in rows:
-        left = GAP
-        for item in row:
-            sheet.paste(item, (left, top))
-            left += item.width + GAP
-        top += max(item.height for item in row) + GAP
+    width = sum(max(shot.size[0] for shot in column) for column in shots)
+    height = max(sum(shot.size[1] for shot in column) for column in shots)
+    sheet = np.array([max(map(len, panels)) * (width + GAP), len(panels) * (height + HEAD + GAP)])
+    sheet += GAP
+    drawing = pyplot.figure(figsize=sheet / DPI, dpi=DPI)
+    for i, row in enumerate(panels):
+        for k, panel in enumerate(row):
+            left, bottom = GAP + k * (width + GAP), sheet[1] - (i + 1) * (height + HEAD + GAP)
+            axis = drawing.add_axes([*([left, bottom] / sheet), *([width, height] / sheet)])
+            axis.imshow(_rendered(panel, triangles, shots, (height, width), samples))
+            axis.set(xticks=[], yticks=[])
+            axis.spines[:].set_color("#c8c8c8")
+            axis.annotate(
+                panel.title, (0, height + 20), xycoords="axes pixels", fontsize=TITLE_SIZE
+            )
+            axis.annotate(
+                panel.text,
+                (0, height + 5),
+                xycoords="axes pixels",
+                fontsize=TEXT_SIZE,
+                color="#444",
+            )
     path.parent.mkdir(parents=True, exist_ok=True)
-    _with_levels(sheet).save(path, optimize=True)
+    drawing.savefig(path, dpi=DPI)
+    pyplot.close(drawing)
+    with Image.open(path) as picture:
+        reduced = _with_levels(picture.convert("RGB"))
+    reduced.save(path, optimize=True)
+
+
+def _rendered(panel, triangles, shots, size, samples) -> NDArray[np.float64]:
+    """Render the shots of a panel over white."""
+    image = np.ones((*size, 3))
+    left = 0
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "shot.png"
+        for column in shots:
+            top = 0
+            for shot in column:
+                look = Look(size=shot.size, samples=samples)
+                render(path, panel.positions, triangles, shot.view, look)
+                color, alpha = np.split(pyplot.imread(path), [3], axis=2)
+                across, down = shot.size
+                image[top : top + down, left : left + across] = color * alpha + 1 - alpha
+                top += down
+            left += max(shot.size[0] for shot in column)
+    return image
 
 
 def _with_levels(sheet: Image.Image) -> Image.Image:
@@ -90,47 +130,3 @@ def _with_levels(sheet: Image.Image) -> Image.Image:
     reduced = Image.fromarray(level.astype(np.uint8), mode="P")
     reduced.putpalette(palette.tobytes())
     return reduced
-
-
-def _panel(panel, triangles, shots, samples):
-    columns = []
-    for column in shots:
-        images = [_shot(panel, triangles, shot, samples) for shot in column]
-        joined = Image.new(
-            "RGB",
-            (max(item.width for item in images), sum(item.height for item in images)),
-            "white",
-        )
-        top = 0
-        for item in images:
-            joined.paste(item, (0, top))
-            top += item.height
-        columns.append(joined)
-    head = TITLE_SIZE + TEXT_SIZE + 14
-    sheet = Image.new(
-        "RGB",
-        (sum(item.width for item in columns), max(item.height for item in columns) + head),
-        "white",
-    )
-    left = 0
-    for item in columns:
-        sheet.paste(item, (left, head))
-        left += item.width
-    draw = ImageDraw.Draw(sheet)
-    draw.text((6, 3), panel.title, fill="black", font=ImageFont.truetype(FONT, TITLE_SIZE))
-    draw.text(
-        (6, 7 + TITLE_SIZE), panel.text, fill="#444444", font=ImageFont.truetype(FONT, TEXT_SIZE)
-    )
-    draw.rectangle((0, 0, sheet.width - 1, sheet.height - 1), outline="#c8c8c8")
-    return sheet
-
-
-def _shot(panel, triangles, shot, samples):
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "shot.png"
-        look = Look(size=shot.size, samples=samples)
-        render(path, panel.positions, triangles, shot.view, look)
-        image = Image.open(path).convert("RGBA")
-    background = Image.new("RGBA", image.size, "white")
-    background.alpha_composite(image)
-    return background.convert("RGB")

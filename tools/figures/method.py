@@ -13,7 +13,7 @@ from adaptive_fairing.core.loop.subdivision import refine
 from adaptive_fairing.core.mesh.topology import TriangleTopology
 from claims.plots import figure, save
 
-from .panels import ROOT
+from .layout import FOLDER
 
 VALENCES = (4, 6, 9)
 RINGS = 3
@@ -34,7 +34,7 @@ def main() -> None:
     for axis, valence in zip(axes, VALENCES, strict=False):
         _draw_function(axis, valence)
     _draw_points(axes[-1])
-    save(drawing, ROOT / "assets" / "figures" / "method.png")
+    save(drawing, FOLDER / "method.png")
 
 
 def fan(valence: int):

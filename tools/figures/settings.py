@@ -10,10 +10,8 @@ from claims.measures import TIMESTEP, TIMESTEP_AREA, UNIFORM, Scheme, matched_ta
 from claims.pairs import MeshPair, sample_pair
 from render import View
 
-from .layout import Panel, Shot, figure
-from .panels import ROOT
+from .layout import FOLDER, Panel, Shot, figure
 
-FOLDER = ROOT / "assets" / "figures"
 STEPS = 4
 TAUS = (0.0027, 0.0107, 0.043, 0.17)
 FACE = View((0.75, -1.0, 0.1), box=((-5.0, -11.0, 2.0), (8.5, 4.0, 15.0)))

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from .implicit import Array, Primitive, project
 from .meshing import Faces
-from .triangles import corner_angles, edge_lengths, mean_edge_lengths, normals, vertex_normals
+from .triangles import corner_angles, edge_lengths, local_edge_lengths, normals, vertex_normals
 
 LEAST_LEVEL = 0.04
 """Vertex-group weight of the densest parts."""
@@ -137,7 +137,7 @@ def _relax(vertices: Array, triangles: Faces) -> Array:
     A triangle counts by its area over the local mean square edge, so that the gradation from
     coarse to dense stays as it is.
     """
-    local = mean_edge_lengths(vertices, triangles)
+    local = local_edge_lengths(vertices, triangles)
     corners = vertices[triangles]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     weight = np.linalg.norm(cross, axis=1) / local[triangles].mean(axis=1) ** 2

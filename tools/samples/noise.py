@@ -6,7 +6,7 @@ import numpy as np
 
 from .implicit import Array
 from .meshing import Faces
-from .triangles import mean_edge_lengths, vertex_normals
+from .triangles import local_edge_lengths, vertex_normals
 
 
 def add_noise(vertices: Array, triangles: Faces, strength: float, seed: int) -> Array:
@@ -16,5 +16,5 @@ def add_noise(vertices: Array, triangles: Faces, strength: float, seed: int) -> 
     beyond 2.5 standard deviations are cut, so that no triangle turns over.
     """
     amount = np.random.default_rng(seed).standard_normal(len(vertices)).clip(-2.5, 2.5)
-    height = strength * mean_edge_lengths(vertices, triangles) * amount
+    height = strength * local_edge_lengths(vertices, triangles) * amount
     return vertices + height[:, None] * vertex_normals(vertices, triangles)

@@ -11,8 +11,21 @@ from .color_map import ANCHORS, color_range, colors_srgb, srgb_to_linear
 DENSITY = "fairing_density"
 """Float point attribute: smoothed density d of the last step, in the solver's [-3, 3]^3 frame."""
 
-DENSITY_COLOR = "fairing_density_color"
-"""Colour attribute that shows `DENSITY`."""
+FIELD_ATTRIBUTES = {
+    "DENSITY": DENSITY,
+    "DISPLACEMENT": "fairing_displacement",
+    "CURVATURE": "fairing_mean_curvature",
+    "REMOVED": "fairing_removed",
+}
+"""Float attribute of each field that can be looked at."""
+
+COMPARED_FIELDS = ("DISPLACEMENT", "REMOVED")
+"""Fields that tell the shown shape from the original."""
+
+
+def color_name(name: str) -> str:
+    """Name of the colour attribute that shows a float attribute."""
+    return f"{name}_color"
 
 
 def write_scalar(mesh: bpy.types.Mesh, name: str, values: ArrayLike) -> None:
@@ -41,9 +54,7 @@ def write_color(
     high: float | None = None,
     anchors: NDArray[np.float64] = ANCHORS,
 ) -> None:
-    """Store one colour per vertex and make it the one the viewport shows.
-
-    The colour that renders and exports use stays what it was, unless the mesh had none.
+    """Store one colour per vertex; the active colour and that of renders stay what they were.
 
     Parameters
     ----------
@@ -59,18 +70,20 @@ def write_color(
         The map, see `colors_srgb`.
     """
     values = _per_vertex(mesh, values)
+    active, rendered = mesh.attributes.active_color_name, mesh.attributes.default_color_name
     attribute = _point_attribute(mesh, name, "FLOAT_COLOR")
+    # Blender makes the first colours of a mesh the active ones, which exporters write.
+    mesh.attributes.active_color_name, mesh.attributes.default_color_name = active, rendered
     colors = np.ones((len(values), 4), dtype=np.float32)
     colors[:, :3] = srgb_to_linear(colors_srgb(values, low, high, anchors))
     attribute.data.foreach_set("color", colors.ravel())
-    mesh.color_attributes.active_color = mesh.color_attributes[name]
     mesh.update()
 
 
 def write_density(mesh: bpy.types.Mesh, density: ArrayLike) -> None:
     """Store the density of a step under its two names, as number and as colour."""
     write_scalar(mesh, DENSITY, density)
-    write_color(mesh, DENSITY_COLOR, density, *color_range(density))
+    write_color(mesh, color_name(DENSITY), density, *color_range(density))
 
 
 def _per_vertex(mesh: bpy.types.Mesh, values: ArrayLike) -> np.ndarray:

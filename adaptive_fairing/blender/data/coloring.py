@@ -4,27 +4,17 @@ from __future__ import annotations
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
-from numpy.typing import ArrayLike
 
 from ...core import FairingSettings, InputError
-from .attributes import write_color, write_scalar
+from .attributes import FIELD_ATTRIBUTES, color_name, write_color, write_scalar
 from .color_map import ANCHORS, DIVERGING_ANCHORS, SIGNED_FIELDS, color_range, symmetric_range
 from .fields import field_values
-
-ATTRIBUTES = {
-    "DENSITY": "fairing_density",
-    "DISPLACEMENT": "fairing_displacement",
-    "CURVATURE": "fairing_mean_curvature",
-    "REMOVED": "fairing_removed",
-}
-"""Float attribute of each field; the colour attribute has "_color" behind it."""
 
 
 def color_by_field(
     obj: bpy.types.Object,
     field: str,
     settings: FairingSettings,
-    before: ArrayLike | None = None,
 ) -> None:
     """Store a field of the shape that an object shows, as numbers and as colours.
 
@@ -33,8 +23,8 @@ def color_by_field(
     obj
         Mesh object in Object Mode.
     field
-        Key of `ATTRIBUTES`.
-    settings, before
+        Key of `FIELD_ATTRIBUTES`.
+    settings
         As in `field_values`.
 
     Raises
@@ -44,12 +34,28 @@ def color_by_field(
     """
     if obj.data.library is not None:
         raise InputError(rpt_("the mesh is linked from another file: make it local to colour it"))
-    values = field_values(obj, field, settings, before)
+    values = field_values(obj, field, settings)
     is_signed = field in SIGNED_FIELDS
     low, high = symmetric_range(values) if is_signed else color_range(values)
     anchors = DIVERGING_ANCHORS if is_signed else ANCHORS
-    name = ATTRIBUTES[field]
+    if obj.adaptive_fairing.view != field:
+        end_view(obj)
+    name = FIELD_ATTRIBUTES[field]
     write_scalar(obj.data, name, values)
-    write_color(obj.data, f"{name}_color", values, low, high, anchors)
+    write_color(obj.data, color_name(name), values, low, high, anchors)
     obj.adaptive_fairing.view = field
     obj.adaptive_fairing.view_range = low, high
+
+
+def end_view(obj: bpy.types.Object) -> None:
+    """Remove the colours of a view and the numbers behind them, but for a density to keep."""
+    record = obj.adaptive_fairing
+    if not record.view:
+        return
+    name = FIELD_ATTRIBUTES[record.view]
+    if record.view != "DENSITY" or not record.keeps_density:
+        for each in (name, color_name(name)):
+            attribute = obj.data.attributes.get(each)
+            if attribute is not None:
+                obj.data.attributes.remove(attribute)
+    record.view = ""

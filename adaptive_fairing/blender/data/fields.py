@@ -5,24 +5,22 @@ from __future__ import annotations
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from ...core import FairingSettings, InputError, LoopSpace, TriangleTopology, mesh_density
 from ...core.mesh.normals import vertex_normals
 from ...core.mesh.solver_mesh import SolverFrame, solvable_surface
-from .mesh_arrays import read_mesh
+from .attributes import COMPARED_FIELDS
+from .mesh_arrays import read_positions, read_triangles
+from .results import original_positions, shown_positions
 
 FloatArray = NDArray[np.float64]
-
-COMPARED_FIELDS = ("DISPLACEMENT", "REMOVED")
-"""Fields that tell the shown shape from the one before the run."""
 
 
 def field_values(
     obj: bpy.types.Object,
     field: str,
     settings: FairingSettings,
-    before: ArrayLike | None = None,
 ) -> FloatArray:
     """Compute a field on the shape that an object shows, modifiers aside.
 
@@ -34,9 +32,6 @@ def field_values(
         "DENSITY", "DISPLACEMENT", "REMOVED" or "CURVATURE".
     settings
         Say how the density is measured.
-    before
-        (n, 3) positions before the run, if known; None takes the undeformed mesh, which is that
-        shape unless the result of a run is the final shape alone.
 
     Returns
     -------
@@ -51,66 +46,59 @@ def field_values(
         The mesh has no faces, which all but the displacement need; or the shape before is not
         known, which displacement and what was removed are measured from.
     """
-    data = read_mesh(obj.data)
-    shown = shown_positions(obj, data.vertices)
-    if before is not None:
-        original = np.asarray(before, dtype=np.float64)
-    elif field in COMPARED_FIELDS and _is_final_shape(obj):
-        raise InputError(
-            rpt_(
-                "the shape before the smoothing was not kept: choose another Result than Final "
-                "Shape Only to see this"
-            )
-        )
-    else:
-        original = data.vertices
+    shown = shown_positions(obj).astype(np.float64)
+    original = original_positions(obj)
+    if original is None:
+        original = read_positions(obj.data)
+        if field in COMPARED_FIELDS and obj.adaptive_fairing.shapes:
+            raise InputError(rpt_("the shape before the smoothing was not kept"))
+    original = original.astype(np.float64)
+    triangles = read_triangles(obj.data)
     if field == "DISPLACEMENT":
         return np.linalg.norm(shown - original, axis=1)
-    if not len(data.triangles):
+    if not len(triangles):
         raise InputError("the mesh has no faces: there is no surface to look at")
-    surface = solvable_surface(original, data.triangles)
+    if field == "REMOVED":
+        # Of the shown surface: the normals of the one before are as noisy as what was removed.
+        normals = _vertex_normals(shown, triangles)
+        removed = np.einsum("id,id->i", original - shown, normals)
+        return np.where(normals.any(axis=1), removed, np.nan)
+    surface = solvable_surface(original, triangles)
     frame = SolverFrame.of(original, surface, settings.normalize)
     topology = surface.topology
     positions = shown[surface.vertex_of]
-    if field == "REMOVED":
-        moved = original[surface.vertex_of] - positions
-        # Of the shown surface: the normals of the one before are as noisy as what was removed.
-        removed = np.einsum("id,id->i", moved, vertex_normals(topology, positions))
-        return frame.to_caller(np.where(topology.is_loose, np.nan, removed))
     if field == "CURVATURE":
         return frame.to_caller(mean_curvature(topology, positions, settings.quadrature_tolerance))
-    density = mesh_density(topology, frame.inward(shown), settings.density, settings.density_passes)
+    return shown_density(shown, triangles, settings)
+
+
+def shown_density(
+    positions: FloatArray, triangles: NDArray[np.int32], settings: FairingSettings
+) -> FloatArray:
+    """Compute the density d_i, (n,), in the solver's frame; NaN at loose vertices."""
+    surface = solvable_surface(positions, triangles)
+    frame = SolverFrame.of(positions, surface, settings.normalize)
+    topology = surface.topology
+    density = mesh_density(
+        topology, frame.inward(positions), settings.density, settings.density_passes
+    )
     return frame.to_caller(np.where(topology.is_loose, np.nan, density))
 
 
-def _is_final_shape(obj: bpy.types.Object) -> bool:
-    """Whether a run has moved the vertices themselves, so that no key holds the shape before."""
-    return obj.data.shape_keys is None and bool(obj.adaptive_fairing.shapes)
-
-
-def shown_positions(obj: bpy.types.Object, undeformed: FloatArray) -> FloatArray:
-    """Mix the shape keys of an object as Blender does, (n, 3); without keys its positions.
-
-    Relative keys are taken at their values, without vertex groups and muting; absolute keys
-    straight between the two neighbours of the evaluation time.
-    """
-    keys = obj.data.shape_keys
-    if keys is None:
-        return undeformed
-    blocks = keys.key_blocks
-    if not keys.use_relative:
-        frames = np.array([block.frame for block in blocks])
-        after = int(np.clip(np.searchsorted(frames, keys.eval_time), 1, len(frames) - 1))
-        span = frames[after] - frames[after - 1]
-        share = np.clip((keys.eval_time - frames[after - 1]) / span, 0.0, 1.0)
-        before = _key_positions(blocks[after - 1])
-        return before + share * (_key_positions(blocks[after]) - before)
-    shown = undeformed.copy()
-    for block in blocks[1:]:
-        if block.value:
-            relative_to = _key_positions(block.relative_key)
-            shown += block.value * (_key_positions(block) - relative_to)
-    return shown
+def _vertex_normals(positions: FloatArray, triangles: NDArray[np.int32]) -> FloatArray:
+    """Compute unit normals, (n, 3), weighted by area; 0 without a triangle. A slider waits."""
+    a, b, c = (positions[triangles[:, corner]] for corner in range(3))
+    of_triangles = np.cross(b - a, c - a)
+    corners = triangles.ravel()
+    normals = np.stack(
+        [
+            np.bincount(corners, np.repeat(of_triangles[:, axis], 3), len(positions))
+            for axis in range(3)
+        ],
+        axis=1,
+    )
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    return np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
 
 
 def mean_curvature(
@@ -145,9 +133,3 @@ def mean_curvature(
     along = np.einsum("id,id->i", flow[has_value], normals[has_value])
     curvature[has_value] = along / (2.0 * lumped[has_value])
     return curvature
-
-
-def _key_positions(block: bpy.types.ShapeKey) -> FloatArray:
-    buffer = np.empty(3 * len(block.points), dtype=np.float32)
-    block.points.foreach_get("co", buffer)
-    return buffer.reshape(-1, 3).astype(np.float64)

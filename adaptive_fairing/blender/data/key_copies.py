@@ -57,7 +57,7 @@ def write_keys(obj: bpy.types.Object, keys: KeyShapes, positions: Sequence[Array
         (n, 3) of every key.
     """
     shown, only_this = obj.active_shape_key_index, obj.show_only_shape_key
-    obj.shape_key_clear()
+    _clear(obj)
     source = keys.source
     for block, shape in zip(source.key_blocks, positions, strict=True):
         if obj.data.shape_keys is not None:
@@ -75,6 +75,17 @@ def write_keys(obj: bpy.types.Object, keys: KeyShapes, positions: Sequence[Array
     target.use_relative, target.eval_time = source.use_relative, source.eval_time
     _copy_animation(source, target)
     obj.active_shape_key_index, obj.show_only_shape_key = shown, only_this
+
+
+def _clear(obj: bpy.types.Object) -> None:
+    """Take all keys off an object's mesh."""
+    if obj.data.shape_keys is not None:
+        name = obj.data.shape_keys.name
+        obj.shape_key_clear()
+        left = bpy.data.shape_keys.get((name, None))
+        if left is not None:
+            # Blender leaves the copied block behind, counted as used, though nothing uses it.
+            bpy.data.batch_remove([left])
 
 
 def _copy_animation(source: bpy.types.Key, target: bpy.types.Key) -> None:

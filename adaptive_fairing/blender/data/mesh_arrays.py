@@ -63,13 +63,25 @@ def welded(data: MeshData) -> tuple[MeshData, NDArray[np.intp]]:
 
 def read_positions(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
     """Read the undeformed positions, (n, 3): the Basis key if there are shape keys."""
+    if mesh.shape_keys is None:
+        return read_mesh_coordinates(mesh).astype(np.float64)
+    return read_key(mesh.shape_keys.reference_key).astype(np.float64)
+
+
+def read_key(block: bpy.types.ShapeKey) -> NDArray[np.float32]:
+    """Read the positions of a shape key, (n, 3)."""
     # Blender converts element by element if the buffer is not float32, which is 200 times slower.
+    buffer = np.empty(3 * len(block.points), dtype=np.float32)
+    block.points.foreach_get("co", buffer)
+    return buffer.reshape(-1, 3)
+
+
+def read_mesh_coordinates(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    """Read the coordinates of the mesh itself, (n, 3), whatever its shape keys are."""
     buffer = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    if mesh.shape_keys is not None:
-        mesh.shape_keys.reference_key.points.foreach_get("co", buffer)
-    elif len(buffer):
+    if len(buffer):
         mesh.attributes["position"].data.foreach_get("vector", buffer)
-    return buffer.reshape(-1, 3).astype(np.float64)
+    return buffer.reshape(-1, 3)
 
 
 def read_triangles(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
@@ -81,12 +93,12 @@ def read_triangles(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
 
 
 def write_positions(mesh: bpy.types.Mesh, positions: ArrayLike) -> None:
-    """Move the vertices of a mesh without shape keys.
+    """Write the coordinates of the mesh itself, which shape keys may override.
 
     Parameters
     ----------
     mesh
-        Mesh in Object Mode.
+        Mesh that is not in Edit Mode.
     positions
         (n, 3) in object space.
     """

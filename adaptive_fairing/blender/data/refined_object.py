@@ -14,11 +14,12 @@ from numpy.typing import NDArray
 
 from ...core import FairingError
 from ...core.surface.cut_surface import CutSurface, cut_surface
+from ...core.surface.refined_mesh import edge_keys
 from ...core.surface.refined_net import RefinedNet
 from . import mesh_building
 from .attribute_arrays import AttributeArray, read_attributes, read_boolean, read_float
 from .key_copies import read_keys, write_keys
-from .mesh_arrays import read_positions
+from .mesh_arrays import flat_float32, read_positions
 from .vertex_groups import read_groups, write_groups
 
 FloatArray = NDArray[np.float64]
@@ -38,7 +39,7 @@ class RefineOptions:
     Attributes
     ----------
     levels : int
-        Steps; each cuts every triangle into four.
+        Steps; each cuts every triangle into four.  0 leaves the polygons as they are.
     on_limit : bool
         Vertices on the limit surface; otherwise they are the control points of the finer mesh.
     sharp_creases : bool
@@ -77,15 +78,13 @@ def refine_object(obj: bpy.types.Object, options: RefineOptions) -> tuple[str, .
     net = RefinedNet(source.cut, options.levels)
     keys = read_keys(mesh)
     shapes = keys.positions if keys is not None else [read_positions(mesh)]
-    surface = source.cut.levels
-    controls = [
-        surface.control_points(shape[source.cut.vertex_of], options.levels) for shape in shapes
-    ]
-    refined = [
-        net.joined(surface.limit_points(control) if options.on_limit else control[-1])
-        for control in controls
-    ]
-    normals = _normals(net, controls[0]) if options.exact_normals else None
+    refined = [_refined_positions(net, shape, options.on_limit) for shape in shapes]
+    normals = _normals(net, shapes[0]) if options.exact_normals else None
+    if options.levels == 0:
+        _move_vertices(obj, refined)
+        if normals is not None and len(normals) == len(mesh.vertices):
+            mesh_building.write_normals(obj.data, normals, follow_motion=_moves(obj))
+        return source.cut.notes
     groups = read_groups(obj)
     attributes = [
         array._replace(values=source.refined(net, array))
@@ -103,8 +102,7 @@ def refine_object(obj: bpy.types.Object, options: RefineOptions) -> tuple[str, .
     write_groups(obj, [group.with_weights(net.of_points) for group in groups])
     new.update()
     if normals is not None:
-        moves = keys is not None or len(obj.modifiers) > 0
-        mesh_building.write_normals(new, normals, follow_motion=moves)
+        mesh_building.write_normals(new, normals, follow_motion=keys is not None or _moves(obj))
     if keys is not None:
         write_keys(obj, keys, refined)
     _retire(mesh, new)
@@ -115,14 +113,19 @@ class _Source:
     """A mesh as triangles, and what each of its elements becomes."""
 
     def __init__(self, mesh: bpy.types.Mesh, sharp_creases: bool) -> None:
-        mesh.calc_loop_triangles()
-        n = len(mesh.loop_triangles)
-        if not n:
+        if not len(mesh.polygons):
             raise FairingError("the mesh has no faces: there is no surface to refine")
-        self.triangles = mesh_building.integers(mesh.loop_triangles, "vertices", 3)
-        self.corners = mesh_building.integers(mesh.loop_triangles, "loops", 3).reshape(-1)
-        self.polygons = mesh_building.integers(mesh.loop_triangles, "polygon_index", 1)
-        self.ends = mesh_building.integers(mesh.edges, "vertices", 2).astype(np.int64)
+        is_triangulated = len(mesh.loops) == 3 * len(mesh.polygons)
+        if is_triangulated:
+            data = mesh.attributes[".corner_vert"].data
+            self.triangles = mesh_building.integers(data, "value", 1).reshape(-1, 3)
+            self.corners, self.polygons = slice(None), slice(None)
+        else:
+            mesh.calc_loop_triangles()
+            self.triangles = mesh_building.integers(mesh.loop_triangles, "vertices", 3)
+            self.corners = mesh_building.integers(mesh.loop_triangles, "loops", 3).reshape(-1)
+            self.polygons = mesh_building.integers(mesh.loop_triangles, "polygon_index", 1)
+        self.ends = mesh_building.integers(mesh.attributes[".edge_verts"].data, "value", 2)
         creases, held = np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
         if sharp_creases:
             n_edges = len(self.ends)
@@ -132,9 +135,11 @@ class _Source:
             pinned = read_float(mesh, "crease_vert", len(mesh.vertices)) >= SHARP_CREASE
             held = np.flatnonzero(pinned)
         self.cut: CutSurface = cut_surface(self.triangles, len(mesh.vertices), creases, held)
-        in_surface = RefinedNet(self.cut, 0)
-        used = np.unique(_keys(in_surface.edges, len(mesh.vertices)))
-        self._is_loose = ~np.isin(_keys(self.ends, len(mesh.vertices)), used)
+        edges = RefinedNet(self.cut, 0).edges
+        self._is_loose = np.zeros(len(self.ends), dtype=bool)
+        if not is_triangulated or len(edges) != len(self.ends):
+            keys, n = edge_keys(self.ends, len(mesh.vertices)), len(mesh.vertices)
+            self._is_loose = ~np.isin(keys, edge_keys(edges, n))
 
     @property
     def loose_edges(self) -> NDArray[np.int64]:
@@ -154,14 +159,36 @@ class _Source:
         return np.concatenate([net.of_edges(values, self.ends, inside), values[self._is_loose]])
 
 
-def _keys(ends: NDArray, n: int) -> NDArray[np.int64]:
-    ends = np.sort(ends, axis=1).astype(np.int64)
-    return ends[:, 0] * n + ends[:, 1]
+def _refined_positions(
+    net: RefinedNet, positions: FloatArray, on_limit: bool
+) -> NDArray[np.float32]:
+    levels = net.cut.levels
+    control = levels.control_points(positions[net.cut.vertex_of], net.levels)
+    refined = levels.limit_points(control) if on_limit else control[-1]
+    return net.joined(refined).astype(np.float32)
 
 
-def _normals(net: RefinedNet, control: list[FloatArray]) -> FloatArray:
+def _move_vertices(obj: bpy.types.Object, shapes: list[NDArray[np.float32]]) -> None:
+    """Put the vertices of all shapes elsewhere, on a mesh that is the object's own."""
+    if obj.data.users - obj.data.use_fake_user > 1:
+        obj.data = obj.data.copy()
+    mesh = obj.data
+    if mesh.shape_keys is not None:
+        for block, shape in zip(mesh.shape_keys.key_blocks, shapes, strict=True):
+            block.points.foreach_set("co", flat_float32(shape, mesh))
+    mesh.attributes["position"].data.foreach_set("vector", flat_float32(shapes[0], mesh))
+    mesh.update()
+
+
+def _moves(obj: bpy.types.Object) -> bool:
+    """Whether keys or modifiers move the vertices after their normals are known."""
+    return obj.data.shape_keys is not None or len(obj.modifiers) > 0
+
+
+def _normals(net: RefinedNet, positions: FloatArray) -> FloatArray:
     """Exact normals: (n, 3) of the vertices, or (3 m, 3) of the corners where they differ."""
     levels = net.cut.levels
+    control = levels.control_points(positions[net.cut.vertex_of], net.levels)
     if net.cut.is_cut or levels.has_creases:
         return net.corner_normals(levels.corner_normals(control)).reshape(-1, 3)
     return levels.normals(control)[0]

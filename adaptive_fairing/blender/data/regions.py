@@ -7,6 +7,8 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import NDArray
 
+from .stored_result import group_weights
+
 MODES = ("OBJECT", "EDIT", "SCULPT")
 SCULPT_MASK = ".sculpt_mask"
 
@@ -82,7 +84,7 @@ def vertex_weights(
         group = obj.vertex_groups.get(vertex_group)
         if group is None:
             raise InputError(rpt_("there is no vertex group {!r}").format(vertex_group))
-        weights = _group_weights(mesh, group.index)
+        weights = group_weights(obj, group).astype(np.float64)
         factors.append(1.0 - weights if invert else weights)
     if not factors:
         return None
@@ -90,13 +92,3 @@ def vertex_weights(
     if not product.any():
         raise InputError(rpt_("selection, mask and vertex group leave no vertex to smooth"))
     return product
-
-
-def _group_weights(mesh: bpy.types.Mesh, index: int) -> NDArray[np.float64]:
-    """Weights of a vertex group, 0 outside of it; Blender has no bulk access to them."""
-    weights = np.zeros(len(mesh.vertices))
-    for vertex in mesh.vertices:
-        for element in vertex.groups:
-            if element.group == index:
-                weights[vertex.index] = element.weight
-    return weights

@@ -12,7 +12,9 @@ from .targets import writable_object
 
 
 @contextmanager
-def written_or_restored(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
+def written_or_restored(
+    obj: bpy.types.Object, *, in_place: bool = False
+) -> Iterator[bpy.types.Object]:
     """Give the object to write to, see `writable_object`; put all back if the body fails.
 
     Blender takes nothing back by itself when an operator ends with an error.
@@ -21,6 +23,8 @@ def written_or_restored(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
     ----------
     obj
         Mesh object in Object Mode.
+    in_place
+        Whether shape keys of the user are no reason for a copy, because they stay.
 
     Yields
     ------
@@ -30,7 +34,7 @@ def written_or_restored(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
     mesh = obj.data
     name, has_fake_user, active_key = mesh.name, mesh.use_fake_user, obj.active_shape_key_index
     visibility = _Visibility.of(obj)
-    target = writable_object(obj)
+    target = writable_object(obj, in_place=in_place)
     backup = mesh.copy() if target.data == mesh else None
     try:
         yield target

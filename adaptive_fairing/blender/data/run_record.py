@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
-import numpy as np
 from bpy.props import (
     BoolProperty,
     CollectionProperty,
@@ -14,6 +15,27 @@ from bpy.props import (
 )
 
 from ..properties import AUTO
+from . import modifier
+from .attributes import COMPARED_FIELDS
+from .mesh_arrays import read_mesh_coordinates
+from .stored_result import checksum, is_current, shown_by, update_shown, write_shown
+
+N_SWATCHES = 5
+
+
+def swatch_name(number: int) -> str:
+    """Name of the property with a colour of the legend, from low to high."""
+    return f"swatch_{number}"
+
+
+def _swatch(number: int) -> object:
+    def color(record: FairingRecord) -> tuple[float, ...]:
+        from .color_map import ANCHORS, DIVERGING_ANCHORS, SIGNED_FIELDS, colors_srgb
+
+        anchors = DIVERGING_ANCHORS if record.view in SIGNED_FIELDS else ANCHORS
+        return tuple(colors_srgb([number / (N_SWATCHES - 1)], 0.0, 1.0, anchors)[0])
+
+    return FloatVectorProperty(subtype="COLOR_GAMMA", size=3, get=color)
 
 
 class FairingShapeMeasures(bpy.types.PropertyGroup):
@@ -29,6 +51,12 @@ class FairingShapeMeasures(bpy.types.PropertyGroup):
     displacement: FloatProperty()
 
 
+LARGEST_STRENGTH = 200.0
+NOT_HELD = -1.0
+N_STRENGTHS = 8
+"""Room for strengths in a record: a vector property has a fixed size."""
+
+
 def _shown_evolution(record: FairingRecord) -> float:
     keys = evolution_keys(record.id_data)
     if keys is None:
@@ -40,16 +68,54 @@ def _shown_evolution(record: FairingRecord) -> float:
 def _show_evolution(record: FairingRecord, value: float) -> None:
     keys = evolution_keys(record.id_data)
     if keys is not None:
-        keys.eval_time = value * keys.key_blocks[-1].frame
+        from .shape_keys import show_time  # needs the core, which enabling the add-on does not load
+
+        record.held = NOT_HELD
+        show_time(keys, value * keys.key_blocks[-1].frame)
+
+
+def _strength(record: FairingRecord) -> float:
+    if record.result == "MODIFIER":
+        return modifier.strength_of(record.id_data)
+    return record.stored_strength
+
+
+def _set_strength(record: FairingRecord, value: float) -> None:
+    if is_current(record.id_data):
+        record.held = NOT_HELD
+        record.show_strength(value)
 
 
 class FairingRecord(bpy.types.PropertyGroup):
-    """A finished run.
+    """The runs on an object that still count, and the measures of the last one.
 
-    `shown` is the number of the shape that is its result. From `noise` to `is_sharp` all
-    is known of `denoise` only, see `DenoiseResult`.
+    `result` is described in `results`. `shown` is the number of the shape that is the result of
+    the last run. From `noise` to `is_sharp` all is known of `denoise` only, see `DenoiseResult`.
     """
 
+    result: StringProperty()
+    checksum: StringProperty(description="Of the coordinates that belong to the stored result")
+    strengths: FloatVectorProperty(size=N_STRENGTHS)
+    n_strengths: IntProperty()
+    stored_strength: FloatProperty()
+    held: FloatProperty(default=NOT_HELD, description="Of the slider, while the original is shown")
+    is_split: BoolProperty(description="Whether one half shows the original")
+    split_normal: FloatVectorProperty(size=3)
+    split_point: FloatVectorProperty(size=3)
+    strength: FloatProperty(
+        name="Strength",
+        description=(
+            "How much of the noise is removed: 0 is the original, 1 what was estimated; works in "
+            "real time"
+        ),
+        min=0.0,
+        soft_max=2.0,
+        max=LARGEST_STRENGTH,
+        step=5,
+        precision=2,
+        get=_strength,
+        set=_set_strength,
+    )
     shapes: CollectionProperty(type=FairingShapeMeasures)
     method: StringProperty()
     tau: FloatProperty()
@@ -62,14 +128,17 @@ class FairingRecord(bpy.types.PropertyGroup):
     noise_length: FloatProperty()
     radius: FloatProperty()
     is_sharp: BoolProperty()
+    keeps_density: BoolProperty(description="The density is a result, not only looked at")
     view: StringProperty()
     view_range: FloatVectorProperty(size=2)
+    swatch_0: _swatch(0)
+    swatch_1: _swatch(1)
+    swatch_2: _swatch(2)
+    swatch_3: _swatch(3)
+    swatch_4: _swatch(4)
     evolution: FloatProperty(
         name="Evolution",
-        description=(
-            "Run through the smoothing: from the mesh before (0) to the last step, or to the "
-            "largest strength (1)"
-        ),
+        description=("Run through the smoothing: from the mesh before (0) to the last step (1)"),
         subtype="FACTOR",
         min=0.0,
         max=1.0,
@@ -79,17 +148,61 @@ class FairingRecord(bpy.types.PropertyGroup):
         options=set(),
     )
 
+    def set_strengths(self, strengths: Sequence[float], shown: float) -> None:
+        """Note the strengths of the stored offsets, and which one is shown."""
+        self.n_strengths = len(strengths)
+        self.strengths = [*strengths, *[0.0] * (N_STRENGTHS - len(strengths))]
+        self.stored_strength = shown
+
+    def show_strength(self, strength: float) -> None:
+        """Show a stored result at a strength. It must be current."""
+        obj = self.id_data
+        self.stored_strength = strength
+        if self.result == "MODIFIER":
+            modifier.set_strength(obj, strength)
+        else:
+            write_shown(obj, shown_by(obj))
+        if self.view in COMPARED_FIELDS:
+            from ...core import FairingSettings
+            from .coloring import color_by_field
+
+            color_by_field(obj, self.view, FairingSettings())
+
+    def has_slider(self) -> bool:
+        """Whether a slider runs from the original to the result."""
+        return self.result in ("LIVE", "MODIFIER") or evolution_keys(self.id_data) is not None
+
+    def toggle_before(self) -> None:
+        """Show the original, or the result again."""
+        name = "evolution" if self.result == "KEYS" else "strength"
+        if self.held != NOT_HELD:
+            self.end_comparison()
+            return
+        held = getattr(self, name)
+        setattr(self, name, 0.0)
+        self.held = held
+
+    def split_along(self, normal: Sequence[float], point: Sequence[float]) -> None:
+        """Show the original behind a plane, given in object space."""
+        self.is_split, self.split_normal, self.split_point = True, normal, point
+        update_shown(self.id_data)
+
+    def end_comparison(self) -> None:
+        """Show the whole result again."""
+        if self.held != NOT_HELD:
+            setattr(self, "evolution" if self.result == "KEYS" else "strength", self.held)
+        if self.is_split:
+            self.is_split = False
+            update_shown(self.id_data)
+
+    def remember_coordinates(self) -> None:
+        """Note that the coordinates of the mesh belong to the stored result."""
+        self.checksum = checksum(read_mesh_coordinates(self.id_data.data))
+
 
 def is_of_strengths(record: FairingRecord) -> bool:
     """Whether a run was one of `denoise`, whose shapes are strengths."""
     return record.method == AUTO
-
-
-def shown_strength(record: FairingRecord) -> float:
-    """Strength that the Evolution slider stands at, which is 0 at the mesh before."""
-    strengths = [shape.strength for shape in record.shapes]
-    place = record.evolution * (len(strengths) - 1)
-    return float(np.interp(place, range(len(strengths)), strengths))
 
 
 def result_measures(record: FairingRecord) -> FairingShapeMeasures:

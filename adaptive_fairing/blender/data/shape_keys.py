@@ -10,11 +10,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import bpy
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from ...core import FairingError
 from .. import compatibility
-from .mesh_arrays import flat_float32, read_positions, write_positions
+from .mesh_arrays import flat_float32, read_key, read_positions, write_positions
 
 BASIS = "Basis"
 
@@ -31,6 +32,58 @@ def has_foreign_keys(mesh: bpy.types.Mesh) -> bool:
     names = [block.name for block in mesh.shape_keys.key_blocks]
     ours = [BASIS, *(step_key_name(index) for index in range(1, len(names)))]
     return names != ours
+
+
+def has_fairing_keys(mesh: bpy.types.Mesh) -> bool:
+    """Whether the mesh has the shape keys that this module writes."""
+    return mesh.shape_keys is not None and not has_foreign_keys(mesh)
+
+
+def mixed_keys(keys: bpy.types.Key) -> NDArray[np.float32]:
+    """Mix shape keys as Blender does, (n, 3).
+
+    Relative keys are taken at their values, without vertex groups and muting; absolute keys
+    straight between the two neighbours of the evaluation time.
+    """
+    blocks = keys.key_blocks
+    if not keys.use_relative:
+        after, part = _place(keys)
+        before = read_key(blocks[after - 1])
+        return before + np.float32(part) * (read_key(blocks[after]) - before)
+    shown = read_key(keys.reference_key)
+    for block in blocks[1:]:
+        if block.value:
+            shown += np.float32(block.value) * (read_key(block) - read_key(block.relative_key))
+    return shown
+
+
+def show_time(keys: bpy.types.Key, time: float) -> None:
+    """Show absolute keys at a time, to exporters too.
+
+    Blender ignores the values of absolute keys. Exporters of glTF and FBX write the keys and the
+    values; with the two neighbours at 1 - t and t they are the same shape. Others write the
+    coordinates of the mesh itself, if not told to apply modifiers. FBX adds the keys to these
+    coordinates: between the Basis, which has no value, and the first key they must be the Basis.
+    """
+    keys.eval_time = time
+    after, part = _place(keys)
+    for block in keys.key_blocks:
+        block.value = 0.0
+    keys.key_blocks[after].value = part
+    if after > 1:
+        keys.key_blocks[after - 1].value = 1.0 - part
+    is_beside_basis = after == 1 and part < 1
+    write_positions(
+        keys.user, read_key(keys.reference_key) if is_beside_basis else mixed_keys(keys)
+    )
+
+
+def _place(keys: bpy.types.Key) -> tuple[int, float]:
+    """Index of the key after the evaluation time, and how far from the key before it is, 0 to 1."""
+    frames = [block.frame for block in keys.key_blocks]
+    after = int(np.clip(np.searchsorted(frames, keys.eval_time), 1, len(frames) - 1))
+    span = frames[after] - frames[after - 1]
+    return after, float(np.clip((keys.eval_time - frames[after - 1]) / span, 0.0, 1.0))
 
 
 def write_absolute_keys(
@@ -55,8 +108,7 @@ def write_absolute_keys(
     keys, block = _write_keys(obj, positions, shown)
     keys.use_relative = False
     # Frames are 0, 10, 20, 30.0000019 …: read, never computed.
-    keys.eval_time = block.frame
-    obj.data.update()
+    show_time(keys, block.frame)
 
 
 def write_relative_keys(
@@ -71,7 +123,7 @@ def write_relative_keys(
     for block in keys.key_blocks:
         # Blender 5.0 changed the value of a new key from 0 to 1.
         block.value = 1.0 if block == shown_block else 0.0
-    obj.data.update()
+    write_positions(obj.data, mixed_keys(keys))
 
 
 def write_final_shape(obj: bpy.types.Object, positions: ArrayLike) -> None:

@@ -6,7 +6,7 @@ import bpy
 
 from ...core import FairingError
 from .mesh_arrays import read_positions, write_positions
-from .shape_keys import has_foreign_keys
+from .shape_keys import has_foreign_keys, mixed_keys
 
 
 def find_mesh_object(file_name: str, name: str | None = None) -> bpy.types.Object:
@@ -44,28 +44,33 @@ def find_mesh_object(file_name: str, name: str | None = None) -> bpy.types.Objec
     raise FairingError(f"{file_name} has no object {name!r}; its meshes are: {names or 'none'}")
 
 
-def needs_copy(obj: bpy.types.Object) -> bool:
-    """Whether the object itself must stay as it is: it is linked, or has shape keys of its own."""
+def needs_copy(obj: bpy.types.Object, *, in_place: bool = False) -> bool:
+    """Whether the object itself must stay as it is: it is linked, or has shape keys of its own.
+
+    `in_place` as in `writable_object`.
+    """
     is_foreign = obj.library is not None or obj.override_library is not None
-    return is_foreign or has_foreign_keys(obj.data)
+    return is_foreign or (has_foreign_keys(obj.data) and not in_place)
 
 
-def writable_object(obj: bpy.types.Object) -> bpy.types.Object:
+def writable_object(obj: bpy.types.Object, *, in_place: bool = False) -> bpy.types.Object:
     """Give an object whose mesh belongs to it alone and may be written.
 
     Parameters
     ----------
     obj
         Mesh object in Object Mode.
+    in_place
+        Whether shape keys of the user are no reason for a copy, because they stay.
 
     Returns
     -------
     bpy.types.Object
         `obj` itself, its mesh made single-user if others share it or a library owns it; or, if it
-        `needs_copy`, a new object "NAME faired" in its place, with the undeformed shape and no
+        `needs_copy`, a new object "NAME faired" in its place, with the shown shape and no
         keys, while `obj` is hidden and otherwise untouched.
     """
-    if needs_copy(obj):
+    if needs_copy(obj, in_place=in_place):
         return _copy_in_place(obj)
     mesh = obj.data
     is_shared = mesh.users - mesh.use_fake_user > 1
@@ -75,7 +80,7 @@ def writable_object(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def _copy_in_place(obj: bpy.types.Object) -> bpy.types.Object:
-    basis = read_positions(obj.data)
+    shown = mixed_keys(obj.data.shape_keys) if obj.data.shape_keys else read_positions(obj.data)
     copy = obj.copy()
     copy.make_local(clear_liboverride=True)
     copy.name = f"{obj.name} faired"
@@ -87,7 +92,7 @@ def _copy_in_place(obj: bpy.types.Object) -> bpy.types.Object:
         if keys in bpy.data.shape_keys:
             # Blender leaves the copied block behind, counted as used, though nothing uses it.
             bpy.data.batch_remove([bpy.data.shape_keys[keys]])
-        write_positions(copy.data, basis)
+        write_positions(copy.data, shown)
     collections = [each for each in obj.users_collection if each.library is None]
     for collection in collections or [obj.users_scene[0].collection]:
         collection.objects.link(copy)

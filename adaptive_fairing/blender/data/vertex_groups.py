@@ -61,11 +61,11 @@ def write_groups(obj: bpy.types.Object, groups: Sequence[GroupWeights]) -> None:
         new = obj.vertex_groups.new(name=group.name)
         members = np.flatnonzero(group.is_member > 0)
         # Blender takes one weight for many vertices.
-        weights, place = np.unique(group.weights[members], return_inverse=True)
-        order = np.argsort(place.reshape(-1), kind="stable")
-        ends = np.cumsum(np.bincount(place.reshape(-1), minlength=len(weights)))
-        for weight, part in zip(weights.tolist(), np.split(members[order], ends[:-1]), strict=True):
-            new.add(part.tolist(), weight, "REPLACE")
+        weights, size = np.unique(group.weights[members], return_counts=True)
+        members = members[np.argsort(group.weights[members], kind="stable")]
+        ends = np.cumsum(size)
+        for weight, begin, end in zip(weights.tolist(), ends - size, ends, strict=True):
+            new.add(members[begin:end].tolist(), weight, "REPLACE")
         new.lock_weight = group.is_locked
     if groups:
         obj.vertex_groups.active_index = active

@@ -18,7 +18,6 @@ from ...batch.messages import Job, decode, encode
 from ...batch.schedule import START_BYTES
 from ...core import DenoiseSettings, FairingError, PreparedMesh
 from ...core.denoise.plan import STRENGTHS
-from ...files.atomic_files import remove_drafts
 from ...files.formats import keeps_axes
 from ...files.report import settings_of_record, settings_record, strict
 from ..data.mesh_arrays import MeshData
@@ -31,6 +30,10 @@ KEY_BYTES = 24
 
 EXPORT_BYTES = 200
 """Of a vertex while the output is written, with the copies that exporters make."""
+
+
+REFINE_BYTES, REFINE_KEY_BYTES = 480, 56
+"""Of a vertex of a refined output while it is made, and more for each step or strength."""
 
 
 class _PutAsideError(Exception):
@@ -106,14 +109,15 @@ class _Server:
             scale=job.scale,
             keep_axes=keeps_axes(source, output),
         )
-        remove_drafts(output)
-        task = FairingJob(source, output, settings, job.object_name, frame=job.frame)
+        task = FairingJob(
+            source, output, settings, job.object_name, frame=job.frame, refine=job.refine
+        )
 
         def prepare(data: MeshData) -> Preparation:
             return self._preparations.of(data, settings, job.scale)
 
         def admit(prepared: PreparedMesh) -> None:
-            self._ask_for_memory(prepared, settings)
+            self._ask_for_memory(prepared, settings, job.refine)
 
         return {"report": run_job(task, prepare=prepare, admit=admit)}
 
@@ -122,17 +126,23 @@ class _Server:
         settings, scale = same_strength(data, settings_of_record(job.settings))
         return {"settings": settings_record(settings), "scale": scale}
 
-    def _ask_for_memory(self, prepared: PreparedMesh, settings: Settings) -> None:
+    def _ask_for_memory(
+        self, prepared: PreparedMesh, settings: Settings, refine: int | None
+    ) -> None:
         if self._last is None or self._last[0] is not prepared:
             is_denoise = isinstance(settings, DenoiseSettings)
             n_shapes = len(STRENGTHS) if is_denoise else settings.steps
-            n_vertices = len(prepared.surface.vertex_of)
+            n_vertices = len(prepared.surface.vertex_of) * 4 ** (refine or 0)
+            per_vertex = KEY_BYTES * n_shapes + EXPORT_BYTES
+            if refine is not None:
+                per_vertex += REFINE_BYTES + REFINE_KEY_BYTES * n_shapes
             needed = (
                 (resident_bytes() or START_BYTES)
                 + prepared.needed_bytes("denoise" if is_denoise else "fair")
-                + (KEY_BYTES * n_shapes + EXPORT_BYTES) * n_vertices
+                + per_vertex * n_vertices
             )
-            self._last = prepared, needed
+            # Reading the file may have taken more than the solve will.
+            self._last = prepared, max(needed, peak_bytes() or 0)
         _send({"event": "needs", "bytes": self._last[1]})
         if self._inbox.answer()["answer"] != "go":
             raise _PutAsideError

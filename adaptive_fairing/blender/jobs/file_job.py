@@ -20,18 +20,20 @@ from ...core import (
     PreparedMesh,
     SolverError,
 )
-from ...files.atomic_files import writable_place
+from ...files.atomic_files import remove_drafts, writable_place
 from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ...files.report import build_report, denoise_record, step_record, write_report
 from ...version import program_version
+from ..data.attributes import write_density
 from ..data.mesh_arrays import MeshData, read_mesh, welded
-from ..data.shape_keys import animate_evolution, write_final_shape
+from ..data.refined_object import RefineOptions, refine_object
+from ..data.shape_keys import animate_evolution, write_absolute_keys, write_final_shape
 from ..data.targets import needs_copy, writable_object
+from ..data.weld import weld
 from ..files.import_losses import import_notes
 from ..files.mesh_files import export_mesh, import_mesh, save_blend
 from .frames import object_at_frame
 from .solve import Settings, Solve
-from .store_result import write_shapes
 
 FRAMES_PER_STEP = 10
 """Length of one step on the timeline of an output .blend, in frames."""
@@ -58,6 +60,9 @@ class FairingJob:
     frame
         Frame of an animated input whose deformed shape is faired; the output is then a mesh
         format. None takes the mesh as it is stored, before modifiers.
+    refine
+        Steps of Loop subdivision of the result, onto the limit surface; 0 moves the vertices there
+        without new ones, None leaves the result as it is.
     """
 
     input: Path
@@ -66,6 +71,7 @@ class FairingJob:
     object_name: str | None = None
     report: Path | None = None
     frame: int | None = None
+    refine: int | None = None
 
 
 @dataclass(frozen=True)
@@ -133,6 +139,7 @@ def run_job(
     for path in (job.output, job.report):
         if path is not None:
             writable_place(path)
+            remove_drafts(path)
     run = _Run(
         job,
         prepare or (lambda data: prepared_alone(data, job.settings)),
@@ -169,6 +176,8 @@ class _Run:
         self.notes = import_notes(job.input)
         if job.frame is not None:
             obj = object_at_frame(obj, job.frame)
+        if job.refine is not None and splits_vertices(job.input):
+            weld(obj.data)
         data = read_mesh(obj.data)
         self.mesh = {
             "vertices": len(data.vertices),
@@ -203,17 +212,26 @@ class _Run:
         is_copy = needs_copy(obj)
         obj = writable_object(obj)
         if suffix_of(job.output) == BLEND:
-            write_shapes(obj, solve, vertex_of=surface_vertex)
+            shapes = [shape[surface_vertex] for shape in solve.shapes]
+            write_absolute_keys(obj, shapes, solve.shown)
+            if solve.steps:
+                write_density(obj.data, solve.steps[-1].density[surface_vertex])
+            self._refine(obj)
             _put_on_timeline(obj, solve.shown, extend=suffix_of(job.input) == BLEND)
             save_blend(job.output)
         else:
             write_final_shape(obj, solve.shapes[solve.shown][surface_vertex])
+            self._refine(obj)
             self.notes += export_mesh(
                 obj,
                 job.output,
                 alone=is_copy or suffix_of(job.input) == BLEND or job.frame is not None,
                 keep_axes=keeps_axes(job.input, job.output),
             )
+
+    def _refine(self, obj: bpy.types.Object) -> None:
+        if self.job.refine is not None:
+            self.notes += refine_object(obj, RefineOptions(self.job.refine))
 
     def report(self, error: str | None) -> dict[str, Any]:
         job, solve = self.job, self.solve

@@ -13,6 +13,7 @@ from ...batch.plan import Item
 from ...core import FairingError
 from ...files.formats import keeps_axes
 from ..data.mesh_arrays import flat_float32, read_positions
+from ..data.refined_object import RefineOptions, refine_object
 from ..data.shape_keys import keyframe_keys
 from ..files.mesh_files import import_mesh, save_blend
 from .frames import Frame, object_at_frame
@@ -48,7 +49,9 @@ def write_frame_keys(
     obj.data.update()
 
 
-def write_keyed_file(items: Sequence[Item], object_name: str | None, output: Path) -> None:
+def write_keyed_file(
+    items: Sequence[Item], object_name: str | None, output: Path, refine: int | None = None
+) -> None:
     """Put the outputs of a sequence together in a .blend file.
 
     The object has the polygons, UVs and materials of the first frame's input. An animated object
@@ -62,6 +65,8 @@ def write_keyed_file(items: Sequence[Item], object_name: str | None, output: Pat
         Mesh object of the inputs; None if they hold a single one.
     output
         The file to write.
+    refine
+        As in `FairingJob`; the frames are not refined yet.
 
     Raises
     ------
@@ -86,6 +91,8 @@ def write_keyed_file(items: Sequence[Item], object_name: str | None, output: Pat
         shapes = [_in_space_of(obj, shape) for shape in shapes]
     frames = [item.number for item in items]
     write_frame_keys(obj, frames, shapes)
+    if refine is not None:
+        refine_object(obj, RefineOptions(refine))
     scene = obj.users_scene[0]
     if first.frame is None:
         scene.frame_start, scene.frame_end = frames[0], frames[-1]

@@ -25,6 +25,7 @@ from ...core import (
     denoise,
     fair_steps,
 )
+from .region import region_mesh
 
 Settings = DenoiseSettings | FairingSettings
 
@@ -95,6 +96,11 @@ class Solve:
     def has_result(self) -> bool:
         """Whether there is at least one shape."""
         return bool(self.steps) or self.denoised is not None or self.kept is not None
+
+    @property
+    def is_changed(self) -> bool:
+        """Whether there is a result that differs from the input."""
+        return bool(self.steps) or (self.denoised is not None and self.denoised.is_changed)
 
     @property
     def is_over(self) -> bool:
@@ -174,7 +180,17 @@ class Solve:
 
     def _denoise(self) -> Iterator[Solve]:
         started = time.perf_counter()
-        result = denoise(
+        result = self._denoise_region() if self._is_region() else self._denoise_all()
+        self.step_seconds = [time.perf_counter() - started]
+        self.denoised = replace(result, shapes=result.shapes.astype(np.float32))
+        yield self
+
+    def _is_region(self) -> bool:
+        is_alone = self.prepared is None and self.plan is None
+        return is_alone and self.weights is not None and not self.weights.all()
+
+    def _denoise_all(self) -> DenoiseResult:
+        return denoise(
             self.vertices,
             self.triangles,
             self.settings,
@@ -183,9 +199,22 @@ class Solve:
             plan=self.plan,
             progress=self.note_progress,
         )
-        self.step_seconds = [time.perf_counter() - started]
-        self.denoised = replace(result, shapes=result.shapes.astype(np.float32))
-        yield self
+
+    def _denoise_region(self) -> DenoiseResult:
+        """Denoise a part of the mesh; the result has all vertices."""
+        part = region_mesh(self.triangles, self.weights)
+        found = denoise(
+            self.vertices[part.vertex_of],
+            part.triangles,
+            self.settings,
+            weights=self.weights[part.vertex_of],
+            progress=self.note_progress,
+        )
+        shapes = np.repeat(self.vertices[None], len(found.shapes), axis=0)
+        shapes[:, part.vertex_of] = found.shapes
+        noise = np.zeros(len(self.vertices))
+        noise[part.vertex_of] = found.noise
+        return replace(found, shapes=shapes, noise=noise, start=self.vertices)
 
     def _fair(self) -> Iterator[Solve]:
         started = time.perf_counter()

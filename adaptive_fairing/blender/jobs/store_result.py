@@ -7,28 +7,38 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core import FairingError, FairingSettings
-from ..data.attributes import write_density
-from ..data.coloring import color_by_field
-from ..data.mesh_arrays import read_positions
+from ..data import results
+from ..data.attributes import COMPARED_FIELDS, write_density
+from ..data.coloring import color_by_field, end_view
+from ..data.fields import shown_density
 from ..data.rollback import written_or_restored
-from ..data.shape_keys import write_absolute_keys, write_final_shape, write_relative_keys
 from ..properties import AUTO
 from .solve import Solve
 
 
-def store_solve(solve: Solve, *, output: str, store_density: bool) -> bpy.types.Object:
-    """Write the result of a solve that has one.
+def store_solve(
+    solve: Solve,
+    *,
+    way: str,
+    output: str,
+    store_density: bool,
+    from_original: bool = False,
+) -> bpy.types.Object:
+    """Write the result of a solve that has changed something.
+
+    An object that is coloured by a field is coloured anew.
 
     Parameters
     ----------
     solve
         A solve that has been run.
-    output
-        Identifier of `OutputProperties.output`.
+    way, output
+        What the object gets of `denoise` and of the paper's methods, see
+        `OutputProperties.result` and `.output`.
     store_density
-        Whether to store the density of the last step as attributes.
-
-    An object that is coloured by a field is coloured anew.
+        Whether to store the density as attributes.
+    from_original
+        Whether the solve started from the original shape, not from the shown one.
 
     Returns
     -------
@@ -38,47 +48,61 @@ def store_solve(solve: Solve, *, output: str, store_density: bool) -> bpy.types.
     Raises
     ------
     FairingError
-        The object is gone, or its mesh has been changed since it was read.
+        The object is gone, or its shape has been changed since it was read.
     """
-    with written_or_restored(find_object(solve)) as obj:
-        write_shapes(obj, solve, output=output, store_density=store_density)
-        write_record(obj, solve)
-        if obj.adaptive_fairing.view:
-            settings = FairingSettings() if solve.is_denoise else solve.settings
-            color_by_field(obj, obj.adaptive_fairing.view, settings, solve.vertices)
+    source = find_object(solve, from_original=from_original)
+    in_place = solve.is_denoise and way == "MODIFIER"
+    with written_or_restored(source, in_place=in_place) as obj:
+        write_result(obj, solve, way=way, output=output, from_original=from_original)
+        obj.adaptive_fairing.keeps_density = store_density
+        if store_density:
+            write_density(obj.data, _density(solve))
     return obj
 
 
-def write_shapes(
+def write_result(
     obj: bpy.types.Object,
     solve: Solve,
     *,
+    way: str = "LIVE",
     output: str = "ABSOLUTE_KEYS",
-    store_density: bool = True,
-    vertex_of: np.ndarray | slice = slice(None),
+    from_original: bool = False,
 ) -> None:
-    """Write the shapes of a result, and the density, to an object that may be written.
+    """Write the shapes of a result and its record to an object that may be written.
 
-    Parameters
-    ----------
-    obj, solve, output, store_density
-        As in `store_solve`.
-    vertex_of
-        Vertex of the solve for each vertex of the object.
+    Parameters: as in `store_solve`.
     """
-    shapes = [shape[vertex_of] for shape in solve.shapes]
-    if output == "FINAL_SHAPE":
-        write_final_shape(obj, shapes[solve.shown])
-    elif output == "RELATIVE_KEYS":
-        write_relative_keys(obj, shapes, solve.shown)
+    view = obj.adaptive_fairing.view
+    end_view(obj)
+    start = solve.vertices.astype(np.float32)
+    if solve.is_denoise:
+        result = solve.denoised
+        results.store_strengths(
+            obj,
+            start,
+            solve.shapes,
+            result.strengths.tolist(),
+            solve.settings.strength,
+            way,
+            from_original=from_original,
+        )
     else:
-        write_absolute_keys(obj, shapes, solve.shown)
-    if store_density and solve.steps:
-        write_density(obj.data, solve.steps[-1].density[vertex_of])
+        results.store_steps(obj, start, solve.shapes, output)
+    _write_record(obj, solve)
+    if view and not (view in COMPARED_FIELDS and results.original_positions(obj) is None):
+        settings = FairingSettings() if solve.is_denoise else solve.settings
+        color_by_field(obj, view, settings)
 
 
-def find_object(solve: Solve) -> bpy.types.Object:
-    """Find the object of a solve again, whatever its name is now, with the mesh that was read.
+def _density(solve: Solve) -> np.ndarray:
+    """Density of the last step; of `denoise` that of the result."""
+    if solve.steps:
+        return solve.steps[-1].density
+    return shown_density(solve.positions, solve.triangles, FairingSettings())
+
+
+def find_object(solve: Solve, *, from_original: bool = False) -> bpy.types.Object:
+    """Find the object of a solve again, whatever its name is now, with the shape that was read.
 
     Raises
     ------
@@ -88,10 +112,16 @@ def find_object(solve: Solve) -> bpy.types.Object:
     obj = object_of(solve.session_uid)
     if obj is None or obj.type != "MESH":
         raise FairingError(rpt_("the object was deleted during the run"))
-    now = read_positions(obj.data)
+    now = start_positions(obj, from_original=from_original)
     if now.shape != solve.vertices.shape or not np.array_equal(now, solve.vertices):
         raise FairingError(rpt_("the mesh was changed during the run; nothing was written"))
     return obj
+
+
+def start_positions(obj: bpy.types.Object, *, from_original: bool) -> np.ndarray:
+    """Positions (n, 3) that a run starts from: what is shown, or the original if there is one."""
+    original = results.original_positions(obj) if from_original else None
+    return results.shown_positions(obj) if original is None else original
 
 
 def object_of(session_uid: int) -> bpy.types.Object | None:
@@ -99,8 +129,8 @@ def object_of(session_uid: int) -> bpy.types.Object | None:
     return next((obj for obj in bpy.data.objects if obj.session_uid == session_uid), None)
 
 
-def write_record(obj: bpy.types.Object, solve: Solve) -> None:
-    """Keep on the object what the run has measured and found; needs the add-on registered."""
+def _write_record(obj: bpy.types.Object, solve: Solve) -> None:
+    """Keep on the object what the run has measured and found."""
     record = obj.adaptive_fairing
     result = solve.denoised
     record.method = AUTO if solve.is_denoise else solve.settings.method

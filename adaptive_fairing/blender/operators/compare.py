@@ -43,6 +43,22 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         precision=5,
     )
 
+    def execute(self, context):
+        return self._removed(context) or super().execute(context)
+
+    def invoke(self, context, event):
+        return self._removed(context) or super().invoke(context, event)
+
+    def _removed(self, context):
+        """Remove the comparison if there is one."""
+        collection = comparison_of(context.scene)
+        if collection is None:
+            return None
+        for obj in list(collection.objects):
+            bpy.data.batch_remove([obj, obj.data] if obj.data.users == 1 else [obj])
+        bpy.data.collections.remove(collection)
+        return {"FINISHED"}
+
     @classmethod
     def poll(cls, context):
         problem = scipy_problem() or refusal(context)
@@ -53,8 +69,9 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
 
         from ...core import FairingSettings
         from ...core.diffusion.smoothing_radius import equivalent_uniform_tau
-        from ..data.mesh_arrays import read_mesh
+        from ..data.mesh_arrays import MeshData, read_triangles
         from ..jobs.solve import Solve
+        from ..jobs.store_result import start_positions
 
         settings = solver_settings(self)
         # Beside `denoise`, which has no τ: the best setting of the adaptive schemes (measured).
@@ -64,7 +81,9 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
             settings = beside = replace(beside, method="adaptive_timestep")
         obj = context.active_object
         with object_mode(context):
-            data = read_mesh(obj.data)
+            obj.adaptive_fairing.end_comparison()
+            start = start_positions(obj, from_original=True).astype(float)
+            data = MeshData(start, read_triangles(obj.data))
         tau = self.uniform_tau or equivalent_uniform_tau(data.vertices, data.triangles, beside)
         uniform = replace(beside, method="uniform", tau=float(f"{tau:.3g}"))
         return [
@@ -85,7 +104,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         try:
-            source = find_object(solves[0])
+            source = find_object(solves[0], from_original=True)
         except FairingError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -98,17 +117,27 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         return {"FINISHED"}
 
 
+COMPARISON = "fairing_comparison"
+"""Custom property that marks the collection of a comparison."""
+
+
+def comparison_of(scene: bpy.types.Scene) -> bpy.types.Collection | None:
+    """Find the collection with the copies of a scene's comparison."""
+    return next((each for each in scene.collection.children if COMPARISON in each), None)
+
+
 def _lay_out(context, source, solves) -> list[bpy.types.Object]:
     """Put labelled copies to the right of the source, in a collection of their own.
 
     The source itself stands for the mesh before, unless shape keys make it show something else.
     """
-    from ..jobs.store_result import write_record, write_shapes
+    from ..jobs.store_result import write_result
 
     low, high = _world_box(source)
     size = max(high - low)
     stride = (high.x - low.x) + GAP * size
     collection = bpy.data.collections.new(data_("Fairing Comparison"))
+    collection[COMPARISON] = True
     context.scene.collection.children.link(collection)
 
     def add(title, label, place):
@@ -123,7 +152,7 @@ def _lay_out(context, source, solves) -> list[bpy.types.Object]:
         collection.objects.link(_label(text, at, LABEL_SIZE * size))
 
     before = data_("Before")
-    if source.data.shape_keys is None:
+    if source.data.shape_keys is None and not source.adaptive_fairing.result:
         place = 0
         add_label(before, place)
     else:
@@ -133,8 +162,7 @@ def _lay_out(context, source, solves) -> list[bpy.types.Object]:
     for solve in solves:
         place += 1
         copy = add(*_title_and_label(solve), place)
-        write_shapes(copy, solve, store_density=False)
-        write_record(copy, solve)
+        write_result(copy, solve)
         made.append(copy)
     return made
 
@@ -154,15 +182,19 @@ def _title_and_label(solve) -> tuple[str, str]:
 
 def _plain_copy(source, name, vertices) -> bpy.types.Object:
     """Copy an object with a mesh of its own, without shape keys and parent."""
+    from ..data import results
+    from ..data.coloring import end_view
     from ..data.mesh_arrays import write_positions
 
     copy = source.copy()
     copy.name = name
     copy.data = source.data.copy()
     copy.data.name = name
+    end_view(copy)
+    results.clear(copy)
     if copy.data.shape_keys is not None:
         copy.shape_key_clear()
-        write_positions(copy.data, vertices)
+    write_positions(copy.data, vertices)
     copy.parent = None
     copy.matrix_world = source.matrix_world.copy()
     return copy

@@ -4,22 +4,28 @@ from __future__ import annotations
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.app.translations import pgettext_tip as tip_
 
 from ..data.regions import refusal, target_objects, vertex_weights
-from ..properties import OutputProperties, SolverProperties, solver_settings
+from ..properties import AUTO, OutputProperties, SolverProperties, solver_settings
 from ..requirements import scipy_problem
 from .modal_run import ModalRun, progress, stop_run
-from .object_mode import object_mode
+from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
 from .settings_layout import draw_operator
+
+DIFFUSION = (
+    "Smooth the selected meshes by the paper's geometric diffusion, which follows the density of "
+    "the mesh, and keep every step. Starts from the shape that is shown"
+)
 
 
 class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing"
-    bl_label = "Adaptive Fairing"
+    bl_label = "Denoise"
     bl_description = (
-        "Smooth the noise out of the selected meshes by geometric diffusion that follows the "
-        "density of the mesh, and keep every step or strength"
+        "Remove the noise of the selected meshes, such as scans: estimate how much there is, or "
+        "smooth by the geometric diffusion of the paper. Starts from the shape that is shown"
     )
     bl_options = {"REGISTER", "UNDO"}
 
@@ -30,54 +36,97 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
     def draw(self, context):
         draw_operator(self.layout, self, context.active_object)
 
+    @classmethod
+    def description(cls, context, properties):
+        return tip_(cls.bl_description if properties.method == AUTO else DIFFUSION)
+
     def prepare(self, context):
         settings = solver_settings(self)
         objects = target_objects(context)
         mode = objects[0].mode
         with object_mode(context):
+            for obj in objects:
+                obj.adaptive_fairing.end_comparison()
             return [self._solve(obj, mode, settings) for obj in objects]
 
     def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
-        from ..jobs.store_result import object_of, store_solve
+        from ..jobs.store_result import object_of
 
-        results, problems = [], []
+        results, problems, unchanged = [], [], []
+        prepare_undo(context)
         with object_mode(context):
             for solve in solves:
                 try:
-                    if solve.has_result:
-                        obj = store_solve(
-                            solve, output=self.output, store_density=self.store_density
-                        )
-                        results.append(obj)
-                        for note in solve.notes:
-                            self.report({"INFO"}, f"{obj.name}: {note}")
-                        _take_over_selection(context, object_of(solve.session_uid), obj)
+                    if solve.has_result and not solve.is_changed:
+                        unchanged.append(solve)
+                    elif solve.has_result:
+                        source = object_of(solve.session_uid)
+                        results.append(self._store(solve))
+                        _take_over_selection(context, source, results[-1])
                 except FairingError as error:
                     solve.failure = error
                 if solve.error is not None:
                     problems.append(f"{solve.name}: {solve.error}")
         for problem in problems:
             self.report({"WARNING"} if results else {"ERROR"}, problem)
+        for solve in unchanged:
+            why = "; ".join(solve.notes)
+            self.report({"INFO"}, rpt_("{:s}: nothing was changed: {:s}").format(solve.name, why))
         if not results:
-            if not problems:
+            if not problems and not unchanged:
                 self.report({"INFO"}, rpt_("Stopped: nothing was changed"))
             return {"CANCELLED"}
-        self.report({"INFO"}, _summary(solves, is_stopped))
+        self.report({"INFO"}, _summary([each for each in solves if each.is_changed], is_stopped))
         return {"FINISHED"}
+
+    def _is_in_place(self):
+        return self.method == AUTO and self.result == "MODIFIER"
+
+    def _store(self, solve):
+        """Write a result; say what becomes of anything beside the mesh."""
+        from ..data.results import is_stale
+        from ..jobs.store_result import object_of, store_solve
+
+        source = object_of(solve.session_uid)
+        mesh = source.data
+        if is_stale(source):
+            self.report(
+                {"INFO"},
+                rpt_(
+                    "{:s}: the mesh was changed since the last run, whose stored result was dropped"
+                ).format(solve.name),
+            )
+        obj = store_solve(
+            solve,
+            way=self.result,
+            output=self.output,
+            store_density=self.store_density or not solve.is_denoise,
+            from_original=self.from_original,
+        )
+        if obj == source and obj.data != mesh:
+            self.report(
+                {"INFO"},
+                rpt_("{:s} has a mesh of its own now: other objects keep the old one").format(
+                    solve.name
+                ),
+            )
+        for note in solve.notes:
+            self.report({"INFO"}, f"{obj.name}: {note}")
+        return obj
 
     def _solve(self, obj, mode, settings):
         from ...core import FairingError, InputError
-        from ..data.mesh_arrays import read_mesh
+        from ..data.mesh_arrays import read_triangles
         from ..data.targets import needs_copy
         from ..jobs.solve import Solve
+        from ..jobs.store_result import start_positions
 
-        data = read_mesh(obj.data)
-        solve = Solve(
-            data.vertices, data.triangles, settings, name=obj.name, session_uid=obj.session_uid
-        )
+        start = start_positions(obj, from_original=self.from_original).astype(float)
+        triangles = read_triangles(obj.data)
+        solve = Solve(start, triangles, settings, name=obj.name, session_uid=obj.session_uid)
         try:
-            if self.existing_keys == "REFUSE" and needs_copy(obj):
+            if self.existing_keys == "REFUSE" and needs_copy(obj, in_place=self._is_in_place()):
                 raise InputError(
                     rpt_(
                         "has shape keys of its own, or is linked from another file: "
@@ -126,14 +175,13 @@ def _take_over_selection(
 
 
 def _summary(solves, is_stopped: bool) -> str:
-    done = [solve for solve in solves if solve.has_result]
-    n_vertices = sum(len(solve.vertices) for solve in done)
-    seconds = sum(solve.seconds for solve in done)
-    if done[0].is_denoise:
+    n_vertices = sum(len(solve.vertices) for solve in solves)
+    seconds = sum(solve.seconds for solve in solves)
+    if solves[0].is_denoise:
         text = rpt_("Denoised {:d} vertices, {:.1f} s").format(n_vertices, seconds)
     else:
         text = rpt_("Faired {:d} vertices in {:d} steps, {:.1f} s").format(
-            n_vertices, sum(len(solve.steps) for solve in done), seconds
+            n_vertices, sum(len(solve.steps) for solve in solves), seconds
         )
     return rpt_("Stopped early. {:s}").format(text) if is_stopped else text
 

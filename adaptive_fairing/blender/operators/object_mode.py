@@ -19,11 +19,22 @@ def object_mode(context: bpy.types.Context) -> Iterator[None]:
     if mode == "OBJECT":
         yield
         return
-    name = active.name
+    uid = active.session_uid
     bpy.ops.object.mode_set(mode="OBJECT")
     try:
         yield
     finally:
         active = context.view_layer.objects.active
-        if active is not None and active.name == name and active.visible_get():
+        if active is not None and active.session_uid == uid and active.visible_get():
             bpy.ops.object.mode_set(mode=mode)
+
+
+def prepare_undo(context: bpy.types.Context) -> None:
+    """Call before a change in Sculpt Mode, so that one undo step takes it back exactly.
+
+    Strokes are kept as differences, from which Blender cannot undo a change that was not a stroke;
+    a whole state just before the change gives it something to go back to.
+    """
+    active = context.active_object
+    if active is not None and active.mode == "SCULPT" and bpy.ops.ed.undo_push.poll():
+        bpy.ops.ed.undo_push(message="Adaptive Fairing")

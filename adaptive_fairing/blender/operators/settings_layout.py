@@ -5,27 +5,43 @@ from __future__ import annotations
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..properties import AUTO
+from .tau import OBJECT_OT_adaptive_fairing_suggest_tau
 
 
 def draw_operator(layout, operator, obj) -> None:
-    """Draw all properties of the operator, for the redo panel."""
+    """Draw all properties of the operator that its method has, for the redo panel."""
     layout.use_property_split = True
     layout.use_property_decorate = False
-    draw_method(layout.column(), operator)
-    parts = [draw_output] if operator.method == AUTO else [draw_density, draw_output, draw_accuracy]
-    for draw_part in parts:
-        layout.separator()
-        draw_part(layout, operator)
+    layout.prop(operator, "method")
+    if operator.method == AUTO:
+        layout.prop(operator, "strength")
+    else:
+        layout.prop(operator, "tau")
+        layout.prop(operator, "steps")
+        draw_density(layout, operator)
+        draw_accuracy(layout, operator)
     layout.separator()
-    draw_region(layout, operator, obj)
+    draw_options(layout, operator, obj)
 
 
-def draw_method(layout, properties) -> None:
-    """Draw the method and what it needs to know."""
-    layout.prop(properties, "method")
-    names = ("strength", "features") if properties.method == AUTO else ("tau", "steps")
-    for name in names:
-        layout.prop(properties, name)
+def draw_method(layout, settings) -> None:
+    """Draw the method and what decides most: the strength, or the radius and the steps."""
+    layout.prop(settings, "method")
+    if settings.method == AUTO:
+        layout.prop(settings, "strength")
+        return
+    row = layout.row(align=True)
+    row.prop(settings, "radius")
+    row.operator(OBJECT_OT_adaptive_fairing_suggest_tau.bl_idname, text="", icon="CHECKMARK")
+    layout.prop(settings, "steps")
+
+
+def draw_options(layout, properties, obj) -> None:
+    """Draw where a run works, what it starts from, and what becomes of the result."""
+    if properties.method == AUTO:
+        layout.prop(properties, "features")
+    draw_region(layout, properties, obj)
+    draw_output(layout, properties)
 
 
 def draw_density(layout, properties) -> None:
@@ -49,11 +65,15 @@ def draw_region(layout, properties, obj) -> None:
 
 
 def draw_output(layout, properties) -> None:
-    """Draw what becomes of the result."""
+    """Draw what a run starts from and what becomes of the result."""
     column = layout.column()
-    column.prop(properties, "output")
+    if properties.method == AUTO:
+        column.prop(properties, "result")
+        column.prop(properties, "store_density")
+    else:
+        column.prop(properties, "output")
+    column.prop(properties, "from_original")
     column.prop(properties, "existing_keys")
-    column.prop(properties, "store_density")
 
 
 def draw_accuracy(layout, properties) -> None:

@@ -55,13 +55,13 @@ class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
         from ...core import FairingError
         from ..data.coloring import color_by_field
 
-        shown = 0
         objects = target_objects(context)
         try:
             settings = fairing_settings(context.scene.adaptive_fairing)
         except FairingError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
+        shown = 0
         with object_mode(context):
             for obj in objects:
                 try:
@@ -69,22 +69,24 @@ class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
                     shown += 1
                 except FairingError as error:
                     self.report({"WARNING"}, f"{obj.name}: {error}")
-        if not shown:
-            return {"CANCELLED"}
-        viewport.show_colors(context)
-        return {"FINISHED"}
+        viewport.redraw(context)
+        return {"FINISHED"} if shown else {"CANCELLED"}
 
 
 class OBJECT_OT_adaptive_fairing_view_end(bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_view_end"
-    bl_label = "Back to Shading"
-    bl_description = "Show the 3D view as it was before the colours"
+    bl_label = "Hide Colors"
+    bl_description = "Remove the colors of the view, and the numbers behind them, from all objects"
+    bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
-        viewport.show_as_before(context)
-        for obj in context.scene.objects:
-            if obj.adaptive_fairing.view and obj.library is None:
-                obj.adaptive_fairing.view = ""
+        from ..data.coloring import end_view
+
+        with object_mode(context):
+            for obj in context.scene.objects:
+                if obj.type == "MESH" and obj.adaptive_fairing.view and obj.data.library is None:
+                    end_view(obj)
+        viewport.redraw(context)
         return {"FINISHED"}
 
 

@@ -12,6 +12,14 @@ PIXELS_PER_CHARACTER = 7.0
 MARGIN_PIXELS = 70
 
 
+class FairingPanel:
+    """Mix-in: a panel in the sidebar of the 3D view, tab "Fairing"."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Fairing"
+
+
 def draw_lines(context: bpy.types.Context, layout, text: str, *, icon: str) -> None:
     """Draw a text over as many lines as the region's width asks for: labels do not wrap."""
     scale = context.preferences.system.ui_scale
@@ -32,3 +40,10 @@ def length_text(context: bpy.types.Context, length: float) -> str:
     return bpy.utils.units.to_string(
         units.system, "LENGTH", length * units.scale_length, precision=5, split_unit=False
     )
+
+
+def world_length_text(
+    context: bpy.types.Context, record: bpy.types.PropertyGroup, length: float
+) -> str:
+    """Write a length of a mesh as it is in the world, where the object may be scaled."""
+    return length_text(context, length * record.id_data.matrix_world.median_scale)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..operators.compare import OBJECT_OT_adaptive_fairing_compare
+from ..operators.loop_subdivide import OBJECT_OT_adaptive_fairing_loop_subdivide
 from ..properties import copy_solver
 from .settings_panel import draw_run_button
 
@@ -15,6 +16,7 @@ def draw_object_menu(self, context) -> None:
     draw_mode_menu(self, context)
     compare = self.layout.operator(OBJECT_OT_adaptive_fairing_compare.bl_idname)
     copy_solver(context.scene.adaptive_fairing, compare)
+    draw_loop_subdivide(self, context)
 
 
 def draw_mode_menu(self, context) -> None:
@@ -22,8 +24,14 @@ def draw_mode_menu(self, context) -> None:
     draw_run_button(self.layout, context.scene.adaptive_fairing, icon="MOD_SMOOTH")
 
 
+def draw_loop_subdivide(self, context) -> None:
+    """Add the refinement, which fairs nothing."""
+    self.layout.operator(OBJECT_OT_adaptive_fairing_loop_subdivide.bl_idname, icon="MOD_SUBSURF")
+
+
 _ENTRIES = (
     ("VIEW3D_MT_object", draw_object_menu),
+    ("VIEW3D_MT_edit_mesh", draw_loop_subdivide),
     ("VIEW3D_MT_edit_mesh_vertices", draw_mode_menu),
     ("VIEW3D_MT_sculpt", draw_mode_menu),
 )

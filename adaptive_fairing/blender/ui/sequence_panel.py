@@ -8,7 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..operators import modal_run
 from ..operators.sequence import OBJECT_OT_adaptive_fairing_sequence
 from ..properties import copy_settings, copy_solver
-from .settings_panel import FairingPanel
+from .layouts import FairingPanel
 
 
 class VIEW3D_PT_adaptive_fairing_sequence(FairingPanel, bpy.types.Panel):

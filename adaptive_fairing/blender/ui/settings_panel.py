@@ -12,25 +12,14 @@ from ..operators.settings_layout import (
     draw_accuracy,
     draw_density,
     draw_method,
-    draw_output,
-    draw_region,
+    draw_options,
 )
-from ..operators.tau import (
-    OBJECT_OT_adaptive_fairing_measure,
-    OBJECT_OT_adaptive_fairing_suggest_tau,
-)
+from ..operators.tau import OBJECT_OT_adaptive_fairing_measure
 from ..properties import AUTO, OUTPUT_NAMES, copy_settings, copy_solver
 from ..requirements import scipy_problem
-from .layouts import draw_lines
+from .layouts import FairingPanel, draw_lines
 from .presets import VIEW3D_PT_adaptive_fairing_presets
-
-
-class FairingPanel:
-    """Mix-in: a panel in the sidebar of the 3D view, tab "Fairing"."""
-
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Fairing"
+from .result_box import draw_result
 
 
 class VIEW3D_PT_adaptive_fairing(FairingPanel, bpy.types.Panel):
@@ -47,16 +36,16 @@ class VIEW3D_PT_adaptive_fairing(FairingPanel, bpy.types.Panel):
         problem = scipy_problem()
         if problem is not None:
             draw_lines(context, layout, problem, icon="ERROR")
-        column = layout.column()
-        column.active = modal_run.progress() is None
-        draw_method(column, settings)
-        if problem is None and settings.method != AUTO:
-            _draw_radius(context, layout, settings)
         current = modal_run.progress()
-        if current is None:
-            _draw_run(context, layout, settings)
-        else:
+        column = layout.column()
+        column.active = current is None
+        draw_method(column, settings)
+        if current is not None:
             _draw_progress(layout, current)
+            return
+        _draw_run(context, layout, settings)
+        layout.use_property_split = False
+        draw_result(context, layout)
 
 
 class _SettingsPanel(FairingPanel):
@@ -73,39 +62,25 @@ class _SettingsPanel(FairingPanel):
         self.draw_settings(context, layout, context.scene.adaptive_fairing)
 
 
-class VIEW3D_PT_adaptive_fairing_density(_SettingsPanel, bpy.types.Panel):
-    bl_label = "Density"
+class VIEW3D_PT_adaptive_fairing_options(_SettingsPanel, bpy.types.Panel):
+    bl_label = "Options"
+
+    def draw_settings(self, context, layout, settings):
+        draw_options(layout, settings, context.active_object)
+
+
+class VIEW3D_PT_adaptive_fairing_advanced(_SettingsPanel, bpy.types.Panel):
+    bl_label = "Advanced"
 
     @classmethod
     def poll(cls, context):
         return context.scene.adaptive_fairing.method != AUTO
 
     def draw_settings(self, context, layout, settings):
+        layout.prop(settings, "tau")
+        if scipy_problem() is None:
+            _draw_radius(context, layout, settings)
         draw_density(layout, settings)
-
-
-class VIEW3D_PT_adaptive_fairing_region(_SettingsPanel, bpy.types.Panel):
-    bl_label = "Region and Boundary"
-
-    def draw_settings(self, context, layout, settings):
-        draw_region(layout, settings, context.active_object)
-
-
-class VIEW3D_PT_adaptive_fairing_output(_SettingsPanel, bpy.types.Panel):
-    bl_label = "Result"
-
-    def draw_settings(self, context, layout, settings):
-        draw_output(layout, settings)
-
-
-class VIEW3D_PT_adaptive_fairing_accuracy(_SettingsPanel, bpy.types.Panel):
-    bl_label = "Stopping and Accuracy"
-
-    @classmethod
-    def poll(cls, context):
-        return context.scene.adaptive_fairing.method != AUTO
-
-    def draw_settings(self, context, layout, settings):
         draw_accuracy(layout, settings)
 
 
@@ -128,10 +103,6 @@ def _draw_radius(context, layout, settings) -> None:
         draw_lines(context, box, scale, icon="ERROR")
     else:
         _draw_radii(box, scale, settings)
-    row = box.row(align=True)
-    row.use_property_split = False
-    row.prop(settings, "radius")
-    row.operator(OBJECT_OT_adaptive_fairing_suggest_tau.bl_idname)
 
 
 def _draw_radii(layout, scale, settings) -> None:
@@ -153,11 +124,39 @@ def _draw_radii(layout, scale, settings) -> None:
 
 def _draw_run(context, layout, settings) -> None:
     message = refusal(context)
-    n_objects = len(target_objects(context)) if message is None else 0
-    text = iface_("Fair") if n_objects < 2 else iface_("Fair {:d} Objects").format(n_objects)
+    objects = target_objects(context) if message is None else []
     row = layout.row()
     row.scale_y = 1.6
+    text = iface_("Denoise") if settings.method == AUTO else iface_("Diffuse")
+    if len(objects) > 1:
+        text = iface_("{:s} {:d} Objects").format(text, len(objects))
     draw_run_button(row, settings, text=text, icon="MOD_SMOOTH")
+    if len(objects) == 1:
+        for hint in hints(objects[0], settings):
+            draw_lines(context, layout, iface_(hint), icon="INFO")
+
+
+def hints(obj: bpy.types.Object, settings) -> list[str]:
+    """Say before a run what it will change beyond the mesh, and what it cannot see."""
+    from ..data.targets import needs_copy  # needs the core, which enabling the add-on does not load
+
+    mesh = obj.data
+    found = []
+    is_modifier = settings.method == AUTO and settings.result == "MODIFIER"
+    if needs_copy(obj, in_place=is_modifier):
+        found.append("The result goes to a copy; this object is hidden")
+    elif mesh.users - mesh.use_fake_user > 1:
+        found.append("Other objects share this mesh: they keep the old one")
+    if any(each.type == "MULTIRES" for each in obj.modifiers):
+        found.append("Multiresolution: the base mesh is smoothed, not the sculpted levels")
+    elif any(each.name != "Adaptive Fairing" and each.show_viewport for each in obj.modifiers):
+        found.append("Modifiers stay above: the mesh below them is smoothed")
+    low, high = min(obj.scale), max(obj.scale)
+    if high - low > 0.01 * max(abs(low), abs(high)):
+        found.append("The scale is not uniform: apply it first")
+    if settings.from_original and obj.adaptive_fairing.result:
+        found.append("From Original: what the runs have done since is discarded")
+    return found
 
 
 def draw_run_button(layout, settings, **appearance) -> None:
@@ -185,9 +184,7 @@ def _draw_progress(layout, current) -> None:
 register, unregister = bpy.utils.register_classes_factory(
     (
         VIEW3D_PT_adaptive_fairing,
-        VIEW3D_PT_adaptive_fairing_density,
-        VIEW3D_PT_adaptive_fairing_region,
-        VIEW3D_PT_adaptive_fairing_output,
-        VIEW3D_PT_adaptive_fairing_accuracy,
+        VIEW3D_PT_adaptive_fairing_options,
+        VIEW3D_PT_adaptive_fairing_advanced,
     )
 )

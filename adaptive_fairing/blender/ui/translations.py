@@ -14,6 +14,7 @@ GERMAN = {
     "Animate": "Animieren",
     "Clear Animation": "Animation entfernen",
     "Compare with Uniform": "Mit gleichmäßig vergleichen",
+    "Loop Subdivide (Limit Surface)": "Loop-Unterteilung (Grenzfläche)",
     "Measure Mesh": "Netz ausmessen",
     "Add Fairing Preset": "Glättungsvorgabe hinzufügen",
     "Stop": "Anhalten",
@@ -29,6 +30,31 @@ GERMAN = {
     "Fairing Presets": "Glättungsvorgaben",
     "Colors": "Farben",
     "Comparison": "Vergleich",
+    # Loop subdivision
+    "Refine the selected meshes by Loop subdivision of their triangles, with all shape keys, UV "
+    "maps, attributes and vertex groups. A mesh that other objects use as well stays as it is, and "
+    "the object gets its own": "Die gewählten Netze durch Loop-Unterteilung ihrer Dreiecke "
+    "verfeinern, mit allen Formschlüsseln, UV-Maps, Attributen und Vertexgruppen. Ein Netz, das "
+    "auch andere Objekte benutzen, bleibt, wie es ist, und das Objekt bekommt ein eigenes",
+    "Levels": "Stufen",
+    "Number of steps; each cuts every triangle into four": "Anzahl der Schritte; jeder teilt jedes "
+    "Dreieck in vier",
+    "Limit Points": "Grenzpunkte",
+    "Put the vertices on the smooth surface that further subdivision would lead to. Without it "
+    "they are the control points of the finer mesh, to subdivide again": "Die Punkte auf die "
+    "glatte Fläche setzen, zu der weitere Unterteilung führen würde. Sonst sind sie die "
+    "Kontrollpunkte des feineren Netzes, das sich weiter unterteilen lässt",
+    "Sharp Edges as Creases": "Scharfe Kanten als Falten",
+    "Edges that are marked sharp or have a crease of 1 stay sharp, and vertices with a crease of 1 "
+    "stay in place": "Kanten, die als scharf markiert sind oder eine Falte von 1 haben, bleiben "
+    "scharf, und Punkte mit einer Falte von 1 bleiben am Ort",
+    "Exact Normals": "Genaue Normalen",
+    "Shade with the normals of the smooth surface, as custom normals. Clear them before you change "
+    "the shape by hand": "Mit den Normalen der glatten Fläche schattieren, als eigene Normalen. "
+    "Vor Änderungen der Form von Hand zu löschen",
+    "Refined to {:d} triangles": "Verfeinert auf {:d} Dreiecke",
+    "The object is linked from another file: make it local first": "Das Objekt ist aus einer "
+    "anderen Datei verknüpft: erst lokal machen",
     # Tooltips of operators
     "Select, in Edit Mode, the vertices of the active mesh that are not finite, not manifold or at "
     "triangles without area: what a run refuses, holds still or bounds": "Im Bearbeitungsmodus die "
@@ -274,6 +300,149 @@ GERMAN = {
     "Before": "Davor",
     "Adaptive": "Adaptiv",
     "Fairing Comparison": "Glättungsvergleich",
+    # Results
+    "Advanced": "Erweitert",
+    "Animation": "Animation",
+    "Apply": "Anwenden",
+    "Denoise": "Entrauschen",
+    "Diffuse": "Diffundieren",
+    "Discard": "Verwerfen",
+    "From Original": "Vom Original",
+    "Hide Colors": "Farben ausblenden",
+    "Live": "Direkt",
+    "Modifier": "Modifikator",
+    "Options": "Optionen",
+    "Paint Back": "Zurückmalen",
+    "Split": "Teilen",
+    "Statistics": "Statistik",
+    "Steps As": "Schritte als",
+    "Bring the mesh back to exactly what it was before the runs": (
+        "Das Netz genau auf den Stand vor den Läufen zurückbringen"
+    ),
+    "Change to Weight Paint with the vertex group Fairing: weight 0 brings the original "
+    "back, 1 shows the result; once more leaves it": (
+        "In die Gewichtsmalerei mit der Scheitelpunktgruppe Fairing wechseln: Gewicht 0 bringt "
+        "das Original zurück, 1 zeigt das Ergebnis; noch einmal verlässt sie"
+    ),
+    "Curvature Energy H": "Krümmungsenergie H",
+    "Every step as a relative shape key": "Jeder Schritt als relative Form",
+    "Every step as an absolute shape key: one slider runs through them": (
+        "Jeder Schritt als absolute Form: ein Regler läuft durch sie"
+    ),
+    "Keep the shape as it is shown and remove everything else that the runs have left: "
+    "stored shapes, shape keys, modifier, colors": (
+        "Die gezeigte Form behalten und alles andere entfernen, was die Läufe hinterlassen "
+        "haben: gespeicherte Formen, Formschlüssel, Modifikator, Farben"
+    ),
+    "Leave Edit Mode to change the strength": (
+        "Den Bearbeitungsmodus verlassen, um die Stärke zu ändern"
+    ),
+    "Noise {:s}": "Rauschen {:s}",
+    "Paint with weight 0 to bring the original back": (
+        "Mit Gewicht 0 malen, um das Original zurückzubringen"
+    ),
+    "Remove Comparison": "Vergleich entfernen",
+    "Remove the colors of the view, and the numbers behind them, from all objects": (
+        "Die Farben der Ansicht und die Zahlen dahinter von allen Objekten entfernen"
+    ),
+    "Remove the noise of the selected meshes, such as scans: estimate how much there is, or "
+    "smooth by the geometric diffusion of the paper. Starts from the shape that is shown": (
+        "Das Rauschen der gewählten Netze, etwa von Scans, entfernen: schätzen, wie viel da ist, "
+        "oder durch die geometrische Diffusion der Arbeit glätten. Beginnt mit der gezeigten Form"
+    ),
+    "Smooth the selected meshes by the paper's geometric diffusion, which follows the "
+    "density of the mesh, and keep every step. Starts from the shape that is shown": (
+        "Die gewählten Netze durch die geometrische Diffusion der Arbeit glätten, die der Dichte "
+        "des Netzes folgt, und jeden Schritt behalten. Beginnt mit der gezeigten Form"
+    ),
+    "Shape keys have no weights to paint: use the result Live or Modifier": (
+        "Formen haben keine Gewichte zum Malen: das Ergebnis Direkt oder Modifikator nehmen"
+    ),
+    "Show the original as long as the key is held; the button shows it until the next click": (
+        "Das Original zeigen, solange die Taste gedrückt ist; der Knopf zeigt es bis zum "
+        "nächsten Klick"
+    ),
+    "Show the original on the left half of the object, as it is seen now, and the result on "
+    "the right; once more shows the whole result": (
+        "Auf der linken Hälfte des Objekts, wie es jetzt zu sehen ist, das Original zeigen und "
+        "rechts das Ergebnis; noch einmal zeigt das ganze Ergebnis"
+    ),
+    "Split works with the result Live": "Teilen geht mit dem Ergebnis Direkt",
+    "Start from the shape before the first run, and discard what the runs have done since; "
+    "otherwise start from the shape that is shown": (
+        "Mit der Form vor dem ersten Lauf beginnen und verwerfen, was die Läufe seither getan "
+        "haben; sonst mit der gezeigten Form beginnen"
+    ),
+    "Step {:d}": "Schritt {:d}",
+    "Store the density of the mesh as fairing_density and fairing_density_color; the paper's "
+    "methods always do": (
+        "Die Dichte des Netzes als fairing_density und fairing_density_color speichern; die "
+        "Verfahren der Arbeit tun es immer"
+    ),
+    "The mesh itself has the shape that is shown, so every exporter writes it; the original "
+    "and the offsets are kept as attributes for the Strength slider": (
+        "Das Netz selbst hat die gezeigte Form, also schreibt sie jeder Exporter; Original und "
+        "Versätze bleiben als Attribute für den Regler Stärke"
+    ),
+    "The mesh stays as it is; the modifier Adaptive Fairing shows the result": (
+        "Das Netz bleibt, wie es ist; der Modifikator Adaptive Fairing zeigt das Ergebnis"
+    ),
+    "The mesh was changed since the last run. The next one starts from what is shown": (
+        "Das Netz wurde seit dem letzten Lauf geändert. Der nächste beginnt mit dem, was zu "
+        "sehen ist"
+    ),
+    "The mesh was changed since the last run: its stored result does not fit any more": (
+        "Das Netz wurde seit dem letzten Lauf geändert: das gespeicherte Ergebnis passt nicht mehr"
+    ),
+    "smoothed {:.2g} edges": "geglättet {:.2g} Kanten",
+    "the shape before the smoothing was not kept": (
+        "die Form vor dem Glätten wurde nicht aufgehoben"
+    ),
+    "there is no result on this object": "auf diesem Objekt ist kein Ergebnis",
+    "volume {:s}": "Volumen {:s}",
+    "{:.4g} in the box [-3, 3]³": "{:.4g} im Würfel [-3, 3]³",
+    "{:.4g} per unit": "{:.4g} je Einheit",
+    "{:d} steps": "{:d} Schritte",
+    "{:s} has a mesh of its own now: other objects keep the old one": (
+        "{:s} hat jetzt ein eigenes Netz: andere Objekte behalten das alte"
+    ),
+    "{:s} {:d} Objects": "{:s}: {:d} Objekte",
+    "{:s}: nothing was changed: {:s}": "{:s}: nichts wurde geändert: {:s}",
+    "{:s}: the mesh was changed since the last run, whose stored result was dropped": (
+        "{:s}: das Netz wurde seit dem letzten Lauf geändert, dessen gespeichertes Ergebnis "
+        "entfällt"
+    ),
+    "The active object has no result of Adaptive Fairing that can still be changed": (
+        "Das aktive Objekt hat kein Ergebnis von Adaptive Fairing, das noch zu ändern ist"
+    ),
+    "Only a result with a slider can be compared with the original": (
+        "Nur ein Ergebnis mit einem Regler kann mit dem Original verglichen werden"
+    ),
+    "How much of the noise is removed: 0 is the original, 1 what was estimated; works in "
+    "real time": (
+        "Wie viel vom Rauschen entfernt wird: 0 ist das Original, 1 was geschätzt wurde; wirkt "
+        "sofort"
+    ),
+    "Run through the smoothing: from the mesh before (0) to the last step (1)": (
+        "Durch die Glättung laufen: vom Netz davor (0) bis zum letzten Schritt (1)"
+    ),
+    "The result goes to a copy; this object is hidden": (
+        "Das Ergebnis kommt auf eine Kopie; dieses Objekt wird verborgen"
+    ),
+    "Other objects share this mesh: they keep the old one": (
+        "Andere Objekte teilen dieses Netz: sie behalten das alte"
+    ),
+    "Multiresolution: the base mesh is smoothed, not the sculpted levels": (
+        "Mehrfachauflösung: das Grundnetz wird geglättet, nicht die geformten Stufen"
+    ),
+    "Modifiers stay above: the mesh below them is smoothed": (
+        "Modifikatoren bleiben darüber: das Netz darunter wird geglättet"
+    ),
+    "The scale is not uniform: apply it first": "Die Skalierung ist ungleich: erst anwenden",
+    "From Original: what the runs have done since is discarded": (
+        "Vom Original: was die Läufe seither getan haben, wird verworfen"
+    ),
+    "Diffusion (paper)": "Diffusion (Arbeit)",
     # Messages
     "Change to Object Mode, Edit Mode or Sculpt Mode": "In den Objekt-, Bearbeitungs- oder "
     "Bildhauermodus wechseln",

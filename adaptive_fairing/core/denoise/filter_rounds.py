@@ -7,18 +7,16 @@ import math
 import numpy as np
 
 from ..runtime.arrays import FloatArray
-from .filter_bank import GENTLE, STEEP, FilterFamily, NormalFamily
+from .filter_bank import GENTLE, MESH_FAMILY, STEEP, FilterFamily, NormalFamily
 from .lifted_metric import LiftedMetric
 from .normal_filter import Smoothing
 
-# Filters of each round, in metrics of the mixture of the rounds before it.  The angles of the
+# Filters of each round besides those of the mesh, in metrics of the mixture of the rounds before
+# it, at first in those of the slightly smoothed surface.  The angles of the
 # metrics are for noise of `COARSE_NOISE` or more; with less noise the normals are less disturbed,
 # and smaller angles tell creases from it.
 ROUNDS: tuple[tuple[FilterFamily | NormalFamily, ...], ...] = (
-    (
-        FilterFamily(LiftedMetric(0), STEEP),
-        FilterFamily(LiftedMetric(1), STEEP),
-    ),
+    (FilterFamily(LiftedMetric(1), STEEP),),
     (
         FilterFamily(LiftedMetric(0, 0.3), STEEP),
         FilterFamily(LiftedMetric(1, 0.3), STEEP),
@@ -30,7 +28,7 @@ ROUNDS: tuple[tuple[FilterFamily | NormalFamily, ...], ...] = (
         ),
     ),
 )
-FAMILIES = tuple(family for families in ROUNDS for family in families)
+FAMILIES = (MESH_FAMILY, *(family for families in ROUNDS for family in families))
 COARSE_NOISE = 0.2
 LEAST_ANGLE_FACTOR = 0.1
 

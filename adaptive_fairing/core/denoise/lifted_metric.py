@@ -11,6 +11,13 @@ path is the angle by which the normal turns.  Points count as distant if many ed
 many times the angle a lie between them: diffusion with the Laplace-Beltrami operator of ĝ runs
 along creases, not across them.
 
+Here ĝ is constant on every triangle, and given by the squared lengths of its edges,
+
+    q_ij = (1 - s) + s |x_i - x_j|² / h² + |n_i - n_j|² / a²
+
+with the unit normals n of the vertices.  Functions are linear on every triangle.  That takes a
+sixth of the matrix entries of the Loop basis; the filters are as good (docs/auto.md).
+
 Source: the anisotropic diffusion of the paper's references [3] and [4], written as a metric in the
 spirit of N. Sochen, R. Kimmel and R. Malladi, A general framework for low level vision, 1998.
 """
@@ -21,17 +28,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..fem.differential_geometry import Metric
-from ..fem.loop_space import LoopSpace
-from ..fem.surface_evaluation import SurfaceBlock
-from ..linalg.symmetric_matrix import SymmetricMatrix
+from ..linalg.edge_matrix import EdgeMatrix, EdgePattern
+from ..mesh.normals import vertex_normals
 from ..runtime.arrays import FloatArray
 
-# Metric of a triangle with unit edges in its parametric coordinates: m11, m12, m22.
-EQUILATERAL = (1.0, 0.5, 1.0)
-
-# ĝ counts as at least this definite: relative to its squared trace.
+# A triangle's metric counts as at least this definite: determinant relative to the
+# square of the edges' squared lengths.
 LEAST_DETERMINANT = 1e-8
+
+# Part of the mass of linear elements that is moved to the diagonal.  With none, filters are
+# unstable at rims of slivers; the more of it, the less accurate they are.
+LUMPED_PART = 0.3
 
 
 class LiftedMetric(NamedTuple):
@@ -49,76 +56,99 @@ class LiftedMetric(NamedTuple):
     angle: float | None = None
 
     def matrices(
-        self, space: LoopSpace, positions: FloatArray, spacing: FloatArray
-    ) -> tuple[SymmetricMatrix, SymmetricMatrix]:
+        self, pattern: EdgePattern, positions: FloatArray, spacing: FloatArray
+    ) -> tuple[EdgeMatrix, EdgeMatrix]:
         """Assemble mass and stiffness matrix in the metric ĝ of a surface.
 
         Parameters
         ----------
-        space : LoopSpace
+        pattern : EdgePattern
         positions : (n, 3)
-            Control points of the surface.
         spacing : (n,)
             Local edge length h > 0, in the units of the positions.
 
         Returns
         -------
-        M, L : SymmetricMatrix
+        M, L : EdgeMatrix
             Time in (M + t L) is in squared edge lengths.
         """
-        return space.mass_and_stiffness(_LiftedForm(self), positions, spacing)
+        return linear_elements(pattern, self.lengths(pattern, positions, spacing))
+
+    def lengths(
+        self, pattern: EdgePattern, positions: FloatArray, spacing: FloatArray
+    ) -> FloatArray:
+        """Squared lengths q of every triangle's edges in the metric, (3, m); see `matrices`."""
+        topology, share = pattern.topology, self.surface_share
+        squares = np.full((3, topology.n_triangles), 1.0 - share)
+        if share > 0:
+            spacing_of_triangle = spacing[topology.triangles].mean(axis=1)
+            squares += share / spacing_of_triangle**2 * squared_edges(pattern, positions)
+        if self.angle is not None:
+            normals = vertex_normals(topology, positions)
+            squares += squared_edges(pattern, normals) / self.angle**2
+        return squares
 
 
-class _LiftedForm(NamedTuple):
-    """M and L in the metric ĝ, for the assembly."""
-
-    lifted: LiftedMetric
-
-    @property
-    def measured(self) -> bool:
-        return False
-
-    @property
-    def curved(self) -> bool:
-        return self.lifted.angle is not None
-
-    def coefficients(self, surface: SurfaceBlock) -> FloatArray:
-        """√ĝ, and √ĝ ĝ⁻¹, at each point."""
-        g11, g12, g22 = _lifted(self.lifted, surface)
-        determinant = g11 * g22 - g12 * g12
-        np.maximum(determinant, LEAST_DETERMINANT * (g11 + g22) ** 2, out=determinant)
-        element = np.sqrt(determinant)
-        return np.stack([element, g22 / element, -g12 / element, g11 / element])
+def linear_elements(pattern: EdgePattern, squares: FloatArray) -> tuple[EdgeMatrix, EdgeMatrix]:
+    """Mass and stiffness matrix for the squared lengths of the triangles' edges, (3, m)."""
+    element = area_elements(squares)
+    mass = pattern.summed(np.tile((1 - LUMPED_PART) / 24 * element, (3, 1)))
+    stiffness = pattern.summed(-half_cotangents(squares, element))
+    # A third of a triangle belongs to each corner; rows of L add up to 0.
+    on_diagonal = (1 + LUMPED_PART) / (1 - LUMPED_PART) * mass.row_sums()
+    return mass.with_diagonal(on_diagonal), stiffness.with_diagonal(-stiffness.row_sums())
 
 
-def _lifted(lifted: LiftedMetric, surface: SurfaceBlock) -> FloatArray:
-    """Entries of ĝ at each point, (3, n)."""
-    metric, share = surface.metric, lifted.surface_share
-    entries = np.empty((3, len(metric.area_element)))
-    entries[:] = (1 - share) * np.array(EQUILATERAL)[:, None]
-    if share > 0:
-        entries += share * np.stack([metric.g11, metric.g12, metric.g22]) / surface.field**2
-    if lifted.angle is not None and surface.second_derivatives is not None:
-        entries += third_form(metric, surface.second_derivatives) / lifted.angle**2
-    return entries
+def rim_flux(pattern: EdgePattern, squares: FloatArray, positions: FloatArray) -> FloatArray:
+    """Integrate ∂x/∂ν φ over the rims, (n, 3): what L x has there because the surface ends.
 
-
-def third_form(metric: Metric, second_derivatives: FloatArray) -> FloatArray:
-    """Third fundamental form, (3, n_points): III11, III12, III22 of III = II g⁻¹ II.
+    L x less that is 0 for a plane, at its rims as inside.
 
     Parameters
     ----------
-    metric : Metric
-    second_derivatives : (3, 3, n_points)
-        ∂11 x, ∂12 x, ∂22 x.
+    pattern : EdgePattern
+    squares : (3, m)
+        Squared lengths of the triangles' edges in the metric.
+    positions : (n, 3)
+        x.
     """
-    h11, h12, h22 = np.einsum("adp,dp->ap", second_derivatives, metric.normal)
-    # The normal has the length of the area element, as long as that is not bounded from below.
-    for form in (h11, h12, h22):
-        form /= metric.area_element
-    determinant = metric.area_element**2
-    i11, i12, i22 = metric.g22 / determinant, -metric.g12 / determinant, metric.g11 / determinant
-    # The columns of g⁻¹ II.
-    a1, a2 = i11 * h11 + i12 * h12, i12 * h11 + i22 * h12
-    b1, b2 = i11 * h12 + i12 * h22, i12 * h12 + i22 * h22
-    return np.stack([h11 * a1 + h12 * a2, h11 * b1 + h12 * b2, h12 * b1 + h22 * b2])
+    topology = pattern.topology
+    flux = np.zeros((topology.n_vertices, 3))
+    triangle, first = np.divmod(np.flatnonzero(topology.twin < 0), 3)
+    own = squares[:, triangle]
+    cotangents = half_cotangents(own, area_elements(own))
+    second, third, each = (first + 1) % 3, (first + 2) % 3, np.arange(len(first))
+    ends = topology.triangles[triangle, first], topology.triangles[triangle, second]
+    inner = positions[topology.triangles[triangle, third]]
+    # φ of the corner opposite to a rim's edge falls at a constant rate towards it: the flux is
+    # what ∫ ∇x · ∇φ says for that corner.  Half of it belongs to each end.
+    towards = cotangents[third, each][:, None] * (positions[ends[0]] - inner)
+    towards += cotangents[second, each][:, None] * (positions[ends[1]] - inner)
+    for end in ends:
+        np.add.at(flux, end, towards)
+    return flux
+
+
+def squared_edges(pattern: EdgePattern, points: FloatArray) -> FloatArray:
+    """Squared lengths of every triangle's edges from corner k to the next, (3, n_triangles)."""
+    triangles = pattern.topology.triangles
+    squares = np.zeros((3, len(triangles)))
+    for column in points.T:
+        corners = np.ascontiguousarray(column)[triangles.T]
+        for k in range(3):
+            squares[k] += np.square(corners[(k + 1) % 3] - corners[k])
+    return squares
+
+
+def area_elements(squares: FloatArray) -> FloatArray:
+    """Twice the areas of triangles, (m,), from the squared lengths of their edges, (3, m)."""
+    a, b, c = squares
+    determinant = (2 * (a * b + b * c + c * a) - (a * a + b * b + c * c)) / 4
+    least = LEAST_DETERMINANT * np.square(a + b + c)
+    return np.sqrt(np.maximum(determinant, np.maximum(least, np.finfo(float).tiny)))
+
+
+def half_cotangents(squares: FloatArray, elements: FloatArray) -> FloatArray:
+    """Half the cotangents of the angles opposite to each edge, (3, m)."""
+    cotangents: FloatArray = (squares.sum(axis=0) - 2 * squares) / (4 * elements)
+    return cotangents

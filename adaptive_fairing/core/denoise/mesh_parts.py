@@ -136,10 +136,14 @@ class MeshParts:
         return self._frame.spread(values, DENSITY_PASSES)
 
     def best_shares(
-        self, removed: FloatArray, divergence: FloatArray, variance: FloatArray
+        self, removed: FloatArray, divergence: FloatArray, variances: FloatArray
     ) -> FloatArray:
-        """Choose the shares (k, n) of the filters with the least risk in every part."""
-        shares = np.zeros_like(removed)
+        """Choose the shares of the filters with the least risk in every part, (s, k, n).
+
+        From what the filters remove and its divergence, (k, n), for several variances of the
+        noise, (s, n).
+        """
+        shares = np.zeros((len(variances), *removed.shape))
         for members in self._members:
             is_counted = self.is_counted[members]
             if not is_counted.any():
@@ -149,8 +153,8 @@ class MeshParts:
             chosen = least_risk_shares(
                 removed[:, counted],
                 divergence[:, counted],
-                variance[counted],
+                variances[:, counted],
                 classes[:, is_counted],
             )
-            shares[:, members] = chosen.T @ classes
+            shares[:, :, members] = np.einsum("sck,cn->skn", chosen, classes)
         return shares

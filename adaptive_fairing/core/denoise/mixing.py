@@ -17,12 +17,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..fem.loop_space import LoopSpace
 from ..linalg.conjugate_gradients import SolveReport
 from ..runtime.arrays import BoolArray, FloatArray
-from .filter_bank import SOLVES_PER_METRIC, FilterBank, FilterFamily, NormalFamily
+from .filter_bank import FilterBank, FilterFamily, NormalFamily
 from .filter_rounds import FAMILIES, USABLE, rounds_for
 from .local_frame import LocalFrame
 from .mesh_parts import MeshParts, NoiseFound
@@ -39,8 +38,8 @@ from .tangential_limit import Sliding
 # the estimate is a lower bound; found on meshes with known noise.
 NOISE_FACTOR = 1.1
 
-# Solves for the first surface and all filters, as far as the progress goes.
-EXPECTED_SOLVES = SOLVES_PER_METRIC + sum(family.n_solves for family in FAMILIES)
+# Solves for all filters, as far as the progress goes.
+EXPECTED_SOLVES = sum(family.n_solves for family in FAMILIES)
 
 PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large against rounding
 # A probe that folds a triangle over changes the filtered surface by leaps; such outliers of its
@@ -123,7 +122,7 @@ def mixed_surfaces(
             if smooth.may_be_noise and not keeps_clean:
                 level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
             elif smooth.is_likely and not beyond_clean(strength * level).any():
-                notes = (*notes, SMOOTH.format(smooth.level))
+                notes = (SMOOTH.format(smooth.level), *notes)
         if beyond_clean(max(STRENGTHS) * strength * level).any():
             if correlation is None:
                 correlation = noise_correlation(fading, stage.frame, counted & (level > 0))
@@ -133,9 +132,11 @@ def mixed_surfaces(
         if plan.impulsive.any():
             stage = stage.calmed(plan.impulsive)
         if not plan.is_idle:
-            stage.repeat(plan, strength)
-    results = [stage.track.mixed(shares) for shares in plan.mixtures]
-    if not plan.is_idle:
+            stage.repeat(plan)
+    if plan.is_idle:
+        results = [stage.track.positions] * len(STRENGTHS)
+    else:
+        results = [stage.track.mixed(shares) for shares in plan.mixtures]
         sliding = Sliding(space.topology, stage.track.positions, stage.frame)
         results = [sliding.limited(result) for result in results]
     return MixedSurfaces(results, plan, solves.report(), notes)
@@ -163,20 +164,22 @@ def _planned(
     def variance(factor: float) -> FloatArray:
         return np.square(NOISE_FACTOR * beyond_clean(factor * strength * seen) / correlation.seen)
 
-    first, *others = rounds_for(strength * noise)
-    pilots = []
+    # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
+    first, *others = rounds_for(noise)
+    pilot_variance = np.square(NOISE_FACTOR * seen / correlation.seen)
+    pilots: list[FloatArray] = []
     for one in (track, shadow):
         one.filter(first)
     for families in others:
-        pilots.append(parts.best_shares(*measured(), variance(1.0)))
+        pilots.extend(parts.best_shares(*measured(), pilot_variance[None]))
         for one in (track, shadow):
             one.surface = one.mixed(pilots[-1])
             one.filter(families)
     removed, divergence = measured()
     usable = USABLE[features]
     mixtures = np.zeros((len(STRENGTHS), *removed.shape))
-    for shares, factor in zip(mixtures, STRENGTHS, strict=True):
-        shares[usable] = parts.best_shares(removed[usable], divergence[usable], variance(factor))
+    variances = np.stack([variance(factor) for factor in STRENGTHS])
+    mixtures[:, usable] = parts.best_shares(removed[usable], divergence[usable], variances)
     removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
     kept = 1 - removed_noise.mean(axis=1) / correlation.deviation**2
     return DenoisePlan(noise, tuple(pilots), mixtures, kept, np.zeros(len(noise)))
@@ -206,7 +209,7 @@ class _Stage:
         on_solve: Callable[[SolveReport], None],
     ) -> None:
         self._space, self._is_still, self._on_solve = space, is_still, on_solve
-        self.bank = FilterBank(space, positions, on_solve)
+        self.bank = FilterBank(space.topology, positions, on_solve)
         self.track = _Track(self.bank, positions)
         self.frame = LocalFrame.of(space.topology, self.track.surface, self.track.surface)
         self.parts = MeshParts(space.topology, self.frame, is_still)
@@ -224,9 +227,9 @@ class _Stage:
         start = positions + impulsive[:, None] * (calm - positions)
         return _Stage(self._space, start, self._is_still, self._on_solve)
 
-    def repeat(self, plan: DenoisePlan, strength: float) -> None:
+    def repeat(self, plan: DenoisePlan) -> None:
         """Filter as on another frame of the surface."""
-        first, *others = rounds_for(strength * plan.noise)
+        first, *others = rounds_for(plan.noise)
         self.track.filter(first)
         for families, pilot in zip(others, plan.pilots, strict=True):
             self.track.surface = self.track.mixed(pilot)
@@ -241,9 +244,9 @@ class _Track:
 
     def __init__(self, bank: FilterBank, positions: FloatArray) -> None:
         self.positions = positions
-        self.surface = bank.first_surface(positions)
-        self.taken: list[NDArray[np.float32]] = []
         self._bank = bank
+        self.surface, filtered = bank.started(positions)
+        self.taken = [(positions - each).astype(np.float32) for each in filtered]
 
     def filter(self, families: list[FilterFamily | NormalFamily]) -> None:
         """Add filters in metrics of the present surface, or fits to its normals."""

@@ -15,9 +15,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mesh.normals import unit_vectors
+from ..linalg.edge_matrix import EdgePattern
+from ..mesh.normals import triangle_normals, unit_vectors
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import FloatArray, IntArray
+from ..runtime.arrays import FloatArray, IndexArray, RealArray
 from ..runtime.threads import ordered_map
 
 TRIANGLES_PER_PIECE = 16384
@@ -42,14 +43,14 @@ class Smoothing(NamedTuple):
 
 
 def smoothed_normals(
-    normals: FloatArray, around: IntArray, smoothing: Smoothing
+    normals: FloatArray, around: IndexArray, smoothing: Smoothing
 ) -> Iterator[FloatArray]:
-    """Smooth unit normals of triangles.
+    """Smooth unit normals of triangles, in single precision.
 
     Parameters
     ----------
     normals : (m, 3)
-    around : (m, k) int
+    around : (k, m) int
         Triangles around each one, see `triangles_around`.
     smoothing : Smoothing
 
@@ -58,46 +59,88 @@ def smoothed_normals(
     (m, 3)
         After each number of passes.
     """
-    least = np.cos(smoothing.angle)
+    least = np.float32(np.cos(smoothing.angle))
+    n = len(normals)
+    # The last one is that of no triangle: its weight is 0, for `least` is not negative.
+    columns = np.zeros((3, n + 1), dtype=np.float32)
+    columns[:, :n] = normals.T
 
-    def of_piece(piece: slice) -> FloatArray:
-        own, others = normals[piece], normals[around[piece]]
-        closeness = np.einsum("fkd,fd->fk", others, own) - least
-        weights = np.square(np.maximum(closeness, 0))
-        weights[around[piece] < 0] = 0
-        mean = np.einsum("fk,fkd->fd", weights, others)
-        mean += (1 - least) ** 2 * own
-        return unit_vectors(mean)
+    def of_piece(piece: slice) -> RealArray:
+        own = columns[:, piece]
+        mean = (1 - least) ** 2 * own
+        for neighbours in around[:, piece]:
+            other = columns.take(neighbours, axis=1)
+            weight = np.einsum("df,df->f", other, own)
+            weight -= least
+            np.maximum(weight, 0, out=weight)
+            weight *= weight
+            other *= weight
+            mean += other
+        length = np.sqrt(np.einsum("df,df->f", mean, mean))
+        mean /= np.where(length > 0, length, 1)
+        return mean
 
-    starts = range(0, len(normals), TRIANGLES_PER_PIECE)
-    pieces = [slice(start, start + TRIANGLES_PER_PIECE) for start in starts]
+    pieces = [
+        slice(start, min(start + TRIANGLES_PER_PIECE, n))
+        for start in range(0, n, TRIANGLES_PER_PIECE)
+    ]
     for done in range(1, smoothing.passes[-1] + 1):
-        normals = np.concatenate(list(ordered_map(of_piece, pieces)))
+        following = np.zeros_like(columns)
+        for piece, smooth in zip(pieces, ordered_map(of_piece, pieces), strict=True):
+            following[:, piece] = smooth
+        columns = following
         if done in smoothing.passes:
-            yield normals
+            yield columns[:, :n].T.astype(np.float64)
 
 
-def triangles_around(topology: TriangleTopology) -> IntArray:
-    """Neighbours of every triangle, and theirs, (m, 12); -1 where there is no other triangle."""
-    twin = topology.twin.reshape(-1, 3)
-    near = np.where(twin >= 0, twin // 3, -1).astype(np.int32)
-    # The last row is that of no triangle.
-    beyond = np.append(near, np.full((1, 3), -1, dtype=np.int32), axis=0)[near]
-    beyond[beyond == np.arange(len(near))[:, None, None]] = -1
-    return np.concatenate([near, beyond.reshape(-1, 9)], axis=1)
+def triangles_around(topology: TriangleTopology) -> IndexArray:
+    """Neighbours of every triangle, and theirs, (9, m); m where there is no other triangle."""
+    m = topology.n_triangles
+    # Half-edges on the other side; the last row stands for those of no triangle.
+    twin = np.append(topology.twin, [-1, -1, -1]).astype(np.intp)
+    near = np.where(twin >= 0, twin // 3, m).reshape(-1, 3)
+    entry = np.where(twin >= 0, twin % 3, 0).reshape(-1, 3)[:m]
+    ways = [near[:m]]
+    for turn in (1, 2):
+        ways.append(near[near[:m], (entry + turn) % 3])
+    return np.ascontiguousarray(np.concatenate(ways, axis=1).T)
 
 
-def turns_between(before: FloatArray, after: FloatArray) -> FloatArray:
-    """Rotations that take unit normals (m, 3) to others by the shortest way, (m, 3, 3).
+def turning_load(
+    pattern: EdgePattern, positions: FloatArray, cotangents: FloatArray, turned: FloatArray
+) -> FloatArray:
+    """Integrate (∇x - R ∇x) · ∇φ_a over a surface: how far turns R of its triangles bend it.
 
-    The identity for triangles without area, whose normals are 0.
+    Parameters
+    ----------
+    pattern : EdgePattern
+    positions : (n, 3)
+    cotangents : (3, m)
+        Half the cotangent of the angle opposite to each edge of a triangle.
+    turned : (m, 3)
+        Unit normals of the triangles after the turns, which take the shortest way.
+
+    Returns
+    -------
+    (n, 3)
+        0 if no normal is turned.
+
+    Source: the right side of Y. Yu et al., Mesh editing with Poisson-based gradient field
+    manipulation, 2004, for linear elements.
     """
-    axis = np.cross(before, after)
-    cosine = np.einsum("fd,fd->f", before, after)
-    # R = c I + [a]ₓ + a aᵀ / (1 + c).
-    share = 1 / np.maximum(1 + cosine, LEAST_OPENING)
-    turns: FloatArray = np.einsum("f,fd,fe->fde", share, axis, axis)
-    x, y, z = axis.T
-    turns += np.stack([cosine, -z, y, z, cosine, -x, -y, x, cosine], axis=1).reshape(-1, 3, 3)
-    turns[~before.any(axis=1)] = np.eye(3)
-    return turns
+    triangles = pattern.topology.triangles
+    normals = unit_vectors(triangle_normals(positions, triangles))
+    # A turn from n to n' takes a tangent v to v - (n' · v) (n + n') / (1 + n · n').
+    opening = 1 + np.einsum("fd,fd->f", normals, turned)
+    middle = (normals + turned) / np.maximum(opening, LEAST_OPENING)[:, None]
+    change = np.zeros((3, len(triangles)))
+    for column, along in zip(positions.T, turned.T, strict=True):
+        corners = np.ascontiguousarray(column)[triangles.T]
+        for k in range(3):
+            change[k] += along * (corners[(k + 1) % 3] - corners[k])
+    change *= cotangents
+    # Of edge k at its ends: what flows into corner k is what comes along edge k - 1 less edge k.
+    flow = np.roll(change, 1, axis=0) - change
+    corners = triangles.T.reshape(-1)
+    sums = [np.bincount(corners, (flow * m).reshape(-1), len(positions)) for m in middle.T]
+    return np.stack(sums, axis=1)

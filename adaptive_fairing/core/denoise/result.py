@@ -98,5 +98,4 @@ class DenoiseResult:
         place = float(np.interp(strength, knots, np.arange(len(knots))))
         below = min(int(place), len(self.strengths) - 1)
         low = self.shapes[below - 1] if below else self.start
-        share = place - below
-        return (1 - share) * low + share * self.shapes[below]
+        return (below + 1 - place) * low + (place - below) * self.shapes[below]

@@ -32,7 +32,7 @@ CONSTRAINT = 100.0
 
 
 def least_risk_shares(
-    removed: FloatArray, divergence: FloatArray, variance: FloatArray, classes: FloatArray
+    removed: FloatArray, divergence: FloatArray, variances: FloatArray, classes: FloatArray
 ) -> FloatArray:
     """Shares of the filters in the best mixture.
 
@@ -42,42 +42,47 @@ def least_risk_shares(
         Normal part of what each filter removes.
     divergence : (k, n)
         Its derivative by the same vertex's noise: 1 where all noise goes, 0 where all stays.
-    variance : (n,)
-        Of the noise, in the squared unit of `removed`.
+    variances : (s, n)
+        Of the noise, in the squared unit of `removed`; a mixture is found for each.
     classes : (c, n)
         Weights of the vertices in each density class, adding up to 1: the shares are mixed from
         the shares of the classes with them.
 
     Returns
     -------
-    (c, k)
+    (s, c, k)
         Shares a ≥ 0 with a sum of at most 1 in each class; the rest of the sum is left unfiltered.
     """
     n_classes, n_filters = len(classes), len(removed)
-    square = np.zeros((n_classes * n_filters, n_classes * n_filters))
-    gain = np.zeros(n_classes * n_filters)
+    n = n_classes * n_filters
+    square, gains = np.zeros((n, n)), np.zeros((n, len(variances)))
     for start in range(0, removed.shape[1], VERTICES_AT_ONCE):
         some = slice(start, start + VERTICES_AT_ONCE)
         weights = classes[:, None, some]
-        parts = (weights * removed[:, some]).reshape(len(square), -1)
+        parts = (weights * removed[:, some]).reshape(n, -1)
         square += parts @ parts.T
-        gain += (weights * divergence[:, some]).reshape(len(square), -1) @ variance[some]
-    size = float(np.trace(square)) / len(square)
-    if not size > 0 or not gain.any():
-        return np.zeros((n_classes, n_filters))
-    square[np.diag_indices(len(square))] += RIDGE * size
+        # The weights go to the variances, which are fewer than the filters.
+        weighted = (weights * variances[:, some]).reshape(n_classes * len(variances), -1)
+        by_class = (divergence[:, some] @ weighted.T).reshape(n_filters, n_classes, -1)
+        gains += by_class.swapaxes(0, 1).reshape(n, -1)
+    size = float(np.trace(square)) / n
+    result = np.zeros((len(variances), n_classes, n_filters))
+    if not size > 0:
+        return result
+    square[np.diag_indices(n)] += RIDGE * size
     factor = np.linalg.cholesky(square)
     # The sum of a class and a slack is 1, as further equations of great weight.
-    n = n_classes * n_filters
     system = np.zeros((n + n_classes, n + n_classes))
     system[:n, :n] = factor.T
     weight = CONSTRAINT * np.sqrt(size)
     for index in range(n_classes):
         system[n + index, index * n_filters : (index + 1) * n_filters] = weight
         system[n + index, n + index] = weight
-    target = np.concatenate([np.linalg.solve(factor, gain), np.full(n_classes, weight)])
-    shares, _ = nnls(system, target, maxiter=100 * len(target))
-    result: FloatArray = shares[:n].reshape(n_classes, n_filters)
+    for shares, gain in zip(result, gains.T, strict=True):
+        if gain.any():
+            target = np.concatenate([np.linalg.solve(factor, gain), np.full(n_classes, weight)])
+            found, _ = nnls(system, target, maxiter=100 * len(target))
+            shares[:] = found[:n].reshape(n_classes, n_filters)
     return result
 
 

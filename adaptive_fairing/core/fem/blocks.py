@@ -85,7 +85,7 @@ class Block:
     triangles : (n_triangles,) int32
         Which triangles of the topology.
     weights : (q, k), weight_starts : (k,) int
-        Quadrature weights, and the first of the triangles that have them.
+        Quadrature weights of the measures, and the first of the triangles that have them.
     """
 
     def __init__(
@@ -109,9 +109,9 @@ class Block:
             entries = slice(entry, entry + n * len(tables.pairs[0]))
             self.segments.append(BlockSegment(tables, columns, controls, entries))
             column, control, entry = columns.stop, controls.stop, entries.stop
-        self.weights = np.concatenate([tables.weights for tables, _ in segments], axis=1)
+        self.weights = np.concatenate([tables.weights[0] for tables, _ in segments], axis=1)
         self.weight_starts = np.concatenate(
-            [s.columns.start + np.arange(s.tables.weights.shape[1]) for s in self.segments]
+            [s.columns.start + np.arange(s.tables.weights.shape[2]) for s in self.segments]
         )
 
 

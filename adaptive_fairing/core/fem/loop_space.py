@@ -18,7 +18,6 @@ from ..errors import InputError
 from ..linalg.symmetric_matrix import SymmetricMatrix
 from ..linalg.symmetric_pattern import SymmetricPattern, scattered
 from ..loop.patches import PatchSet
-from ..loop.quadrature import quadrature_choice
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
@@ -82,7 +81,7 @@ class LoopSpace:
     ) -> None:
         self.topology = topology
         patches = patches or PatchSet(topology)
-        tables = SpaceTables(patches, quadrature_choice(quadrature_tolerance))
+        tables = SpaceTables(patches, patches.quadrature(quadrature_tolerance))
         self._chunks = [Chunk(segments, tables) for segments in patches.chunks]
 
     @cached_property
@@ -171,57 +170,6 @@ class LoopSpace:
             if SINGLE.serves_masses(system.lumped_mass[used], system.matrix.diagonal()[used]):
                 return system
         return self._step_system(form, columns, np.float64)
-
-    def mass_and_stiffness(
-        self, form: Form, positions: ArrayLike, field: ArrayLike | None = None
-    ) -> tuple[SymmetricMatrix, SymmetricMatrix]:
-        """Assemble the two parts of a form, see `Form`, on the surface of `positions`."""
-        columns = self._columns(positions, field)
-        mass, stiffness = self._assemble(form, columns, MASS, STIFFNESS).matrices
-        return mass, stiffness
-
-    def turning_load(self, positions: ArrayLike, turns: FloatArray) -> FloatArray:
-        """Integrate (∇x - R ∇x) · ∇φ_a over the limit surface x: how far turns R would bend it.
-
-        Parameters
-        ----------
-        positions : (n_vertices, 3)
-            Control points of the surface.
-        turns : (n_triangles, 3, 3)
-            A linear map R for the tangents of each triangle.
-
-        Returns
-        -------
-        (n_vertices, 3)
-            0 if every R is the identity; L X if every R is 0.
-
-        Source: the right side of Y. Yu et al., Mesh editing with Poisson-based gradient field
-        manipulation, 2004, in this basis.
-        """
-        columns = self._columns(positions, None)
-        left = np.eye(3) - turns
-        form = ScalarForm()
-
-        def of_chunk(chunk: Chunk) -> FloatArray:
-            values = ControlValues.of_chunk(chunk, columns, np.float64)
-            loads = np.empty((3, len(chunk.control_points)))
-            for block in chunk.blocks:
-                surface = evaluate(block, values, curved=False)
-                fluxes = gradient_fluxes(surface, form.coefficients(surface))
-                by_point = fluxes.reshape(3, 2, block.n_points, -1)
-                for segment in block.segments:
-                    own = segment.of_control(loads[:, block.control])
-                    sums = np.empty(own.shape)
-                    segment.tables.flux_sums(by_point[..., segment.columns], out=sums)
-                    turned = left[block.triangles[segment.columns]]
-                    np.einsum("nde,ekn->dkn", turned, sums, out=own)
-            return _summed(chunk, loads)
-
-        total = np.zeros((3, self.topology.n_vertices))
-        sums = ordered_map(of_chunk, self._chunks)
-        for chunk, own in zip(self._chunks, sums, strict=True):
-            total[:, chunk.low : chunk.high] += own
-        return total.T
 
     def measures(self, positions: ArrayLike, in_single: bool = False) -> SurfaceMeasures:
         """Integrate curvature energy, area and volume of the limit surface of `positions`.

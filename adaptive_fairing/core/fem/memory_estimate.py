@@ -21,7 +21,7 @@ from .table_cache import FEW_TRIANGLES, LARGEST_RARE
 Algorithm = Literal["fair", "denoise"]
 
 # Bytes, fitted to the measured peak of runs on regular, irregular, cut and pole meshes of 200 to
-# 1,000,000 triangles (benchmarks/memory.py prints estimate and measurement side by side).
+# 1,000,000 triangles (benchmarks.memory prints estimate and measurement side by side).
 FIXED_BYTES = 50_000_000
 BYTES_PER_TRIANGLE = 650  # topology, patches, sparsity pattern, matrix, vectors of the solver
 BYTES_PER_LOCAL_ENTRY = 4  # place in the matrix of an entry of a triangle's local matrix
@@ -49,7 +49,7 @@ class MemoryNeededError(FairingError):
 
 
 def require_memory(
-    patches: PatchSet, choice: QuadratureChoice, algorithm: Algorithm = "fair"
+    patches: PatchSet, quadrature_tolerance: float, algorithm: Algorithm = "fair"
 ) -> None:
     """Refuse a mesh whose solve cannot fit into memory.
 
@@ -61,7 +61,7 @@ def require_memory(
     available = available_bytes()
     if available is None:
         return
-    needed = estimated_bytes(patches, choice, algorithm)
+    needed = estimated_bytes(patches, quadrature_tolerance, algorithm)
     if needed <= available:
         return
     topology = patches.topology
@@ -78,7 +78,7 @@ def require_memory(
 
 
 def estimated_bytes(
-    patches: PatchSet, choice: QuadratureChoice, algorithm: Algorithm = "fair"
+    patches: PatchSet, quadrature_tolerance: float, algorithm: Algorithm = "fair"
 ) -> int:
     """Estimate the peak memory of a solve: an upper bound, at most about twice what is used.
 
@@ -86,12 +86,13 @@ def estimated_bytes(
     ----------
     patches : PatchSet
         Of the mesh that is solved on.
-    choice : QuadratureChoice
+    quadrature_tolerance : float
         Decides the size of the tables.
     algorithm : "fair" or "denoise"
         The second takes more.
     """
     n_triangles = patches.topology.n_triangles
+    choice = patches.quadrature(quadrature_tolerance)
     n_control = patches.n_control_points.astype(np.int64)
     n_pairs = n_control * (n_control + 1) // 2
     n_points = np.array([_n_points(each, choice) for each in patches.classes], dtype=np.int64)

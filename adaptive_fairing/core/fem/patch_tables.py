@@ -53,8 +53,8 @@ class PatchTables:
 
     Attributes
     ----------
-    weights : (q, k)
-        Of the quadrature.
+    weights : (2, q, k)
+        Of the quadrature: for M and the measures, and for L.
     pairs : two arrays (p,)
         Pairs of control points a ≤ b, p = K (K + 1) / 2: the entries of a local matrix.
     """
@@ -66,10 +66,10 @@ class PatchTables:
         precision: Precision = np.float64,
     ) -> None:
         self._tables, self._n_triangles, self._precision = tables, n_triangles, precision
-        self.n_points = len(tables[0].weights)
+        self.n_points = tables[0].weights.shape[1]
         self.n_control_points = max(table.values.shape[2] for table in tables)
         self.pairs = upper_pairs(self.n_control_points)
-        self.weights = np.stack([table.weights for table in tables], axis=1).astype(precision)
+        self.weights = np.stack([table.weights for table in tables], axis=2).astype(precision)
 
     @property
     def is_shared(self) -> bool:
@@ -93,7 +93,7 @@ class PatchTables:
     @cached_property
     def _weighted_gradients(self) -> RealArray:
         """∂1 and ∂2 of all basis functions times the weights, transposed: (k, K, 2 q)."""
-        gradients = self._basis[:, 1:3] * self.weights.T[:, None, :, None]
+        gradients = self._basis[:, 1:3] * self.weights[1].T[:, None, :, None]
         by_point = gradients.reshape(len(gradients), 2 * self.n_points, -1)
         return np.ascontiguousarray(by_point.swapaxes(1, 2))
 
@@ -105,7 +105,7 @@ class PatchTables:
         if not (self.is_shared and product_table_pays(n_products, self._n_triangles)):
             return None
         first_order = self._basis[0, :3].transpose(2, 0, 1)
-        left = np.take(first_order * self.weights[:, 0], a, axis=0)
+        left = np.take(first_order * self.weights[[0, 1, 1], :, 0], a, axis=0)
         right = np.take(first_order, b, axis=0)
         products = np.empty((len(a), 4, self.n_points), self._precision)
         np.multiply(left[:, :2], right[:, :2], out=products[:, :2])
@@ -158,7 +158,7 @@ class PatchTables:
             factors = coefficients[terms].reshape(-1, coefficients.shape[2])
             _multiply(self._products[..., own], factors[None], out[None])
             return
-        weighted = coefficients * self.weights
+        weighted = coefficients * self.weights[[0, 1, 1, 1]]
         a, b = self.pairs
         for low in range(0, coefficients.shape[2], TRIANGLES_AT_ONCE):
             own = slice(low, low + TRIANGLES_AT_ONCE)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
@@ -10,7 +11,6 @@ from ..errors import SolverError
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.precision import SINGLE
 from ..runtime.threads import ordered_map
-from .symmetric_matrix import SymmetricMatrix
 
 # Rounding alone leaves a residual of some machine epsilons of the terms that cancel in A x; asking
 # for less would never end.
@@ -18,6 +18,31 @@ ATTAINABLE = 64  # machine epsilons
 
 # Unknowns per column that one thread updates in one go.
 UNKNOWNS_PER_CHUNK = 32768
+
+
+class Operator(Protocol):
+    """A symmetric matrix, as `SymmetricMatrix` and `EdgeMatrix`."""
+
+    @property
+    def is_single(self) -> bool:
+        """Whether the entries are in single precision."""
+        ...
+
+    def doubled(self) -> Operator:
+        """Return the same entries in double precision."""
+        ...
+
+    def diagonal(self) -> RealArray:
+        """Entries on the diagonal, (n,)."""
+        ...
+
+    def is_finite(self) -> bool:
+        """Whether all entries are finite numbers."""
+        ...
+
+    def product(self, columns: RealArray) -> RealArray:
+        """Multiply by vectors (k, n)."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -40,7 +65,7 @@ class SolveReport:
 
 
 def conjugate_gradients(
-    matrix: SymmetricMatrix,
+    matrix: Operator,
     right_side: FloatArray,
     start: FloatArray,
     *,
@@ -57,7 +82,7 @@ def conjugate_gradients(
 
     Parameters
     ----------
-    matrix : SymmetricMatrix, (n, n)
+    matrix : Operator, (n, n)
         Positive definite on the rows that are not held.
     right_side, start : (n, k)
     is_held : (n,) bool

@@ -18,9 +18,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..runtime.arrays import BoolArray, FloatArray
+from ..runtime.arrays import BoolArray, FloatArray, RealArray
+from ..runtime.precision import Precision
 from .conjugate_gradients import SolveReport, conjugate_gradients
-from .symmetric_matrix import SymmetricMatrix
+from .edge_matrix import EdgeMatrix
 
 # Time t of the solves that span the space, in squared edge lengths; between those of the filters.
 SHARED_TIME = 1.0
@@ -34,7 +35,7 @@ MOST_DIRECTIONS = 24
 LEAST_EIGENVALUE = 1e-9
 
 # Of a vector of which no larger part lies outside the space, rounding is all that is left.
-LEAST_SHARE = 1e-9
+LEAST_SHARE = {np.float64: 1e-9, np.float32: 1e-5}
 
 
 class Diffusion(NamedTuple):
@@ -64,21 +65,23 @@ class Diffusion(NamedTuple):
 
 def removed_by(
     diffusions: Sequence[Diffusion],
-    mass: SymmetricMatrix,
-    stiffness: SymmetricMatrix,
-    control: FloatArray,
+    mass: EdgeMatrix,
+    stiffness: EdgeMatrix,
+    bending: FloatArray,
     is_loose: BoolArray,
     on_solve: Callable[[SolveReport], None],
     tolerance: float = 1e-2,
-) -> list[FloatArray]:
-    """Compute what each diffusion removes of control points.
+    precision: Precision = np.float64,
+) -> list[RealArray]:
+    """Compute what each diffusion removes of x, from L x.
 
     Parameters
     ----------
     diffusions : sequence of Diffusion
-    mass, stiffness : SymmetricMatrix, (n, n)
+    mass, stiffness : EdgeMatrix, (n, n)
         M and L.
-    control : (n, 3)
+    bending : (n, 3)
+        L x.
     is_loose : (n,) bool
         Vertices without a triangle, of which nothing is removed.
     on_solve : callable
@@ -86,14 +89,18 @@ def removed_by(
     tolerance : float
         Relative residual of the solves; and what the last direction of the space may add to the
         results, relative to their size.
+    precision : numpy float type
+        Of the space and the results.
 
     Returns
     -------
     list of (n, 3)
     """
+    columns = np.ascontiguousarray(SHARED_TIME * bending.T, dtype=precision)
+    mass, stiffness = mass.in_precision(precision), stiffness.in_precision(precision)
     system = mass.plus(SHARED_TIME, stiffness)
 
-    def solved(right_side: FloatArray, start: FloatArray, residual: float) -> FloatArray:
+    def solved(right_side: RealArray, start: RealArray, residual: float) -> RealArray:
         result, report = conjugate_gradients(
             system,
             right_side.T,
@@ -105,10 +112,8 @@ def removed_by(
         on_solve(report)
         return result.T
 
-    columns = np.ascontiguousarray(control.T)
-    bending = SHARED_TIME * stiffness.product(columns)
-    space = _Space(mass, stiffness)
-    direction = solved(bending, np.zeros_like(columns), FIRST_FACTOR * tolerance)
+    space = _Space(mass, stiffness, precision)
+    direction = solved(columns, np.zeros_like(columns), FIRST_FACTOR * tolerance)
     while space.add(direction):
         shares = space.shares(diffusions)
         size = np.linalg.norm(shares, axis=0)
@@ -116,7 +121,7 @@ def removed_by(
             break
         direction = solved(space.last_image, space.last, tolerance)
     if not space.n_directions:
-        return [np.zeros_like(control) for _ in diffusions]
+        return [np.zeros_like(bending) for _ in diffusions]
     return [combined.T for combined in space.combined(shares)]
 
 
@@ -127,28 +132,29 @@ class _Space:
     of the coordinate axes.
     """
 
-    def __init__(self, mass: SymmetricMatrix, stiffness: SymmetricMatrix) -> None:
+    def __init__(self, mass: EdgeMatrix, stiffness: EdgeMatrix, precision: Precision) -> None:
         self._mass, self._stiffness = mass, stiffness
-        shape = MOST_DIRECTIONS, 3, mass.pattern.n
+        shape = MOST_DIRECTIONS, 3, mass.n
         # Only what is used of these becomes memory.
-        self._directions, self._images = np.empty(shape), np.empty(shape)
+        self._directions, self._images = np.empty(shape, precision), np.empty(shape, precision)
+        self._least_share = LEAST_SHARE[precision]
         self._bending = np.zeros((MOST_DIRECTIONS, MOST_DIRECTIONS))
         self._first_length = 0.0
         self.n_directions = 0
 
     @property
-    def last(self) -> FloatArray:
+    def last(self) -> RealArray:
         """The newest direction v, (3, n)."""
-        newest: FloatArray = self._directions[self.n_directions - 1]
+        newest: RealArray = self._directions[self.n_directions - 1]
         return newest
 
     @property
-    def last_image(self) -> FloatArray:
+    def last_image(self) -> RealArray:
         """M v, (3, n)."""
-        newest: FloatArray = self._images[self.n_directions - 1]
+        newest: RealArray = self._images[self.n_directions - 1]
         return newest
 
-    def add(self, vector: FloatArray) -> bool:
+    def add(self, vector: RealArray) -> bool:
         """Add the part of a vector that is not in the space; False if there is hardly any."""
         done = self.n_directions
         directions = self._directions[:done].reshape(done, vector.size)
@@ -161,10 +167,10 @@ class _Space:
             within += float(overlaps @ overlaps)
         vector = rest.reshape(vector.shape)
         image = self._mass.product(vector)
-        square = float(np.einsum("kn,kn->", vector, image))
-        if not square > LEAST_SHARE**2 * within:
+        square = float(np.vdot(vector, image))
+        if not square > self._least_share**2 * within:
             return False
-        length = np.sqrt(square)
+        length = float(np.sqrt(square))
         np.divide(vector, length, out=self._directions[done])
         np.divide(image, length, out=self._images[done])
         if done == 0:
@@ -186,7 +192,9 @@ class _Space:
         shares: FloatArray = self._first_length * (vectors @ (vectors[0][:, None] * ratios))
         return shares
 
-    def combined(self, shares: FloatArray) -> FloatArray:
+    def combined(self, shares: FloatArray) -> RealArray:
         """Combine the directions with shares (n_directions, k), to (k, 3, n)."""
         directions = self._directions[: self.n_directions].reshape(self.n_directions, -1)
-        return (shares.T @ directions).reshape(-1, *self._directions.shape[1:])
+        return (shares.T.astype(directions.dtype) @ directions).reshape(
+            -1, *self._directions.shape[1:]
+        )

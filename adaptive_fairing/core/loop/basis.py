@@ -88,8 +88,8 @@ class BasisTable(NamedTuple):
     ----------
     values : (6, n_points, n_control_points)
         Value, ∂1, ∂2, ∂11, ∂12, ∂22.
-    weights : (n_points,)
-        Quadrature weights on the unit triangle, sum 1/2.
+    weights : (2, n_points)
+        Quadrature weights on the unit triangle, sum 1/2: for M and the measures, and for L.
     """
 
     values: FloatArray
@@ -122,7 +122,7 @@ def refined_table(patch_class: PatchClass, rule: QuadratureRule, depth: int) -> 
         part = _refined_part(child.patch_class, index, rule, depth - 1)
         tables.append(part.values @ matrix[child.rows])
         weights.append(part.weights)
-    return BasisTable(np.concatenate(tables, axis=1), np.concatenate(weights))
+    return BasisTable(np.concatenate(tables, axis=1), np.concatenate(weights, axis=1))
 
 
 @lru_cache(maxsize=1024)
@@ -136,7 +136,8 @@ def _refined_part(
 
 @lru_cache(maxsize=4096)
 def _table_at(patch_class: PatchClass, rule: QuadratureRule) -> BasisTable:
-    return BasisTable(evaluate_basis(patch_class, rule.points), rule.weights)
+    weights = np.stack([rule.weights, rule.weights])
+    return BasisTable(evaluate_basis(patch_class, rule.points), weights)
 
 
 @lru_cache(maxsize=4096)

@@ -16,7 +16,8 @@ import numpy as np
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import IndexArray, IntArray, LongArray
 from ..runtime.threads import ordered_map
-from .patch_class import TETRAHEDRON, Corner, PatchClass, count_control_points
+from .patch_class import TETRAHEDRON, Corner, PatchClass, count_control_points, is_regular_patch
+from .quadrature import QuadratureChoice, quadrature_choice
 
 # Threads that change places at every small array wait for the interpreter more than they compute:
 # chunks are large, but for meshes that would then have too few for all threads.
@@ -86,6 +87,13 @@ class PatchSet:
         """All segments, chunk by chunk."""
         for chunk in self.chunks:
             yield from chunk
+
+    def quadrature(self, tolerance: float) -> QuadratureChoice:
+        """Pick the rules that keep M and L of this mesh within a tolerance."""
+        is_regular = [is_regular_patch(each) for each in self.classes]
+        n_triangles = max(self.topology.n_triangles, 1)
+        regular_part = float(self.class_sizes[is_regular].sum() / n_triangles)
+        return quadrature_choice(tolerance, n_triangles, regular_part)
 
     def _segments(self, first: int) -> list[Segment]:
         """Sort the triangles of the chunk that begins with `first` by class."""

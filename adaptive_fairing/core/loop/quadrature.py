@@ -6,6 +6,7 @@ depend on the corner at which a face happens to start.  Weights sum to 1/2, the 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -14,17 +15,28 @@ import numpy as np
 from ..errors import SettingsError
 from ..runtime.arrays import FloatArray
 
-# Coarsest tolerance that each choice is good for: the measured error of the entries of M and L
-# against the subdivided reference, in units of the largest entry, on noisy meshes of valences 3
-# to 10 (tests/core holds every row to its word).
-_CHOICES: tuple[tuple[float, int, int, int, bool], ...] = (
-    # tolerance; degree in regular patches; degree in each part of an irregular patch that is
-    # subdivided so often; whether a fitted rule serves instead, where there is one
-    (1e-2, 4, 2, 1, True),
-    (1e-3, 4, 4, 1, True),
-    (1e-4, 6, 8, 3, False),
-    (1e-5, 8, 8, 5, False),
-    (1e-6, 12, 12, 7, False),
+# With so few triangles the surface bends strongly within each of them, and a finer rule takes
+# little time.
+COARSE_TRIANGLES = 512
+
+# Up to this part of regular patches a mesh is irregular: its few regular triangles are of all
+# shapes as well, while those of regular meshes are nearly equilateral.
+IRREGULAR = 0.5
+
+# The first row whose tolerance is small enough, and whose bounds hold for the mesh, is taken.
+# Tolerances are the measured errors of the entries of M and L against the subdivided reference, in
+# units of the largest entry, on random meshes of valences 3 to 10 (tests/core repeats this).
+_CHOICES: tuple[tuple[float, float, float, int, int, int, bool], ...] = (
+    # tolerance; most triangles; largest part of regular patches; degree in regular patches; degree
+    # in each part of an irregular patch that is subdivided so often; whether a fitted rule serves
+    # instead, where there is one
+    (1e-2, math.inf, 1, 4, 2, 1, True),
+    (1e-3, COARSE_TRIANGLES, 1, 6, 4, 1, False),
+    (1e-3, math.inf, IRREGULAR, 6, 4, 1, True),
+    (1e-3, math.inf, 1, 4, 4, 1, True),
+    (1e-4, math.inf, 1, 6, 8, 3, False),
+    (1e-5, math.inf, 1, 8, 8, 5, False),
+    (1e-6, math.inf, 1, 12, 12, 7, False),
 )
 
 
@@ -70,9 +82,18 @@ class QuadratureChoice:
     prefers_fitted: bool
 
 
-@lru_cache(maxsize=16)
-def quadrature_choice(tolerance: float) -> QuadratureChoice:
+def quadrature_choice(
+    tolerance: float, n_triangles: float = math.inf, regular_part: float = 1.0
+) -> QuadratureChoice:
     """Pick the cheapest rules that keep M and L within `tolerance` of the exact integrals.
+
+    Parameters
+    ----------
+    tolerance : float
+        In units of the largest entry of each matrix.
+    n_triangles, regular_part : float
+        Size of the mesh, and how large a part of its patches is regular; by default a large
+        regular mesh.
 
     Raises
     ------
@@ -82,7 +103,16 @@ def quadrature_choice(tolerance: float) -> QuadratureChoice:
     finest = _CHOICES[-1][0]
     if not finest <= tolerance <= 1:
         raise SettingsError(f"quadrature_tolerance must lie in [{finest:g}, 1], not {tolerance!r}")
-    _, regular, irregular, depth, fitted = next(row for row in _CHOICES if row[0] <= tolerance)
+    row = next(
+        row
+        for row in _CHOICES
+        if row[0] <= tolerance and n_triangles <= row[1] and regular_part <= row[2]
+    )
+    return _choice(*row[3:])
+
+
+@lru_cache(maxsize=16)
+def _choice(regular: int, irregular: int, depth: int, fitted: bool) -> QuadratureChoice:
     return QuadratureChoice(triangle_rule(regular), triangle_rule(irregular), depth, fitted)
 
 

@@ -11,7 +11,6 @@ from ..errors import InputError
 from ..fem.loop_space import LoopSpace
 from ..fem.memory_estimate import Algorithm, estimated_bytes, require_memory
 from ..loop.patches import PatchSet
-from ..loop.quadrature import quadrature_choice
 from ..mesh.input_checks import checked_vertices, require_surface
 from ..mesh.solver_mesh import SolverFrame, solvable_surface
 from ..mesh.topology import checked_triangles
@@ -85,14 +84,14 @@ class PreparedMesh:
         """
         if self._space is None:
             patches = PatchSet(self.surface.topology)
-            require_memory(patches, quadrature_choice(self.quadrature_tolerance), algorithm)
+            require_memory(patches, self.quadrature_tolerance, algorithm)
             self._space = LoopSpace(self.surface.topology, self.quadrature_tolerance, patches)
         return self._space
 
     def needed_bytes(self, algorithm: Algorithm) -> int:
         """Upper bound of the memory that a solve takes, this preparation included."""
         patches = PatchSet(self.surface.topology)
-        return estimated_bytes(patches, quadrature_choice(self.quadrature_tolerance), algorithm)
+        return estimated_bytes(patches, self.quadrature_tolerance, algorithm)
 
     def serves(self, triangles: IntArray, n_vertices: int) -> bool:
         """Whether a mesh has the triangles that were prepared."""

@@ -92,9 +92,11 @@ def cut_surface(
     corner_of = 3 * used[:, None] + np.arange(3)
     corner_of[is_turned] = corner_of[is_turned, ::-1]
 
-    edges = _edges(topology)
-    keys = edge_keys(vertex_of[edges], n_vertices)
-    own_creases = edges[np.isin(keys, edge_keys(creases, n_vertices))]
+    own_creases = np.empty((0, 2), dtype=np.int32)
+    if len(creases):
+        edges = _edges(topology)
+        keys = edge_keys(vertex_of[edges], n_vertices)
+        own_creases = edges[np.isin(keys, edge_keys(creases, n_vertices))]
     held = np.isin(vertex_of, corners)
     if is_cut:
         held |= _apart(topology, vertex_of, own_creases)

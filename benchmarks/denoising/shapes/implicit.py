@@ -9,8 +9,8 @@ from skimage.measure import marching_cubes
 
 from tools.samples.implicit import Ellipsoid, Formula, Solid, Tube, rotation, smooth_minimum
 from tools.samples.meshing import dense_mesh
+from tools.samples.triangles import FloatArray
 
-from ..geometry import FloatArray
 from .meshing import MeshArrays, graded, near, remeshed, uneven
 
 Field = Callable[[FloatArray], FloatArray]

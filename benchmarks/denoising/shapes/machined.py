@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
-from ..geometry import Faces, FloatArray
+from tools.samples.triangles import FloatArray, convex_hull
+
 from .cad import Part, gear_outline, helical_ridge, torus
 from .meshing import MeshArrays, graded, near, remeshed
 from .turned import lathe
@@ -116,7 +116,7 @@ def jewel() -> MeshArrays:
         corners.append(
             np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(n, height)], axis=1)
         )
-    part = Part().solid(*_hull(np.concatenate(corners)))
+    part = Part().solid(*convex_hull(np.concatenate(corners)))
     part.cylinder((0, 0, -0.62), (0, 0, 1), (0.42, 0.8), 0.75)
     band, faces = torus(1.5, 0.2, (192, 48))
     part.solid(band[:, [0, 2, 1]] * [1, -1, 1] - [0, 0, 2.2], faces)
@@ -126,16 +126,6 @@ def jewel() -> MeshArrays:
         part.cylinder((0.97 * x, 0.97 * y, -0.2), (0.25 * x, 0.25 * y, 1), 0.11, 0.7)
         part.ball((x, y, 0.13), 0.15)
     return _machined(part, 0.06, 24_000, (0, 0, 0.2), 0.9, crease=15, least=0.01)
-
-
-def _hull(points: FloatArray) -> tuple[FloatArray, Faces]:
-    """Return the convex hull of points that are all corners of it, facing outwards."""
-    faces = ConvexHull(points).simplices
-    corner = points[faces]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    inward = np.einsum("fd,fd->f", normal, corner.mean(axis=1) - points.mean(axis=0)) < 0
-    faces[inward] = faces[inward][:, ::-1]
-    return points, faces.astype(np.int32)
 
 
 def even(make: Callable[[], MeshArrays], edge: float) -> MeshArrays:

@@ -7,8 +7,7 @@ import numpy as np
 import pymeshlab
 
 from tools.samples.adaptive import decimate, flip_edges
-
-from ..geometry import Faces, FloatArray
+from tools.samples.triangles import Faces, FloatArray
 
 MeshArrays = tuple[FloatArray, Faces]
 

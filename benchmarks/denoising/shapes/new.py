@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from tools.samples.implicit import Ellipsoid, Formula, Solid, Tube, rotation
 from tools.samples.meshing import dense_mesh
+from tools.samples.triangles import FloatArray, convex_hull, spiral
 
-from ..geometry import FloatArray, scaled_normals
 from .cad import Part, grid_faces
 from .meshing import MeshArrays, graded, near, remeshed, uneven
 from .turned import lathe
@@ -29,12 +28,7 @@ def block() -> MeshArrays:
 
 def die() -> MeshArrays:
     """Return an even solid of many facets, its corners on a golden spiral."""
-    n = 26
-    height = 1 - (2 * np.arange(n) + 1) / n
-    angle = np.pi * (3 - 5**0.5) * np.arange(n)
-    radius = np.sqrt(1 - height**2)
-    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
-    return remeshed(*_outwards(points, ConvexHull(points).simplices), 0.05, 15.0)
+    return remeshed(*convex_hull(spiral(26)), 0.05, 15.0)
 
 
 def faceted_ring() -> MeshArrays:
@@ -68,7 +62,7 @@ def house() -> MeshArrays:
     gable = ((1.2, 1.2), (1.45, 1.1), (0.0, 2.3), (-1.45, 1.1), (-1.2, 1.2))
     roof = np.array([(x, y, z) for x, z in gable for y in (-1.75, 1.75)])
     part = Part().box((-1.2, -1.6, 0), (1.2, 1.6, 1.25))
-    part.solid(*_outwards(roof, ConvexHull(roof).simplices))
+    part.solid(*convex_hull(roof))
     part.box((0.5, 0.6, 1.5), (0.85, 0.95, 2.6))
     for y in (-1.0, 0.0, 1.0):
         for side in (-1.2, 1.2):
@@ -231,11 +225,3 @@ def _stretched(part: Part, edge: float, stretch: tuple[float, float, float]) -> 
         if rate:
             vertices[:, k] = np.arcsinh(rate * vertices[:, k]) / rate
     return vertices, faces
-
-
-def _outwards(points: FloatArray, faces: np.ndarray) -> MeshArrays:
-    """Turn the faces of a convex body outwards."""
-    outward = points[faces].mean(axis=1) - points.mean(axis=0)
-    inward = np.einsum("fd,fd->f", scaled_normals(points, faces), outward) < 0
-    faces[inward] = faces[inward][:, ::-1]
-    return points, faces.astype(np.int32)

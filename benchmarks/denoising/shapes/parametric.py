@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy.spatial import ConvexHull, Delaunay
+from scipy.spatial import Delaunay
+
+from tools.samples.triangles import convex_hull, spiral
 
 from .cad import grid_faces
 from .meshing import MeshArrays, near, uneven
@@ -118,17 +120,10 @@ def knot(n_along: int = 420, n_around: int = 26) -> MeshArrays:
 
 def jittered_ball(generator: np.random.Generator, n_points: int) -> MeshArrays:
     """Make a unit sphere of irregular triangles."""
-    height = 1 - (2 * np.arange(n_points) + 1) / n_points
-    angle = np.pi * (3 - 5**0.5) * np.arange(n_points)
-    radius = np.sqrt(1 - height**2)
-    points = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
+    points = spiral(n_points)
     points += 0.4 * (4 * np.pi / n_points) ** 0.5 * generator.uniform(-1, 1, points.shape)
     points /= np.linalg.norm(points, axis=1, keepdims=True)
-    faces = ConvexHull(points).simplices
-    corner = points[faces]
-    inward = np.einsum("fd,fd->f", np.cross(corner[:, 0], corner[:, 1]), corner[:, 2]) < 0
-    faces[inward] = faces[inward][:, ::-1]
-    return points, faces.astype(np.int32)
+    return convex_hull(points)
 
 
 def pieces(seed: int, sizes: tuple[int, ...]) -> MeshArrays:

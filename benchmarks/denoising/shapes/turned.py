@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..geometry import FloatArray
+from tools.samples.triangles import FloatArray
+
 from .meshing import MeshArrays, graded, near, remeshed
 
 

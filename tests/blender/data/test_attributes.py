@@ -40,13 +40,15 @@ def test_colors_are_those_of_the_map(mesh, values):
     np.testing.assert_allclose(shown, colors_srgb(values, 0, 2), atol=1e-4)
 
 
-def test_the_colour_is_shown_at_once_but_renders_stay(mesh, values):
-    write_color(mesh, "paint", values)
-    mesh.color_attributes.render_color_index = 0
+def test_the_active_colour_and_that_of_renders_stay(mesh, values):
+    attributes = mesh.attributes
     write_color(mesh, "weight_color", values)
-    assert mesh.color_attributes.active_color.name == "weight_color"
-    rendered = mesh.color_attributes[mesh.color_attributes.render_color_index]
-    assert rendered.name == "paint"
+    assert (attributes.active_color_name, attributes.default_color_name) == ("", "")
+    for name in ("scan", "other"):
+        attributes.new(name, "FLOAT_COLOR", "POINT")
+    attributes.active_color_name, attributes.default_color_name = "other", "scan"
+    write_color(mesh, "weight_color", values)
+    assert (attributes.active_color_name, attributes.default_color_name) == ("other", "scan")
 
 
 def test_a_second_run_writes_over_the_first(mesh, values):

@@ -4,7 +4,7 @@ import bpy
 import numpy as np
 import pytest
 from support.meshes import icosphere
-from support.objects import add_object, key_positions
+from support.objects import add_object, key_positions, select
 
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
 from adaptive_fairing.core import FairingSettings, fair
@@ -24,21 +24,6 @@ def sphere():
 def upper(obj):
     """Return which vertices lie in the upper half."""
     return read_positions(obj.data)[:, 2] > 0
-
-
-def select(obj, chosen):
-    """Select vertices for Edit Mode."""
-    # As attributes: setting "select" of an edge that never had one crashes Blender.
-    attributes = obj.data.attributes
-    for name, domain in (
-        (".select_vert", "POINT"),
-        (".select_edge", "EDGE"),
-        (".select_poly", "FACE"),
-    ):
-        if name in attributes:
-            attributes.remove(attributes[name])
-        attributes.new(name, "BOOLEAN", domain)
-    attributes[".select_vert"].data.foreach_set("value", np.asarray(chosen, dtype=bool))
 
 
 def expected(obj, weights):

@@ -9,6 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from support.batches import summary
 from support.meshes import graded_sphere, random_closed
 from support.objects import add_object, keyframe_motion, shown_positions, world_positions
 
@@ -306,6 +307,13 @@ def test_settings_of_the_whole_sequence_that_fail_are_told(tmp_path, capsys):
     arguments = (tmp_path, "--sequence", "--same-strength", "--out-dir", tmp_path / "out")
     assert run(*arguments) == 1
     assert "first frame, f_1.ply: cannot read" in capsys.readouterr().err
+    # On a farm no worker is to blame, neither for the frames nor for what sums them up.
+    for task in ("--jobs=1", "--merge"):
+        assert run(*arguments, task, "--allow-failures", "--report", tmp_path / "r.json") == 0
+        assert "note: 2 of 2 meshes have no output, the first is f_1.ply: first frame, f_1" in (
+            capsys.readouterr().err
+        )
+        assert summary(tmp_path / "r.json") == {"f_1.ply": "failed", "f_2.ply": "failed"}
 
 
 def test_the_reports_name_object_and_frame(sources, tmp_path):

@@ -25,7 +25,7 @@ def solve():
 
 
 def store(solve):
-    return store_solve(solve, output="ABSOLUTE_KEYS", store_density=True)
+    return store_solve(solve, way="LIVE", output="ABSOLUTE_KEYS", store_density=True)
 
 
 def test_a_deleted_object_is_said(solve):

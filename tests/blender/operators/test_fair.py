@@ -132,11 +132,6 @@ class TestResult:
         assert np.array_equal(stored, expected.steps[-1].density.astype(np.float32))
         assert "fairing_density_color" in obj.data.color_attributes
 
-    def test_density_is_stored_only_if_wanted(self):
-        obj = noisy_sphere()
-        run(steps=1, store_density=False)
-        assert not [name for name in obj.data.attributes.keys() if name.startswith("fairing")]
-
     def test_the_record_holds_what_the_core_measured(self):
         obj = noisy_sphere()
         expected = core_result(obj, steps=3)
@@ -157,17 +152,6 @@ class TestResult:
         run(steps=9, stop_curvature=threshold)
         assert obj.adaptive_fairing.stop_reason == "curvature"
         assert obj.data.shape_keys.key_blocks.keys() == ["Basis", "Fairing 1", "Fairing 2"]
-
-    def test_a_second_run_starts_from_the_same_mesh_and_replaces_the_first(self):
-        obj = noisy_sphere()
-        run(steps=4, tau=0.02)
-        expected = core_result(obj, steps=2, tau=0.01)
-        run(steps=2, tau=0.01)
-        assert obj.data.shape_keys.key_blocks.keys() == ["Basis", "Fairing 1", "Fairing 2"]
-        assert np.array_equal(
-            key_positions(obj, "Fairing 2"), expected.positions.astype(np.float32)
-        )
-        assert len(obj.adaptive_fairing.shapes) == 3
 
     def test_it_is_one_undo_step_with_a_redo_panel(self):
         options = bpy.types.OBJECT_OT_adaptive_fairing.bl_options

@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from support.layouts import draw
-from support.meshes import icosphere, noisy_ball
+from support.meshes import noisy_ball
 from support.objects import add_object, key_positions
 
 from adaptive_fairing.blender.data.mesh_arrays import read_positions
@@ -41,35 +41,6 @@ def expected(**options):
 
 
 class TestResult:
-    def test_every_key_is_a_strength_of_the_core_and_the_chosen_one_is_shown(self, noisy):
-        result = expected()
-        assert run() == {"FINISHED"}
-        keys = noisy.data.shape_keys
-        assert keys.key_blocks.keys() == ["Basis", *(f"Fairing {i}" for i in range(1, 6))]
-        for number, shape in enumerate(result.shapes, start=1):
-            found = key_positions(noisy, f"Fairing {number}")
-            assert np.array_equal(found, shape.astype(np.float32))
-        assert not keys.use_relative
-        assert keys.eval_time == keys.key_blocks["Fairing 3"].frame
-        assert noisy.active_shape_key.name == "Fairing 3"
-
-    def test_of_relative_keys_only_the_chosen_one_is_on(self, noisy):
-        run(output="RELATIVE_KEYS")
-        on = [key.name for key in noisy.data.shape_keys.key_blocks if key.value]
-        assert on == ["Fairing 3"]
-
-    def test_without_keys_the_object_gets_the_chosen_strength(self, noisy):
-        result = expected()
-        run(output="FINAL_SHAPE")
-        assert np.array_equal(read_positions(noisy.data), result.positions.astype(np.float32))
-
-    @pytest.mark.parametrize("features", ["sharp", "smooth"])
-    def test_strength_and_edges_reach_the_core(self, noisy, features):
-        result = expected(strength=1.7, features=features)
-        run(strength=1.7, features=features, output="FINAL_SHAPE")
-        assert np.array_equal(read_positions(noisy.data), result.positions.astype(np.float32))
-        assert noisy.adaptive_fairing.is_sharp == (features == "sharp")
-
     def test_the_record_has_what_was_found(self, noisy):
         result = expected()
         run()
@@ -82,21 +53,16 @@ class TestResult:
         assert record.shown == 3
         assert [shape.strength for shape in record.shapes] == [0.0, *STRENGTHS]
 
-    def test_a_clean_mesh_stays_as_it_is_and_that_is_said(self):
-        obj = add_object(*icosphere(3))
-        obj.select_set(True)
-        run()
-        assert np.array_equal(key_positions(obj, "Fairing 5"), key_positions(obj, "Basis"))
-        assert "no noise found" in obj.adaptive_fairing.notes
-        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_results)
-        assert "no noise found" in " ".join(drawn.texts)
+    @pytest.mark.parametrize("features", ["sharp", "smooth"])
+    def test_how_it_was_treated_is_recorded(self, noisy, features):
+        run(features=features)
+        assert noisy.adaptive_fairing.is_sharp == (features == "sharp")
 
     def test_the_comparison_has_an_automatic_copy(self, noisy):
         result = expected()
         bpy.ops.object.adaptive_fairing_compare()
         copy = bpy.data.objects["Thing automatic"]
-        found = key_positions(copy, "Fairing 3")
-        assert np.array_equal(found, result.positions.astype(np.float32))
+        assert np.abs(read_positions(copy.data) - result.positions).max() < 1e-6
         uniform = bpy.data.objects["Thing uniform"].adaptive_fairing
         assert (uniform.method, len(uniform.shapes) - 1) == ("uniform", 4)
         labels = [each.data.body for each in bpy.data.objects if each.type == "FONT"]
@@ -110,52 +76,74 @@ class TestResult:
 
 
 class TestPanel:
-    def test_it_asks_for_strength_and_edges_and_for_nothing_that_is_not_used(self, noisy):
-        bpy.context.scene.adaptive_fairing.method = "auto"
+    def test_it_asks_for_the_strength_and_for_nothing_that_is_not_used(self, noisy):
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-        assert drawn.properties == ["method", "strength", "features"]
-        assert draw(settings_panel.VIEW3D_PT_adaptive_fairing_density) is None
+        assert drawn.properties == ["method", "strength"]
+        assert draw(settings_panel.VIEW3D_PT_adaptive_fairing_advanced) is None
+        options = draw(settings_panel.VIEW3D_PT_adaptive_fairing_options)
+        assert {"features", "boundary", "result"} <= set(options.properties)
 
-    def test_the_other_methods_do_not_ask_for_them(self, noisy):
+    def test_for_diffusion_the_radius_comes_first(self, noisy):
         bpy.context.scene.adaptive_fairing.method = "uniform"
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-        assert not {"strength", "features"} & set(drawn.properties)
-        assert draw(settings_panel.VIEW3D_PT_adaptive_fairing_density) is not None
+        assert drawn.properties == ["method", "radius", "steps"]
+        advanced = draw(settings_panel.VIEW3D_PT_adaptive_fairing_advanced)
+        assert advanced.properties[0] == "tau"
 
-    def test_it_marks_the_chosen_strength_and_tells_what_was_found(self, noisy):
+    def test_the_result_is_one_line_a_slider_and_the_buttons(self, noisy):
         noisy.scale = (2.0, 2.0, 2.0)
         bpy.context.view_layer.update()
         bpy.context.scene.unit_settings.system = "METRIC"
-        run(strength=2.0, features="sharp")
+        run()
         record = noisy.adaptive_fairing
-        texts = draw(results_panel.VIEW3D_PT_adaptive_fairing_results).texts
-        assert "3 of 5, strength 2" in texts
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert drawn.properties == ["method", "strength", "strength"]
+        noise = f"{float(f'{2 * 100 * record.noise_length:.3g}'):g} cm"
+        first, last = record.shapes[0], record.shapes[record.shown]
+        volume = 100 * (last.volume / first.volume - 1)
+        line = f"Noise {noise}  ·  smoothed {record.radius:.2g} edges  ·  volume {volume:+.2f} %"
+        assert line in " ".join(drawn.texts).replace("   ", "  ")
+        names = [each["name"].removeprefix("object.adaptive_fairing") for each in drawn.operators]
+        assert names == ["", "_before", "_split", "_paint", "_apply", "_discard"]
 
-        def in_scene(length):
-            return f"{float(f'{2 * 100 * length:.3g}'):g} cm"
-
-        assert f"{record.noise:.3g} edges  ·  {in_scene(record.noise_length)}" in texts
-        assert f"{record.radius:.2f} edges" in texts
-        assert "Sharp" in texts
-        assert f"After  {record.shapes[3].curvature_energy:.4g}" in texts
-        assert in_scene(record.shapes[3].displacement) in texts
-        assert not any("τ" in text for text in texts)
-
-    def test_the_slider_tells_the_strength_and_marks_the_chosen_one(self, noisy):
+    def test_a_mesh_that_was_changed_is_told_and_has_no_slider(self, noisy):
         run()
-        for evolution, strength in ((0, 0), (0.1, 0.25), (0.2, 0.5), (0.6, 1), (0.7, 1.25), (1, 2)):
-            noisy.adaptive_fairing.evolution = evolution
-            drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_results)
-            text = f"Strength {strength:.2f}"
-            assert text in drawn.texts
-            assert drawn.marked == ([text] if strength == 1 else [])
+        noisy.data.vertices[0].co.x += 1.0
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert "The mesh was changed since the last run" in " ".join(drawn.texts)
+        assert drawn.properties == ["method", "strength"]
 
-    def test_a_record_of_the_papers_methods_has_no_estimate(self, noisy):
+    def test_statistics_of_denoise_and_of_the_paper(self, noisy):
         run()
+        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics)
+        assert [text.split("   ")[0] for _, text in drawn.progress][1:] == [
+            f"Strength {strength:.2f}" for strength in STRENGTHS
+        ]
+        assert f"{noisy.adaptive_fairing.radius:.2f} edges" in drawn.texts
+        assert not any("τ" in text for text in drawn.texts)
         bpy.ops.object.adaptive_fairing(method="uniform", steps=2, tau=0.001)
-        texts = draw(results_panel.VIEW3D_PT_adaptive_fairing_results).texts
-        assert "Noise found" not in texts
-        assert "Step 2.0 of 2" in texts
+        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics)
+        assert "Treated as" not in drawn.texts
+        assert "2  ·  τ = 0.001" in drawn.texts
+
+    def test_what_is_changed_beyond_the_mesh_is_said_before(self, noisy):
+        twin = bpy.data.objects.new("Twin", noisy.data)
+        settings = bpy.context.scene.adaptive_fairing
+        noisy.scale = (1.0, 1.0, 2.0)
+        found = settings_panel.hints(noisy, settings)
+        assert found == [
+            "Other objects share this mesh: they keep the old one",
+            "The scale is not uniform: apply it first",
+        ]
+        twin.data = bpy.data.meshes.new("Other")
+        noisy.modifiers.new("Levels", "MULTIRES")
+        noisy.shape_key_add(name="Basis")
+        noisy.shape_key_add(name="Smile")
+        found = settings_panel.hints(noisy, settings)
+        assert found[0] == "The result goes to a copy; this object is hidden"
+        assert found[1].startswith("Multiresolution")
+        settings.result = "MODIFIER"
+        assert found[0] not in settings_panel.hints(noisy, settings)
 
 
 class TestRun:

@@ -19,7 +19,7 @@ def test_one_filter_gets_the_share_of_the_wiener_filter():
     """Shrinking towards 0 removes x itself, with divergence 1: a = σ² n / |x|²."""
     signal, noise = signal_and_noise(1.0)
     observed = signal + noise
-    shares = least_risk_shares(observed[None], np.ones((1, N)), np.ones(N), ONE_CLASS)
+    shares = least_risk_shares(observed[None], np.ones((1, N)), np.ones((1, N)), ONE_CLASS)[0]
     assert shares[0, 0] == pytest.approx(N / np.sum(observed**2), rel=1e-4)
     true_risk = [np.mean((observed * (1 - a) - signal) ** 2) for a in np.linspace(0, 1, 101)]
     assert shares[0, 0] == pytest.approx(np.argmin(true_risk) / 100, abs=0.03)
@@ -28,15 +28,15 @@ def test_one_filter_gets_the_share_of_the_wiener_filter():
 def test_the_filter_that_removes_just_the_noise_is_taken():
     signal, noise = signal_and_noise(0.5)
     removed = np.stack([noise, signal + noise])
-    shares = least_risk_shares(removed, np.ones((2, N)), np.full(N, 0.25), ONE_CLASS)
+    shares = least_risk_shares(removed, np.ones((2, N)), np.full((1, N), 0.25), ONE_CLASS)[0]
     assert shares[0, 0] > 0.95
     assert shares[0, 1] < 0.02
 
 
 def test_without_noise_nothing_is_removed():
     removed = np.random.default_rng(1).normal(size=(3, N))
-    assert not least_risk_shares(removed, np.ones((3, N)), np.zeros(N), ONE_CLASS).any()
-    assert not least_risk_shares(0 * removed, np.ones((3, N)), np.ones(N), ONE_CLASS).any()
+    assert not least_risk_shares(removed, np.ones((3, N)), np.zeros((1, N)), ONE_CLASS).any()
+    assert not least_risk_shares(0 * removed, np.ones((3, N)), np.ones((1, N)), ONE_CLASS).any()
 
 
 def test_shares_are_not_negative_and_add_up_to_at_most_one():
@@ -44,7 +44,7 @@ def test_shares_are_not_negative_and_add_up_to_at_most_one():
     removed = generator.normal(size=(5, N)) + generator.normal(size=N)
     classes = density_classes(generator.normal(size=N), np.ones(N, dtype=bool))
     for level in (0.3, 3, 100):
-        shares = least_risk_shares(removed, np.ones((5, N)), np.full(N, level), classes)
+        shares = least_risk_shares(removed, np.ones((5, N)), np.full((1, N), level), classes)[0]
         assert shares.min() >= 0
         assert np.all(shares.sum(axis=1) < 1.02)
     # With more noise than there is of anything, all of the allowed sum is used.
@@ -60,7 +60,7 @@ def test_no_other_mixture_has_less_risk():
     def risk(a):
         return np.sum((a @ removed) ** 2) - 2 * np.sum(a @ divergence)
 
-    chosen = least_risk_shares(removed, divergence, np.ones(N), ONE_CLASS)[0]
+    chosen = least_risk_shares(removed, divergence, np.ones((1, N)), ONE_CLASS)[0, 0]
     grid = np.linspace(0, 1, 41)
     others = min(risk(np.array([a, b])) for a in grid for b in grid if a + b <= 1)
     assert risk(chosen) <= others + 1e-3 * abs(others)

@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 from support import meshes
 
-from adaptive_fairing.core import LoopSpace, TriangleTopology
+from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoise.filter_bank import STEEP
 from adaptive_fairing.core.denoise.lifted_metric import LiftedMetric
+from adaptive_fairing.core.linalg.edge_matrix import EdgePattern
 from adaptive_fairing.core.linalg.krylov_filters import Diffusion, removed_by
 
 METRICS = [LiftedMetric(), LiftedMetric(1), LiftedMetric(1, 0.3), LiftedMetric(0, 0.05)]
@@ -20,16 +21,17 @@ def noisy_mesh(loose=0):
 
 
 def matrices_of(metric, vertices, faces):
-    space = LoopSpace(TriangleTopology(faces, len(vertices)))
+    pattern = EdgePattern(TriangleTopology(faces, len(vertices)))
     corners = vertices[faces]
     edge = np.linalg.norm(corners[:, 0] - corners[:, 1], axis=1).mean()
-    return metric.matrices(space, vertices, np.full(len(vertices), edge))
+    return metric.matrices(pattern, vertices, np.full(len(vertices), edge))
 
 
 def removed(diffusions, matrices, control, is_loose=None, **options):
     reports = []
     is_loose = np.zeros(len(control), dtype=bool) if is_loose is None else is_loose
-    result = removed_by(diffusions, *matrices, control, is_loose, reports.append, **options)
+    bending = matrices[1].product(control.T).T
+    result = removed_by(diffusions, *matrices, bending, is_loose, reports.append, **options)
     assert all(report.converged for report in reports)
     return result
 

@@ -30,8 +30,8 @@ def test_weights_are_positive_and_integrate_constants():
     assert len(VALENCES) > 100
     for valences in VALENCES:
         weights = fitted_weights(valences)
-        assert weights.min() > 0.02
-        assert weights.sum() == pytest.approx(0.5, rel=1e-14)
+        assert weights.min() > 0.01
+        np.testing.assert_allclose(weights.sum(axis=1), 0.5, rtol=1e-14)
     assert POINTS.min() > 0.05
     assert POINTS.sum(axis=1).max() < 0.95
 
@@ -44,7 +44,7 @@ def test_rule_goes_along_when_corners_change_places(order):
     for valences in VALENCES:
         turned = fitted_weights(tuple(valences[k] for k in order))
         np.testing.assert_allclose(
-            fitted_weights(valences), turned[distance.argmin(axis=0)], rtol=1e-12
+            fitted_weights(valences), turned[:, distance.argmin(axis=0)], rtol=1e-12
         )
 
 
@@ -57,20 +57,21 @@ def test_table_has_the_basis_at_the_fitted_points():
         np.testing.assert_array_equal(table.weights, fitted_weights(valences))
 
 
-def test_shifts_of_the_weights_earn_their_place(monkeypatch):
+def test_weights_by_valence_earn_their_place(monkeypatch):
     """Without them the error of a mesh of valences 3 to 10 is several times as large."""
-    vertices, faces = meshes.random_closed(4)
+    vertices, faces = meshes.random_closed(4, meshes.icosphere(3))
     topology = TriangleTopology(faces, len(vertices))
-    exact = LoopSpace(topology, 1e-6).mass_matrix(vertices)
+    exact = LoopSpace(topology, 1e-5).mass_matrix(vertices)
 
     def error():
         for cached in (basis._fitted_table, table_cache._kept_tables):
             cached.cache_clear()
         return abs(LoopSpace(topology).mass_matrix(vertices) - exact).max() / exact.max()
 
-    with_shifts = error()
+    with_valences = error()
     monkeypatch.setattr(basis, "fitted_weights", lambda valences: fitted_weights((6, 6, 6)))
     without = error()
     monkeypatch.undo()
-    error()  # no table without shifts is left for other tests
-    assert with_shifts < 1e-3 < 2e-3 < without
+    error()  # no table without them is left for other tests
+    assert with_valences < 1e-3
+    assert without > 2 * with_valences

@@ -99,14 +99,16 @@ def test_finer_connectivity_is_that_of_the_triangles(name, levels):
         assert np.array_equal(ours, np.roll(theirs, -shift))
 
 
+@pytest.mark.parametrize("levels", [1, 2])
 @pytest.mark.parametrize("name", CASES)
-def test_normals_do_not_depend_on_the_level(name):
-    """The tangent masks are eigenvectors: refined control points have the same tangents."""
-    mesh = CASES[name]
-    surface = surface_of(mesh)
-    for levels in (1, 2):
-        refined = surface.refined(levels).normals[: len(mesh[0])]
-        np.testing.assert_allclose(refined, surface.normals, rtol=0, atol=1e-11)
+def test_refined_is_the_surface_of_the_finer_control_mesh(name, levels):
+    """The masks are eigenvectors: refined control points have the same limits and normals."""
+    surface = surface_of(CASES[name])
+    refined = surface.refined(levels)
+    control = surface.levels.control_points(surface.positions, levels)[-1]
+    fresh = surface_of((control, refined.triangles))
+    np.testing.assert_allclose(refined.vertices, fresh.points, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(refined.normals, fresh.normals, rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize("name", ["valences 3 to 10", "open, irregular", "open, other"])

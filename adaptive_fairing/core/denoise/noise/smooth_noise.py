@@ -26,8 +26,8 @@ AROUND, QUIET_PART = 30, 0.1
 PASSES = (2, 4, 8, 16, 32)
 # Noise of 0.2 of an edge that is alike over two to three edges had an evenness of 0.62 to 0.93 on
 # 21 of 22 shapes, the clean shapes less than 0.6 on 19.  None of these was above the second limit
-# and the least level.
-MAY_BE_NOISE, LIKELY, LEAST_LEVEL = 0.6, 0.75, 0.09
+# and the least level.  Coarse round shapes are as even: fewer vertices are no scan.
+MAY_BE_NOISE, LIKELY, LEAST_LEVEL, LEAST_VERTICES = 0.6, 0.75, 0.09, 4500
 
 
 class SmoothNoise(NamedTuple):
@@ -40,11 +40,14 @@ class SmoothNoise(NamedTuple):
     level : float
         Standard deviation in local edge lengths.
     correlation : NoiseCorrelation
+    n_counted : int
+        Number of vertices that it was judged from.
     """
 
     evenness: float
     level: float
     correlation: NoiseCorrelation
+    n_counted: int
 
     @property
     def may_be_noise(self) -> bool:
@@ -54,7 +57,8 @@ class SmoothNoise(NamedTuple):
     @property
     def is_likely(self) -> bool:
         """Whether it is more even, and stronger, than clean shapes are."""
-        return self.evenness >= LIKELY and self.level >= LEAST_LEVEL
+        is_strong = self.evenness >= LIKELY and self.level >= LEAST_LEVEL
+        return is_strong and self.n_counted >= LEAST_VERTICES
 
 
 def smooth_noise(
@@ -89,7 +93,7 @@ def smooth_noise(
             correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
             best = misfit, float(ratios.min()) * deviation, correlation
     assert best is not None
-    return SmoothNoise(evenness, best[1], best[2])
+    return SmoothNoise(evenness, best[1], best[2], int(np.count_nonzero(is_counted)))
 
 
 def _bands(positions: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> FloatArray:

@@ -1,0 +1,216 @@
+"""What became of an object in earlier runs: the shape it shows, its original, keep or undo it all.
+
+A run leaves one of these on an object, named by `FairingRecord.result`:
+
+- "LIVE" and "MODIFIER", the result of `denoise`, see `stored_result`;
+- "KEYS", the steps of the paper's methods as shape keys, see `shape_keys`;
+- "", nothing that can be changed any more.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
+from numpy.typing import NDArray
+
+from ...core import InputError
+from . import modifier
+from .mesh_arrays import read_key, read_mesh_coordinates, write_positions
+from .shape_keys import (
+    has_fairing_keys,
+    has_foreign_keys,
+    mixed_keys,
+    remove_fairing_keys,
+    write_absolute_keys,
+    write_final_shape,
+    write_relative_keys,
+)
+from .stored_result import (
+    ORIGINAL,
+    PAINT_GROUP,
+    StoredResult,
+    is_current,
+    paint_weights,
+    read_stored,
+    read_vectors,
+    remove_stored,
+    shown_by,
+    write_shown,
+    write_stored,
+    write_vectors,
+)
+
+Positions = NDArray[np.float32]
+
+
+def has_result(obj: bpy.types.Object) -> bool:
+    """Whether `apply` and `discard` have something to do."""
+    if obj.adaptive_fairing.result == "KEYS":
+        return has_fairing_keys(obj.data)
+    return is_current(obj)
+
+
+def is_stale(obj: bpy.types.Object) -> bool:
+    """Whether the mesh was changed by somebody else since the last run stored its result."""
+    is_stored = obj.adaptive_fairing.result in ("LIVE", "MODIFIER")
+    return is_stored and obj.mode != "EDIT" and not is_current(obj)
+
+
+def shown_positions(obj: bpy.types.Object) -> Positions:
+    """Positions (n, 3) that an object shows, other modifiers aside; not in Edit Mode."""
+    if obj.data.shape_keys is not None:
+        shown = mixed_keys(obj.data.shape_keys)
+    else:
+        shown = read_mesh_coordinates(obj.data)
+    if obj.adaptive_fairing.result == "MODIFIER" and is_current(obj):
+        return shown + (shown_by(obj) - read_mesh_coordinates(obj.data))
+    return shown
+
+
+def original_positions(obj: bpy.types.Object) -> Positions | None:
+    """Positions (n, 3) before the first run that still counts; None if no result is left."""
+    if not has_result(obj):
+        return None
+    mesh = obj.data
+    if obj.adaptive_fairing.result == "MODIFIER":
+        return read_mesh_coordinates(mesh)
+    if ORIGINAL in mesh.attributes:
+        return read_vectors(mesh, ORIGINAL)
+    return read_key(mesh.shape_keys.reference_key)
+
+
+def store_strengths(
+    obj: bpy.types.Object,
+    start: Positions,
+    shapes: list[Positions],
+    strengths: list[float],
+    strength: float,
+    way: str,
+    *,
+    from_original: bool = False,
+) -> None:
+    """Store the result of `denoise` and show it.
+
+    A second run refines the first: strength 0 stays the first original, and what the first run
+    had moved at a strength is added. So runs on two regions add up.
+
+    Parameters
+    ----------
+    obj
+        Object that may be written, see `writable_object`; its record has this run's shapes.
+    start
+        (n, 3) positions that the run started from.
+    shapes, strengths
+        (n, 3) positions at each strength.
+    strength
+        The one to show.
+    way
+        "LIVE" or "MODIFIER".
+    from_original
+        The run started from the original: earlier ones do not count.
+    """
+    relative = [each / strength for each in strengths]
+    earlier, original = read_stored(obj), original_positions(obj)
+    if from_original or original is None:
+        original, carried = start, [np.float32(0)] * len(shapes)
+    elif earlier is not None:
+        weights = paint_weights(obj)
+        shown = obj.adaptive_fairing.strength
+        carried = [earlier.offset(shown * each) for each in relative]
+        if weights is not None:
+            carried = [weights[:, None] * each for each in carried]
+    else:
+        carried = [np.float32(min(each, 1.0)) * (start - original) for each in relative]
+    offsets = tuple(move + (shape - start) for move, shape in zip(carried, shapes, strict=True))
+    clear(obj)
+    stored = StoredResult(original, tuple(strengths), offsets)
+    write_stored(obj.data, stored, with_original=way == "LIVE")
+    record = obj.adaptive_fairing
+    record.result = way
+    record.set_strengths(strengths, strength)
+    if way == "MODIFIER":
+        if obj.data.shape_keys is None:
+            write_shown(obj, original)
+        else:
+            record.remember_coordinates()
+        modifier.add(obj, stored.strengths, strength)
+    else:
+        write_shown(obj, shown_by(obj))
+
+
+def store_steps(
+    obj: bpy.types.Object, start: Positions, shapes: list[Positions], output: str
+) -> None:
+    """Store the steps of the paper's methods as shape keys, or move the vertices.
+
+    Parameters
+    ----------
+    obj, start, shapes
+        As in `store_strengths`.
+    output
+        Identifier of `OutputProperties.output`.
+    """
+    original = original_positions(obj)
+    clear(obj)
+    write_positions(obj.data, start)
+    if output == "FINAL_SHAPE":
+        write_final_shape(obj, shapes[-1])
+        return
+    write = write_relative_keys if output == "RELATIVE_KEYS" else write_absolute_keys
+    write(obj, shapes)
+    obj.adaptive_fairing.result = "KEYS"
+    if original is not None and not np.array_equal(original, start):
+        write_vectors(obj.data, ORIGINAL, original)
+
+
+def apply(obj: bpy.types.Object) -> None:
+    """Keep the shape that is shown, and nothing else of the runs.
+
+    Raises
+    ------
+    InputError
+        There is no result.
+    """
+    if not has_result(obj):
+        raise InputError(rpt_("there is no result on this object"))
+    mesh = obj.data
+    if has_foreign_keys(mesh):  # of a "MODIFIER" result: all keys move along
+        offset = shown_by(obj) - read_mesh_coordinates(mesh)
+        clear(obj)
+        for block in mesh.shape_keys.key_blocks:
+            block.points.foreach_set("co", np.ravel(read_key(block) + offset))
+        mesh.update()
+        return
+    shown = shown_positions(obj)
+    clear(obj)
+    write_positions(mesh, shown)
+
+
+def discard(obj: bpy.types.Object) -> None:
+    """Bring an object back to what it was before the first run that still counts.
+
+    Raises
+    ------
+    InputError
+        There is no result.
+    """
+    original = original_positions(obj)
+    if original is None:
+        raise InputError(rpt_("there is no result on this object"))
+    clear(obj)
+    if obj.data.shape_keys is None:
+        write_positions(obj.data, original)
+
+
+def clear(obj: bpy.types.Object) -> None:
+    """Remove everything that runs have left on an object; the coordinates stay, or the Basis."""
+    modifier.remove(obj)
+    if obj.adaptive_fairing.result:
+        group = obj.vertex_groups.get(PAINT_GROUP)
+        if group is not None:
+            obj.vertex_groups.remove(group)
+    remove_stored(obj.data)
+    if not has_foreign_keys(obj.data):
+        remove_fairing_keys(obj)
+    obj.adaptive_fairing.result = ""

@@ -1,0 +1,64 @@
+"""What follows changes that others make: painted weights, and what is remembered of meshes."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from ..data import stored_result
+from . import viewport
+
+_weights_before: dict[int, np.ndarray] = {}  # of the object being painted, by its session_uid
+
+
+@bpy.app.handlers.persistent
+def _follow_change(scene, graph) -> None:
+    """Show the result by the weights that have just been painted."""
+    for update in graph.updates:
+        if not (update.is_updated_geometry and isinstance(update.id, bpy.types.Object)):
+            continue
+        obj = update.id.original
+        viewport.forget(obj)
+        if obj.mode == "WEIGHT_PAINT" and obj.adaptive_fairing.result == "LIVE":
+            follow_weights(obj)
+
+
+def follow_weights(obj: bpy.types.Object) -> None:
+    """Bring an object to its painted weights, unless they are those that it shows."""
+    stored_result.forget_weights()
+    weights = stored_result.paint_weights(obj)
+    before = _weights_before.get(obj.session_uid)
+    if weights is None or (before is not None and np.array_equal(weights, before)):
+        return
+    _weights_before.clear()
+    _weights_before[obj.session_uid] = weights
+    stored_result.update_shown(obj)
+
+
+@bpy.app.handlers.persistent
+def _forget(*_arguments) -> None:
+    """Forget what was remembered of meshes: undo or another file has replaced them."""
+    stored_result.forget_weights()
+    _weights_before.clear()
+    viewport.forget_all()
+
+
+_HANDLERS = (
+    ("depsgraph_update_post", _follow_change),
+    ("undo_post", _forget),
+    ("redo_post", _forget),
+    ("load_pre", _forget),
+)
+
+
+def register() -> None:
+    """Begin to follow."""
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister() -> None:
+    """End it."""
+    for name, handler in _HANDLERS:
+        getattr(bpy.app.handlers, name).remove(handler)
+    _forget()

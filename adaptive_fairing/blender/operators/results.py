@@ -1,0 +1,220 @@
+"""Operators on the result of runs: keep, discard, compare with the original, paint back."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+from mathutils import Vector
+
+from ..compatibility import weight_paint_settings
+from ..data.stored_result import PAINT_GROUP, forget_weights, is_current
+from .object_mode import object_mode, prepare_undo
+from .polls import busy_refusal, is_allowed
+
+NO_RESULT = "The active object has no result of Adaptive Fairing that can still be changed"
+NO_SLIDER = "Only a result with a slider can be compared with the original"
+
+
+def result_refusal(context: bpy.types.Context) -> str | None:
+    """Say that the active object has no result; None if it has."""
+    obj = context.active_object
+    if obj is None or obj.type != "MESH" or not obj.adaptive_fairing.result:
+        return NO_RESULT
+    if obj.library is not None or obj.data.library is not None:
+        return "The mesh is linked from another file: it cannot be edited here"
+    # In Edit Mode the attributes cannot be read: the operators find out.
+    if obj.mode == "EDIT" or obj.adaptive_fairing.result == "KEYS" or is_current(obj):
+        return None
+    return "The mesh was changed since the last run: its stored result does not fit any more"
+
+
+class _OnResult:
+    """Mix-in: works on the result of the active object."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return is_allowed(cls, result_refusal(context), busy_refusal())
+
+    def finish(self, context, action):
+        """Do something with the result in Object Mode, and come back."""
+        from ...core import FairingError
+        from ..data.coloring import end_view
+
+        obj = context.active_object
+        prepare_undo(context)
+        with object_mode(context):
+            obj.adaptive_fairing.end_comparison()
+            try:
+                end_view(obj)
+                action(obj)
+            except FairingError as error:
+                self.report({"ERROR"}, str(error))
+                return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+class OBJECT_OT_adaptive_fairing_apply(_OnResult, bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_apply"
+    bl_label = "Apply"
+    bl_description = (
+        "Keep the shape as it is shown and remove everything else that the runs have left: stored "
+        "shapes, shape keys, modifier, colors"
+    )
+
+    def execute(self, context):
+        from ..data.results import apply
+
+        return self.finish(context, apply)
+
+
+class OBJECT_OT_adaptive_fairing_discard(_OnResult, bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_discard"
+    bl_label = "Discard"
+    bl_description = "Bring the mesh back to exactly what it was before the runs"
+
+    def execute(self, context):
+        from ..data.results import discard
+
+        return self.finish(context, discard)
+
+
+class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_before"
+    bl_label = "Before"
+    bl_description = (
+        "Show the original as long as the key is held; the button shows it until the next click"
+    )
+
+    _key: str | None = None
+
+    @classmethod
+    def poll(cls, context):
+        obj = context.active_object
+        refusal = result_refusal(context)
+        if refusal is None and (obj.mode == "EDIT" or not obj.adaptive_fairing.has_slider()):
+            refusal = NO_SLIDER
+        return is_allowed(cls, refusal, busy_refusal())
+
+    def execute(self, context):
+        context.active_object.adaptive_fairing.toggle_before()
+        return {"FINISHED"}
+
+    def invoke(self, context, event):
+        self.execute(context)
+        if event.value != "PRESS" or event.type == "LEFTMOUSE":
+            return {"FINISHED"}
+        self._key = event.type
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type != self._key or event.value != "RELEASE":
+            return {"RUNNING_MODAL"}
+        context.active_object.adaptive_fairing.end_comparison()
+        return {"FINISHED"}
+
+    def cancel(self, context):
+        context.active_object.adaptive_fairing.end_comparison()
+
+
+class OBJECT_OT_adaptive_fairing_split(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_split"
+    bl_label = "Split"
+    bl_description = (
+        "Show the original on the left half of the object, as it is seen now, and the result on "
+        "the right; once more shows the whole result"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        refusal = result_refusal(context)
+        if refusal is None and context.active_object.adaptive_fairing.result != "LIVE":
+            refusal = "Split works with the result Live"
+        return is_allowed(cls, refusal, busy_refusal())
+
+    def execute(self, context):
+        obj = context.active_object
+        record = obj.adaptive_fairing
+        if record.is_split:
+            record.end_comparison()
+            return {"FINISHED"}
+        to_right = Vector((1.0, 0.0, 0.0))
+        if context.region_data is not None:
+            to_right = context.region_data.view_matrix.to_3x3().inverted() @ to_right
+        # A plane's normal goes from the world into the object by the transposed matrix.
+        normal = (obj.matrix_world.to_3x3().transposed() @ to_right).normalized()
+        corners = [Vector(corner) for corner in obj.bound_box]
+        record.split_along(normal, sum(corners, Vector()) / len(corners))
+        return {"FINISHED"}
+
+
+class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_paint"
+    bl_label = "Paint Back"
+    bl_description = (
+        "Change to Weight Paint with the vertex group Fairing: weight 0 brings the original back, "
+        "1 shows the result; once more leaves it"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        refusal = result_refusal(context)
+        if refusal is None and context.active_object.adaptive_fairing.result == "KEYS":
+            refusal = "Shape keys have no weights to paint: use the result Live or Modifier"
+        return is_allowed(cls, refusal, busy_refusal())
+
+    def execute(self, context):
+        from ..data import modifier
+
+        obj = context.active_object
+        if obj.mode == "WEIGHT_PAINT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+            return {"FINISHED"}
+        if obj.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        group = obj.vertex_groups.get(PAINT_GROUP)
+        if group is None:
+            group = obj.vertex_groups.new(name=PAINT_GROUP)
+            group.add(range(len(obj.data.vertices)), 1.0, "REPLACE")
+        obj.vertex_groups.active = group
+        if obj.adaptive_fairing.result == "MODIFIER":
+            modifier.set_group(obj, PAINT_GROUP)
+        forget_weights()
+        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+        weight_paint_settings(context).weight = 0.0
+        self.report({"INFO"}, rpt_("Paint with weight 0 to bring the original back"))
+        return {"FINISHED"}
+
+
+_keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
+
+_CLASSES = (
+    OBJECT_OT_adaptive_fairing_apply,
+    OBJECT_OT_adaptive_fairing_discard,
+    OBJECT_OT_adaptive_fairing_before,
+    OBJECT_OT_adaptive_fairing_split,
+    OBJECT_OT_adaptive_fairing_paint,
+)
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_CLASSES)
+
+
+def register() -> None:
+    """Register the operators, and the shortcut that shows the original."""
+    _register_classes()
+    configuration = bpy.context.window_manager.keyconfigs.addon
+    if configuration is not None:  # none without a window
+        keymap = configuration.keymaps.new("3D View", space_type="VIEW_3D")
+        idname = OBJECT_OT_adaptive_fairing_before.bl_idname
+        _keymaps.append((keymap, keymap.keymap_items.new(idname, "B", "PRESS", alt=True)))
+
+
+def unregister() -> None:
+    """Take the shortcut and the operators back."""
+    while _keymaps:
+        keymap, item = _keymaps.pop()
+        keymap.keymap_items.remove(item)
+    _unregister_classes()

@@ -1,0 +1,72 @@
+"""The part of the main panel below the button: the result, and what can be done with it."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_
+
+from ..data.run_record import evolution_keys, is_of_strengths, result_measures
+from ..data.stored_result import is_current
+from ..operators.results import (
+    OBJECT_OT_adaptive_fairing_apply,
+    OBJECT_OT_adaptive_fairing_before,
+    OBJECT_OT_adaptive_fairing_discard,
+    OBJECT_OT_adaptive_fairing_paint,
+    OBJECT_OT_adaptive_fairing_split,
+)
+from .layouts import draw_lines, world_length_text
+from .results_panel import active_record, change_text
+
+
+def draw_result(context: bpy.types.Context, layout) -> None:
+    """Draw the slider, one line of numbers, and the buttons."""
+    record = active_record(context)
+    if record is None or not record.result:
+        return
+    obj = record.id_data
+    box = layout.box()
+    is_keys = record.result == "KEYS"
+    if obj.mode == "EDIT" and not is_keys:
+        draw_lines(context, box, iface_("Leave Edit Mode to change the strength"), icon="INFO")
+    elif not is_keys and not is_current(obj):
+        text = iface_(
+            "The mesh was changed since the last run. The next one starts from what is shown"
+        )
+        draw_lines(context, box, text, icon="INFO")
+        return
+    elif record.has_slider():
+        row = box.row()
+        row.scale_y = 1.3
+        row.prop(record, "evolution" if is_keys else "strength", slider=True)
+        if evolution_keys(obj) is not None and is_keys:
+            n_steps = len(record.shapes) - 1
+            shown = iface_("Step {:.1f} of {:d}").format(record.evolution * n_steps, n_steps)
+            box.label(text=shown, translate=False)
+    draw_lines(context, box, result_text(context, record), icon="NONE")
+    row = box.row(align=True)
+    is_before = record.held >= 0
+    row.operator(OBJECT_OT_adaptive_fairing_before.bl_idname, depress=is_before)
+    if record.result == "LIVE":
+        row.operator(OBJECT_OT_adaptive_fairing_split.bl_idname, depress=record.is_split)
+    if not is_keys:
+        is_painting = obj.mode == "WEIGHT_PAINT"
+        row.operator(OBJECT_OT_adaptive_fairing_paint.bl_idname, depress=is_painting)
+    row = box.row(align=True)
+    row.operator(OBJECT_OT_adaptive_fairing_apply.bl_idname, icon="CHECKMARK")
+    row.operator(OBJECT_OT_adaptive_fairing_discard.bl_idname, icon="X")
+
+
+def result_text(context: bpy.types.Context, record: bpy.types.PropertyGroup) -> str:
+    """Say in a line what was found and what it has changed."""
+    first, last = record.shapes[0], result_measures(record)
+    parts = []
+    if is_of_strengths(record):
+        length = world_length_text(context, record, record.noise_length)
+        parts.append(iface_("Noise {:s}").format(length))
+        parts.append(iface_("smoothed {:.2g} edges").format(record.radius))
+    else:
+        parts.append(iface_("{:d} steps").format(len(record.shapes) - 1))
+    volume = change_text(first.volume, last.volume)
+    if volume != "–":
+        parts.append(iface_("volume {:s}").format(volume))
+    return "  ·  ".join(parts)

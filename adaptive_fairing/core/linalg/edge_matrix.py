@@ -1,0 +1,126 @@
+"""Symmetric matrices with an entry for every edge of a mesh, and their diagonal."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+
+from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import FloatArray, IntArray, RealArray
+from ..runtime.threads import ordered_map
+
+
+class EdgePattern:
+    """Where the entries of edges stand: row by row, in the order of the one-rings.
+
+    Attributes
+    ----------
+    topology : TriangleTopology
+    forth, back : (3, n_triangles) int
+        Entries (i, j) and (j, i) for the half-edge from corner k = i to the next one, j.
+    """
+
+    def __init__(self, topology: TriangleTopology) -> None:
+        self.topology = topology
+        place = topology.ring_start[topology.origins] + topology.ring_position
+        # The way back is the twin's; at a rim there is none, and the last place of the ring is its.
+        targets = topology.triangles[:, [1, 2, 0]].reshape(-1)
+        last = topology.ring_start[targets + 1] - 1
+        back = np.where(topology.twin >= 0, place[topology.twin], last)
+        self.forth: IntArray = np.ascontiguousarray(place.reshape(-1, 3).T)
+        self.back: IntArray = np.ascontiguousarray(back.reshape(-1, 3).T)
+
+    def summed(self, entries: RealArray) -> EdgeMatrix:
+        """Add up the entries (3, n_triangles) that triangles give their edges; no diagonal yet."""
+        topology = self.topology
+        # Each place is met once by each of the two.
+        values = np.zeros(len(topology.ring), entries.dtype)
+        values[self.forth] = entries
+        values[self.back] += entries
+        structure = values, topology.ring, topology.ring_start
+        shape = topology.n_vertices, topology.n_vertices
+        return EdgeMatrix(
+            sparse.csr_array(structure, shape=shape), np.zeros(shape[0], values.dtype)
+        )
+
+
+class EdgeMatrix:
+    """A diagonal matrix plus one with an entry for every edge.
+
+    Parameters
+    ----------
+    edges : (n, n) csr_array
+        Symmetric, without a diagonal.
+    diagonal : (n,)
+        In the precision of `edges`.
+    """
+
+    def __init__(self, edges: sparse.csr_array, diagonal: RealArray) -> None:
+        self._edges, self._diagonal = edges, diagonal
+
+    @property
+    def n(self) -> int:
+        """Number of rows."""
+        return len(self._diagonal)
+
+    @property
+    def is_single(self) -> bool:
+        """Whether the entries are in single precision."""
+        return self._diagonal.dtype == np.float32
+
+    def in_precision(self, precision: type) -> EdgeMatrix:
+        """Return the same entries in another precision."""
+        return EdgeMatrix(self._edges.astype(precision), self._diagonal.astype(precision))
+
+    def doubled(self) -> EdgeMatrix:
+        """Return the same entries in double precision."""
+        return self.in_precision(np.float64)
+
+    def row_sums(self) -> RealArray:
+        """Sum of each row, (n,)."""
+        sums: RealArray = self._edges @ np.ones_like(self._diagonal) + self._diagonal
+        return sums
+
+    def diagonal(self) -> RealArray:
+        """Entries on the diagonal, (n,)."""
+        return self._diagonal
+
+    def with_diagonal(self, diagonal: RealArray) -> EdgeMatrix:
+        """Return the matrix with another diagonal, (n,)."""
+        return EdgeMatrix(self._edges, diagonal)
+
+    def is_finite(self) -> bool:
+        """Whether all entries are finite numbers."""
+        return bool(np.isfinite(self._edges.data).all() and np.isfinite(self._diagonal).all())
+
+    def plus(self, factor: float, other: EdgeMatrix) -> EdgeMatrix:
+        """Add `factor` times another matrix of the same pattern."""
+        data = self._edges.data + factor * other._edges.data
+        return EdgeMatrix(self._like(data), self._diagonal + factor * other._diagonal)
+
+    def weighted(self, weights: FloatArray) -> EdgeMatrix:
+        """Return D½ A D½ for the diagonal matrix D of `weights` > 0, (n,)."""
+        root = np.sqrt(weights)
+        rows = np.repeat(root, np.diff(self._edges.indptr))
+        data = self._edges.data * rows * root[self._edges.indices]
+        return EdgeMatrix(self._like(data), self._diagonal * weights)
+
+    def product(self, columns: RealArray) -> RealArray:
+        """Multiply by k vectors, given as rows (k, n); return rows in the matrix's precision."""
+        columns = np.ascontiguousarray(columns, dtype=self._diagonal.dtype)
+        result = columns * self._diagonal
+
+        def add(index: int) -> None:
+            result[index] += self._edges @ columns[index]
+
+        for _ in ordered_map(add, range(len(columns))):
+            pass
+        return result
+
+    def full(self) -> sparse.csr_array:
+        """Return all entries, (n, n)."""
+        return sparse.csr_array(self._edges + sparse.diags_array(self._diagonal))
+
+    def _like(self, data: RealArray) -> sparse.csr_array:
+        structure = data, self._edges.indices, self._edges.indptr
+        return sparse.csr_array(structure, shape=self._edges.shape)

@@ -1,0 +1,409 @@
+"""The result of a run in one place: the slider, refining, keeping, discarding, comparing."""
+
+import bpy
+import numpy as np
+import pytest
+from support.meshes import noisy_ball
+from support.objects import add_object, key_positions, select, shown_positions
+
+from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
+from adaptive_fairing.blender.data.stored_result import PAINT_GROUP
+from adaptive_fairing.blender.operators import following
+from adaptive_fairing.core import DenoiseSettings, denoise
+
+pytestmark = pytest.mark.usefixtures("addon")
+
+ULP = 2.0**-23
+"""Spacing of float32 at 1: offsets and originals are added in float32."""
+
+
+@pytest.fixture
+def noisy():
+    vertices, faces = noisy_ball(3, 0.02)
+    obj = add_object(vertices, faces)
+    obj.select_set(True)
+    return obj
+
+
+def run(**options):
+    return bpy.ops.object.adaptive_fairing(**options)
+
+
+def paper(**options):
+    return run(**{"method": "adaptive_timestep", "steps": 3, "tau": 0.01, **options})
+
+
+def coordinates(obj):
+    return read_mesh_coordinates(obj.data)
+
+
+def core_result(obj, **settings):
+    vertices = coordinates(obj).astype(float)
+    return denoise(vertices, read_triangles(obj.data), DenoiseSettings(**settings))
+
+
+def fairing_attributes(obj):
+    return [name for name in obj.data.attributes.keys() if name.startswith("fairing")]
+
+
+def near(found, expected):
+    return np.abs(found - expected).max() <= 4 * ULP
+
+
+def stroke(obj, vertex=5):
+    """Move one vertex, as sculpting does."""
+    obj.data.vertices[vertex].co.x += 0.3
+    obj.data.update()
+
+
+class TestLive:
+    def test_the_mesh_itself_gets_the_result(self, noisy):
+        expected = core_result(noisy)
+        assert run() == {"FINISHED"}
+        assert noisy.data.shape_keys is None
+        assert list(noisy.modifiers) == []
+        assert near(coordinates(noisy), expected.positions)
+        assert np.array_equal(shown_positions(noisy), coordinates(noisy))
+
+    @pytest.mark.parametrize("strength", [0.0, 0.3, 0.5, 0.6, 1.0, 1.2, 2.0, 5.0])
+    def test_the_slider_shows_every_strength(self, noisy, strength):
+        expected = core_result(noisy)
+        run()
+        noisy.adaptive_fairing.strength = strength
+        assert near(coordinates(noisy), expected.at(strength))
+        assert noisy.adaptive_fairing.strength == np.float32(strength)
+
+    def test_strength_and_edges_reach_the_core(self, noisy):
+        expected = core_result(noisy, strength=1.7, features="sharp")
+        run(strength=1.7, features="sharp")
+        assert near(coordinates(noisy), expected.positions)
+        assert noisy.adaptive_fairing.strength == np.float32(1.7)
+
+    def test_strength_0_and_discard_are_the_original_bit_by_bit(self, noisy):
+        before = coordinates(noisy)
+        run()
+        noisy.adaptive_fairing.strength = 0.0
+        assert np.array_equal(coordinates(noisy), before)
+        noisy.adaptive_fairing.strength = 1.3
+        bpy.ops.object.adaptive_fairing_discard()
+        assert np.array_equal(coordinates(noisy), before)
+        assert fairing_attributes(noisy) == []
+        assert not bpy.ops.object.adaptive_fairing_discard.poll()
+
+    def test_apply_keeps_the_shape_and_nothing_else(self, noisy):
+        run()
+        noisy.adaptive_fairing.strength = 0.7
+        shown = coordinates(noisy)
+        bpy.ops.object.adaptive_fairing_apply()
+        assert np.array_equal(coordinates(noisy), shown)
+        assert fairing_attributes(noisy) == []
+        assert len(noisy.vertex_groups) == 0
+        noisy.adaptive_fairing.strength = 0.0
+        assert np.array_equal(coordinates(noisy), shown)
+
+    def test_it_is_kept_in_the_file(self, noisy, tmp_path):
+        before = coordinates(noisy)
+        run()
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+        bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "a.blend"))
+        obj = bpy.data.objects["Thing"]
+        obj.adaptive_fairing.strength = 0.0
+        assert np.array_equal(coordinates(obj), before)
+
+
+class TestASecondRun:
+    def test_it_starts_from_what_is_shown(self, noisy):
+        run()
+        noisy.adaptive_fairing.strength = 0.6
+        expected = core_result(noisy)
+        run()
+        assert near(coordinates(noisy), expected.positions)
+
+    def test_discard_goes_back_to_the_first_original(self, noisy):
+        before = coordinates(noisy)
+        run()
+        run(features="smooth")
+        paper()
+        run()
+        bpy.ops.object.adaptive_fairing_discard()
+        assert np.array_equal(coordinates(noisy), before)
+
+    def test_two_regions_add_up(self, noisy):
+        """The first region was noisy again."""
+        before = coordinates(noisy)
+        upper = before[:, 2] > 0
+        group = noisy.vertex_groups.new(name="Upper")
+        group.add(np.flatnonzero(upper).tolist(), 1.0, "REPLACE")
+        run(vertex_group="Upper")
+        first = coordinates(noisy)
+        assert np.array_equal(first[~upper], before[~upper])
+        run(vertex_group="Upper", invert_vertex_group=True)
+        second = coordinates(noisy)
+        assert near(second[upper], first[upper])
+        assert not np.array_equal(second[~upper], before[~upper])
+        noisy.adaptive_fairing.strength = 0.0
+        assert np.array_equal(coordinates(noisy), before)
+
+    def test_a_selected_region_and_the_rest(self, noisy):
+        before = coordinates(noisy)
+        upper = before[:, 2] > 0
+        for wanted in (upper, ~upper):
+            select(noisy, wanted)
+            bpy.ops.object.mode_set(mode="EDIT")
+            assert run() == {"FINISHED"}
+            assert noisy.mode == "EDIT"
+            bpy.ops.object.mode_set(mode="OBJECT")
+        moved = np.abs(coordinates(noisy) - before).max(axis=1) > 0
+        assert moved[upper].mean() > 0.9
+        assert moved[~upper].mean() > 0.9
+
+    def test_from_original_discards_the_first(self, noisy):
+        expected = core_result(noisy, features="smooth")
+        run(strength=0.5)
+        run(features="smooth", from_original=True)
+        assert near(coordinates(noisy), expected.positions)
+
+
+class TestWorkInBetween:
+    def test_a_stroke_is_not_lost(self, noisy):
+        """Run, sculpt, run: the stroke was gone."""
+        run()
+        stroke(noisy)
+        sculpted = coordinates(noisy)
+        paper()
+        assert np.array_equal(key_positions(noisy, "Basis"), sculpted)
+        bpy.ops.object.adaptive_fairing_discard()
+        assert np.array_equal(coordinates(noisy), sculpted)
+
+    def test_the_slider_never_writes_over_a_stroke(self, noisy):
+        run()
+        stroke(noisy)
+        sculpted = coordinates(noisy)
+        noisy.adaptive_fairing.strength = 0.2
+        assert np.array_equal(coordinates(noisy), sculpted)
+        with pytest.raises(RuntimeError, match="The mesh was changed"):
+            bpy.ops.object.adaptive_fairing_discard()
+
+    @pytest.mark.parametrize("change", ["subdivide", "delete", "remesh"])
+    def test_other_vertices_are_kept(self, noisy, change):
+        run()
+        if change == "remesh":
+            noisy.data.remesh_voxel_size = 0.2
+            bpy.ops.object.voxel_remesh()
+        else:
+            bpy.ops.object.mode_set(mode="EDIT")
+            bpy.ops.mesh.select_all(action="SELECT" if change == "subdivide" else "DESELECT")
+            if change == "subdivide":
+                bpy.ops.mesh.subdivide()
+            bpy.ops.object.mode_set(mode="OBJECT")
+            if change == "delete":
+                noisy.data.vertices[7].select = True
+                bpy.ops.object.mode_set(mode="EDIT")
+                bpy.ops.mesh.delete(type="VERT")
+                bpy.ops.object.mode_set(mode="OBJECT")
+        changed = coordinates(noisy)
+        noisy.adaptive_fairing.strength = 0.0
+        assert np.array_equal(coordinates(noisy), changed)
+        paper()
+        assert np.array_equal(key_positions(noisy, "Basis"), changed)
+        assert fairing_attributes(noisy) == ["fairing_density", "fairing_density_color"]
+        bpy.ops.object.adaptive_fairing_discard()
+        assert np.array_equal(coordinates(noisy), changed)
+
+    def test_a_renamed_object_gets_its_result(self, noisy):
+        run()
+        noisy.name = "Other"
+        assert bpy.ops.object.adaptive_fairing_discard() == {"FINISHED"}
+
+
+class TestNothingToDo:
+    @pytest.fixture
+    def clean(self):
+        bpy.ops.mesh.primitive_uv_sphere_add()
+        return bpy.context.object
+
+    def test_nothing_changed_means_nothing(self, clean):
+        before, names = coordinates(clean), clean.data.attributes.keys()
+        assert run() == {"CANCELLED"}
+        assert np.array_equal(coordinates(clean), before)
+        assert clean.data.attributes.keys() == names
+        assert clean.data.shape_keys is None
+        assert list(clean.modifiers) == []
+        assert clean.adaptive_fairing.result == ""
+        assert len(clean.adaptive_fairing.shapes) == 0
+
+
+class TestKeys:
+    def test_the_paper_starts_from_what_is_shown_and_keeps_the_original(self, noisy):
+        before = coordinates(noisy)
+        run()
+        denoised = coordinates(noisy)
+        paper()
+        assert np.array_equal(key_positions(noisy, "Basis"), denoised)
+        assert np.array_equal(coordinates(noisy), key_positions(noisy, "Fairing 3"))
+        bpy.ops.object.adaptive_fairing_discard()
+        assert noisy.data.shape_keys is None
+        assert np.array_equal(coordinates(noisy), before)
+
+    def test_a_second_run_starts_from_the_slider(self, noisy):
+        paper()
+        noisy.adaptive_fairing.evolution = 0.5
+        shown = shown_positions(noisy)
+        paper(steps=1)
+        assert near(key_positions(noisy, "Basis"), shown)
+
+    @pytest.mark.parametrize("evolution", [0.0, 0.2, 1 / 3, 0.5, 0.9, 1.0])
+    def test_the_mesh_has_the_shape_that_the_slider_shows(self, noisy, evolution):
+        paper()
+        noisy.adaptive_fairing.evolution = evolution
+        is_beside_basis = evolution < 0.3
+        shown = key_positions(noisy, "Basis") if is_beside_basis else shown_positions(noisy)
+        assert near(coordinates(noisy), shown)
+        keys = noisy.data.shape_keys
+        basis = key_positions(noisy, "Basis")
+        sum_of_keys = basis + sum(
+            block.value * (key_positions(noisy, block.name) - basis) for block in keys.key_blocks
+        )
+        assert near(sum_of_keys, shown_positions(noisy))
+
+    def test_apply_keeps_what_is_shown(self, noisy):
+        paper()
+        noisy.adaptive_fairing.evolution = 0.5
+        shown = shown_positions(noisy)
+        bpy.ops.object.adaptive_fairing_apply()
+        assert noisy.data.shape_keys is None
+        assert near(coordinates(noisy), shown)
+
+
+class TestModifier:
+    def run(self, obj, **options):
+        expected = core_result(obj)
+        before = coordinates(obj)
+        assert run(result="MODIFIER", **options) == {"FINISHED"}
+        assert np.array_equal(coordinates(obj), before)
+        return expected
+
+    @pytest.mark.parametrize("strength", [0.0, 0.3, 0.75, 1.0, 1.2, 2.0])
+    def test_it_shows_every_strength_and_the_mesh_stays(self, noisy, strength):
+        expected = self.run(noisy)
+        noisy.adaptive_fairing.strength = strength
+        assert noisy.adaptive_fairing.strength == np.float32(strength)
+        assert near(shown_positions(noisy), expected.at(strength))
+
+    def test_its_input_is_the_slider(self, noisy):
+        expected = self.run(noisy)
+        (modifier,) = noisy.modifiers
+        assert modifier.name == "Adaptive Fairing"
+        sockets = modifier.node_group.interface.items_tree
+        inputs = [each.name for each in sockets if each.in_out == "INPUT"]
+        assert inputs == ["Geometry", "Strength", "Vertex Group"]
+        modifier[sockets["Strength"].identifier] = 0.5
+        noisy.update_tag()
+        assert noisy.adaptive_fairing.strength == 0.5
+        assert near(shown_positions(noisy), expected.at(0.5))
+
+    def test_it_is_below_other_modifiers(self, noisy):
+        noisy.modifiers.new("Subdivision", "SUBSURF")
+        self.run(noisy)
+        assert [each.name for each in noisy.modifiers] == ["Adaptive Fairing", "Subdivision"]
+
+    def test_it_works_on_a_mesh_with_shape_keys(self, noisy):
+        noisy.shape_key_add(name="Basis", from_mix=False)
+        smile = noisy.shape_key_add(name="Smile", from_mix=False)
+        smile.data[3].co.x += 1.0
+        smile.value = 0.0
+        before = key_positions(noisy, "Smile")
+        expected = self.run(noisy)
+        assert near(shown_positions(noisy), expected.positions)
+        assert bpy.context.object == noisy
+        bpy.ops.object.adaptive_fairing_apply()
+        assert list(noisy.modifiers) == []
+        assert near(shown_positions(noisy), expected.positions)
+        smile.value = 1.0
+        assert shown_positions(noisy)[3, 0] == pytest.approx(expected.positions[3, 0] + 1, abs=1e-6)
+        assert not np.array_equal(key_positions(noisy, "Smile"), before)
+
+    def test_apply_and_discard(self, noisy):
+        before = coordinates(noisy)
+        expected = self.run(noisy)
+        bpy.ops.object.adaptive_fairing_discard()
+        assert list(noisy.modifiers) == []
+        assert (np.array_equal(coordinates(noisy), before), fairing_attributes(noisy)) == (True, [])
+        assert len(bpy.data.node_groups) == 0
+        self.run(noisy)
+        bpy.ops.object.adaptive_fairing_apply()
+        assert list(noisy.modifiers) == []
+        assert near(coordinates(noisy), expected.positions)
+
+
+class TestComparing:
+    @pytest.mark.parametrize("way", ["LIVE", "MODIFIER", "KEYS"])
+    def test_before_shows_the_original_and_the_result_again(self, noisy, way):
+        before = coordinates(noisy)
+        paper() if way == "KEYS" else run(result=way)
+        shown = shown_positions(noisy)
+        bpy.ops.object.adaptive_fairing_before()
+        assert np.array_equal(shown_positions(noisy), before)
+        bpy.ops.object.adaptive_fairing_before()
+        assert np.array_equal(shown_positions(noisy), shown)
+
+    def test_the_slider_ends_it(self, noisy):
+        run()
+        bpy.ops.object.adaptive_fairing_before()
+        noisy.adaptive_fairing.strength = 0.5
+        shown = coordinates(noisy)
+        noisy.adaptive_fairing.end_comparison()
+        assert np.array_equal(coordinates(noisy), shown)
+
+    def test_a_split_shows_both_and_a_run_ends_it(self, noisy):
+        before = coordinates(noisy)
+        run()
+        after = coordinates(noisy)
+        bpy.ops.object.adaptive_fairing_split()
+        left = before[:, 0] < np.float32(noisy.adaptive_fairing.split_point[0])
+        assert 0.3 < left.mean() < 0.7
+        assert np.array_equal(coordinates(noisy)[left], before[left])
+        assert np.array_equal(coordinates(noisy)[~left], after[~left])
+        bpy.ops.object.adaptive_fairing_split()
+        assert np.array_equal(coordinates(noisy), after)
+        bpy.ops.object.adaptive_fairing_split()
+        bpy.ops.object.adaptive_fairing_apply()
+        assert np.array_equal(coordinates(noisy), after)
+
+
+class TestPaintBack:
+    @pytest.mark.parametrize("way", ["LIVE", "MODIFIER"])
+    def test_weights_go_from_the_original_to_the_result(self, noisy, way):
+        before = coordinates(noisy)
+        run(result=way)
+        after = shown_positions(noisy)
+        assert bpy.ops.object.adaptive_fairing_paint() == {"FINISHED"}
+        assert noisy.mode == "WEIGHT_PAINT"
+        assert np.array_equal(shown_positions(noisy), after)
+        group = noisy.vertex_groups[PAINT_GROUP]
+        group.add([0, 1], 0.0, "REPLACE")
+        group.add([2], 0.5, "REPLACE")
+        noisy.data.update()
+        following.follow_weights(noisy)
+        shown = shown_positions(noisy)
+        assert np.array_equal(shown[:2], before[:2])
+        assert near(shown[2], (before[2] + after[2]) / 2)
+        assert np.array_equal(shown[3:], after[3:])
+        bpy.ops.object.mode_set(mode="OBJECT")
+        bpy.ops.object.adaptive_fairing_apply()
+        assert np.array_equal(coordinates(noisy), shown)
+        assert PAINT_GROUP not in noisy.vertex_groups
+
+    def test_a_second_run_keeps_what_was_painted(self, noisy):
+        before = coordinates(noisy)
+        run()
+        bpy.ops.object.adaptive_fairing_paint()
+        noisy.vertex_groups[PAINT_GROUP].add(range(50), 0.0, "REPLACE")
+        following.follow_weights(noisy)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        other = noisy.vertex_groups.new(name="Other")
+        other.add(range(50, len(before)), 1.0, "REPLACE")
+        run(vertex_group="Other")
+        assert np.array_equal(coordinates(noisy)[:50], before[:50])
+        noisy.adaptive_fairing.strength = 1.5
+        assert np.array_equal(coordinates(noisy)[:50], before[:50])
