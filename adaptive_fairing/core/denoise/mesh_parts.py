@@ -103,8 +103,9 @@ class MeshParts:
             model = noise_model(rough, self._frame.spacing, counted, self._averaged)
             level[counted] = model.level(self._frame.spacing[counted])
             relative = rough.value / np.maximum(model.expected(rough), CLEAN_ROUGHNESS)
-            is_rough = np.median(level[counted]) > CLEAN_ROUGHNESS
-            spiky = impulsive_share(relative, self._frame, counted) if is_rough else 0.0
+            # The steps of contoured voxels stand out as well, but fade; single vertices do not.
+            may_be_spiky = np.median(level[counted]) > CLEAN_ROUGHNESS and not fading.fades(counted)
+            spiky = impulsive_share(relative, self._frame, counted) if may_be_spiky else 0.0
             if keeps_clean:
                 found = detail.found(level, counted, spiky > 0)
             else:

@@ -77,3 +77,12 @@ def test_normal_noise_is_denoised_as_before(shape):
     _, frame = frame_of(shape)
     heights = 0.2 * np.random.default_rng(2).normal(size=len(vertices))
     assert not denoise(vertices + frame.raised(heights), faces).plan.impulsive.any()
+
+
+def test_steps_of_voxels_are_no_spikes():
+    """Heights rounded to whole steps and averaged once with the neighbours', as contours are."""
+    topology, frame = frame_of("sphere")
+    vertices, faces = SHAPES["sphere"]
+    steps = np.random.default_rng(0).choice([-0.8, 0.0, 0.0, 0.8], len(vertices))
+    points = vertices + frame.raised(frame.spread(steps, 1))
+    assert not denoise(points, faces).plan.impulsive.any()
