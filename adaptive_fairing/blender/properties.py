@@ -18,7 +18,10 @@ if TYPE_CHECKING:
 AUTO = "auto"
 """Method of `denoise`; the other methods are those of the paper."""
 
-DENOISE_NAMES = ("strength", "features", "boundary")
+FALLBACK_METHOD = "adaptive_timestep"
+"""The method of the paper where one is needed beside `AUTO`."""
+
+DENOISE_NAMES = ("strength", "features", "boundary", "clean")
 """Settings of `denoise`, by their names in `DenoiseSettings`."""
 
 
@@ -81,6 +84,15 @@ class SolverProperties:
         ),
         default="auto",
     )
+    clean: EnumProperty(
+        name="Clean Meshes",
+        description="What happens to a mesh that looks like a model without noise",
+        items=(
+            ("keep", "Leave Alone", "Change nothing, and say why"),
+            ("denoise", "Denoise", "Take all that is rough for noise"),
+        ),
+        default="keep",
+    )
     tau: FloatProperty(
         name="τ",
         description=(
@@ -136,7 +148,7 @@ class SolverProperties:
     stop_curvature: FloatProperty(
         name="Curvature Left",
         description=(
-            "Stop once this share of the bending (curvature energy H) is left; 0 takes every step"
+            "Stop once this part of the bending (curvature energy H) is left; 0 takes every step"
         ),
         default=0.0,
         min=0.0,
@@ -146,7 +158,7 @@ class SolverProperties:
     stop_rate: FloatProperty(
         name="Rate",
         description=(
-            "Stop once the share of the bending changes by less than this per unit of time; "
+            "Stop once the part of the bending changes by less than this per unit of time; "
             "0 takes every step"
         ),
         default=0.0,
@@ -272,6 +284,13 @@ class OutputProperties:
     )
 
 
+def _set_tau(settings: FairingSceneSettings, context: bpy.types.Context) -> None:
+    """Let τ follow the radius on the active mesh, where there is one."""
+    is_asked = settings.method != AUTO and context.scene is settings.id_data
+    if is_asked and bpy.ops.object.adaptive_fairing_suggest_tau.poll():
+        bpy.ops.object.adaptive_fairing_suggest_tau()
+
+
 class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.PropertyGroup):
     """What the panel shows, one set per scene."""
 
@@ -281,6 +300,7 @@ class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.Propert
             "Wanted smoothing radius in local edge lengths, all steps together: about 1 takes "
             "noise only, 3 and more takes shapes of that size as well"
         ),
+        update=_set_tau,
         default=1.5,
         min=0.01,
         soft_min=0.2,
@@ -302,7 +322,9 @@ class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.Propert
 
 SOLVER_NAMES = tuple(SolverProperties.__annotations__)
 OUTPUT_NAMES = tuple(OutputProperties.__annotations__)
-FAIRING_NAMES = tuple(name for name in SOLVER_NAMES if name not in ("strength", "features"))
+FAIRING_NAMES = tuple(
+    name for name in SOLVER_NAMES if name not in ("strength", "features", "clean")
+)
 """Settings of the paper's methods, by their names in `FairingSettings`."""
 
 
@@ -345,7 +367,7 @@ def fairing_settings(properties: SolverProperties) -> FairingSettings:
 
     values = {name: _typed(getattr(properties, name)) for name in FAIRING_NAMES}
     if values["method"] == AUTO:
-        values["method"] = FairingSettings.method
+        values["method"] = FALLBACK_METHOD
     for name in ("stop_curvature", "stop_rate"):
         values[name] = values[name] or None
     return FairingSettings(**values)
@@ -356,9 +378,12 @@ def _typed(value: object) -> object:
     return float(f"{value:.7g}") if isinstance(value, float) else value
 
 
-def copy_solver(source: SolverProperties, target: SolverProperties) -> None:
-    """Hand the method and its settings on, as from the scene to a button of the panel."""
-    copy_settings(source, target, names_of(source.method))
+def copy_solver(
+    source: SolverProperties, target: SolverProperties, method: str | None = None
+) -> None:
+    """Hand a method, by default the one of the source, and its settings on to a button."""
+    copy_settings(source, target, names_of(method or source.method))
+    target.method = method or source.method
 
 
 def copy_settings(source: object, target: object, names: tuple[str, ...]) -> None:

@@ -51,7 +51,7 @@ MOST_STEPS = 100_000
 
 DENSITIES = {"edge": "edge_length", "area": "area"}
 
-OF_AUTO = ("strength", "features")
+OF_AUTO = ("strength", "features", "clean")
 OF_THE_PAPER = ("tau", "steps", "density", "density_passes", "stop_curvature", "stop_rate")
 """Arguments that belong to `--method auto`, or to the other methods."""
 
@@ -234,6 +234,12 @@ def build_parser() -> argparse.ArgumentParser:
         "--features",
         choices=("auto", "sharp", "smooth"),
         help="of auto: whether there are creases to keep (default: auto, per place)",
+    )
+    parser.add_argument(
+        "--clean",
+        choices=("keep", "denoise"),
+        help="of auto: leave a mesh alone that looks like a model without noise, or take all that "
+        "is rough for noise (default: keep)",
     )
     parser.add_argument(
         "--tau",

@@ -61,7 +61,6 @@ OBJ = MeshFormat(
     export_options={
         "apply_modifiers": False,
         "export_colors": True,
-        "export_vertex_groups": True,
     },
     keeps_axes=True,
 )
@@ -111,7 +110,12 @@ FBX = MeshFormat(
     export_options={"use_mesh_modifiers": False, "use_custom_props": True},
 )
 
-USD = MeshFormat(importer="wm.usd_import", exporter="wm.usd_export")
+USD = MeshFormat(
+    importer="wm.usd_import",
+    exporter="wm.usd_export",
+    # Otherwise the active UV map would be called "st".
+    export_options={"rename_uvmaps": False},
+)
 
 ALEMBIC = MeshFormat(
     importer="wm.alembic_import",

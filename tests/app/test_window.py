@@ -62,6 +62,15 @@ def test_one_undo_takes_the_run_back_and_redo_brings_it_again(app):
     assert seen["after redo"] == EVOLUTION
 
 
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT", "SCULPT"])
+def test_one_undo_restores_what_was_there_in_every_mode(app, mode):
+    seen = app.play("undo_in_modes")[mode]
+    assert seen["after run"]["moved"] > 0.0
+    assert seen["after run"]["mode"] == mode
+    mask = 0.5 if mode == "SCULPT" else None
+    assert seen["after undo"] == {"mode": mode, "moved": 0.0, "mask": mask, "result": ""}
+
+
 def test_escape_keeps_the_finished_steps_and_undo_removes_them(app):
     seen = app.play("escape")
     kept = len(seen["after escape"]) - 1
@@ -86,14 +95,25 @@ class TestAutomatic:
 
     def test_escape_ends_the_run_at_once_without_a_result(self, seen):
         assert seen["running before escape"]
-        assert seen["after escape"] == []
+        assert seen["unchanged after escape"]
 
-    def test_the_slider_stands_at_the_chosen_one_of_five_strengths(self, seen):
-        assert seen["keys"] == ["Basis", *(f"Fairing {index}" for index in range(1, 6))]
-        assert seen["shown"] == ["Fairing 3"]
+    def test_the_slider_is_the_mesh(self, seen):
+        assert seen["moved"] > seen["moved at half"] > 0.0
+        assert seen["slider back"]
 
-    def test_the_colours_show_what_was_removed(self, seen):
-        assert seen["colours"] == "fairing_removed_color"
+    def test_a_held_key_shows_the_original(self, seen):
+        assert seen["held"]
+        assert seen["released"]
+
+    def test_the_split_shows_half_of_the_original(self, seen):
+        assert 0.3 < seen["original in the split"] < 0.7
+
+    def test_the_colours_are_not_the_active_ones(self, seen):
+        assert seen["active colour"] == ""
+
+    def test_discard_leaves_the_original_and_nothing_else(self, seen):
+        assert seen["discarded"]
+        assert seen["attributes left"] == []
 
     def test_the_window_shows_progress_result_and_colours(self, seen):
         pictures = seen["pictures"]
@@ -102,6 +122,8 @@ class TestAutomatic:
         for earlier, later, part in (
             ("auto-running", "auto-running-later", "UI"),
             ("auto-before", "auto-after", "WINDOW"),
+            ("auto-after", "auto-held", "WINDOW"),
+            ("auto-after", "auto-split", "WINDOW"),
             ("auto-after", "auto-removed", "WINDOW"),
             ("auto-after", "auto-removed", "UI"),
         ):

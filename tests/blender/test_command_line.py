@@ -194,7 +194,9 @@ def test_an_option_of_the_papers_methods_beside_auto_is_refused(capsys, method, 
     assert f"{option[0]} belongs to {owners}, not to --method auto" in line
 
 
-@pytest.mark.parametrize("option", [("--strength", "2"), ("--features", "sharp")])
+@pytest.mark.parametrize(
+    "option", [("--strength", "2"), ("--features", "sharp"), ("--clean", "keep")]
+)
 @pytest.mark.parametrize("method", ["timestep", "tensor", "uniform"])
 def test_an_option_of_auto_beside_a_method_of_the_paper_is_refused(capsys, method, option):
     line = error_of(capsys, "a.ply", "--method", method, *option, status=2)

@@ -18,6 +18,8 @@ from ...core import InputError
 from . import modifier
 from .mesh_arrays import read_key, read_mesh_coordinates, write_positions
 from .shape_keys import (
+    animate_evolution,
+    animated_frames,
     has_fairing_keys,
     has_foreign_keys,
     mixed_keys,
@@ -151,7 +153,7 @@ def store_steps(
     output
         Identifier of `OutputProperties.output`.
     """
-    original = original_positions(obj)
+    original, frames = original_positions(obj), animated_frames(obj)
     clear(obj)
     write_positions(obj.data, start)
     if output == "FINAL_SHAPE":
@@ -159,6 +161,8 @@ def store_steps(
         return
     write = write_relative_keys if output == "RELATIVE_KEYS" else write_absolute_keys
     write(obj, shapes)
+    if frames is not None and output != "RELATIVE_KEYS":
+        animate_evolution(obj, *frames)
     obj.adaptive_fairing.result = "KEYS"
     if original is not None and not np.array_equal(original, start):
         write_vectors(obj.data, ORIGINAL, original)

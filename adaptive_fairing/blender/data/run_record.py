@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import bpy
+import numpy as np
 from bpy.props import (
     BoolProperty,
     CollectionProperty,
@@ -35,7 +37,10 @@ def _swatch(number: int) -> object:
         anchors = DIVERGING_ANCHORS if record.view in SIGNED_FIELDS else ANCHORS
         return tuple(colors_srgb([number / (N_SWATCHES - 1)], 0.0, 1.0, anchors)[0])
 
-    return FloatVectorProperty(subtype="COLOR_GAMMA", size=3, get=color)
+    def ignore(record: FairingRecord, value: object) -> None:
+        """Leave the legend as it is; a colour without a setter would be drawn greyed out."""
+
+    return FloatVectorProperty(subtype="COLOR_GAMMA", size=3, get=color, set=ignore)
 
 
 class FairingShapeMeasures(bpy.types.PropertyGroup):
@@ -205,9 +210,30 @@ def is_of_strengths(record: FairingRecord) -> bool:
     return record.method == AUTO
 
 
-def result_measures(record: FairingRecord) -> FairingShapeMeasures:
-    """Take the measures of the result: of the strength asked for, otherwise of the last step."""
-    return record.shapes[record.shown]
+@dataclass(frozen=True)
+class ShownMeasures:
+    """Measures of the shape that the slider shows."""
+
+    curvature_energy: float
+    area: float
+    volume: float
+    displacement: float
+
+
+def result_measures(record: FairingRecord) -> ShownMeasures:
+    """Interpolate the measures where the slider stands; without a slider take the result's."""
+    shapes = record.shapes
+    if record.result in ("LIVE", "MODIFIER"):
+        place = np.interp(record.strength, [each.strength for each in shapes], range(len(shapes)))
+    elif record.result == "KEYS" and evolution_keys(record.id_data) is not None:
+        place = record.evolution * (len(shapes) - 1)
+    else:
+        place = record.shown
+
+    def at_place(name: str) -> float:
+        return float(np.interp(place, range(len(shapes)), [getattr(each, name) for each in shapes]))
+
+    return ShownMeasures(*(at_place(each.name) for each in fields(ShownMeasures)))
 
 
 def evolution_keys(obj: bpy.types.Object) -> bpy.types.Key | None:

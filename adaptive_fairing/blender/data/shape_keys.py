@@ -186,6 +186,17 @@ def animate_evolution(obj: bpy.types.Object, frame_start: float, frame_end: floa
     keyframe_keys(keys, [frame_start + length * index / last for index in range(last + 1)])
 
 
+def animated_frames(obj: bpy.types.Object) -> tuple[float, float] | None:
+    """Tell the first and the last frame that the evolution runs over; None if it does not."""
+    keys = obj.data.shape_keys
+    if keys is None or keys.use_relative:
+        return None
+    for curve in compatibility.fcurves(keys):
+        if curve.data_path == "eval_time" and len(curve.keyframe_points) > 1:
+            return curve.keyframe_points[0].co[0], curve.keyframe_points[-1].co[0]
+    return None
+
+
 def keyframe_keys(keys: bpy.types.Key, frames: Sequence[float]) -> None:
     """Let every absolute key be shown at a frame of its own, and straight lines between them."""
     for frame, block in zip(frames, keys.key_blocks, strict=True):

@@ -20,6 +20,7 @@ from ...files.inspection.ply import without_faces
 from ...silence import silent_output
 from ..compatibility import known_options
 from ..data.targets import find_mesh_object
+from .obj_order import restore_order
 from .obj_precision import restore_precision
 from .ply_export import prepare_for_ply
 from .validation import validate
@@ -102,6 +103,11 @@ def export_mesh(
     if file_format in (OBJ, PLY):
         # Without normals of its own a mesh stays one whose readers compute them.
         options["export_normals"] = obj.data.has_custom_normals
+    if file_format is OBJ:
+        # Otherwise all faces of a mesh without groups would get the group "off".
+        options["export_vertex_groups"] = any(
+            each.vertex_groups for each in bpy.context.scene.objects
+        )
     if file_format is PLY:
         # Blender's own export of UVs cuts the surface open at seams and renumbers all vertices.
         options["export_uv"] = False
@@ -116,7 +122,22 @@ def export_mesh(
             raise FileError(f"cannot write {path}: Blender wrote nothing")
         if file_format is OBJ:
             restore_precision(draft, keep_axes=keep_axes)
+            notes += restore_order(draft)
+        if file_format.splits_vertices:
+            notes += _split_vertices(draft)
     return notes
+
+
+def _split_vertices(path: Path) -> list[str]:
+    """Tell how many vertices became several in a file that was exported from the scene."""
+    meshes = [obj.data for obj in bpy.context.scene.objects if obj.type == "MESH"]
+    n_vertices, n_points = sum(len(mesh.vertices) for mesh in meshes), inspect(path).n_points
+    if n_points is None or n_points <= n_vertices:
+        return []
+    return [
+        f"{n_vertices} vertices are stored as {n_points}: the format has one for each normal, UV "
+        "and colour at a vertex"
+    ]
 
 
 def save_blend(path: Path) -> None:

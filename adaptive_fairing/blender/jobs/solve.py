@@ -162,6 +162,20 @@ class Solve:
             )
         return None if self.failure is None else str(self.failure)
 
+    def take_result(self, other: Solve) -> None:
+        """Take over the result of a solve with the same input."""
+        self.denoised, self.steps = other.denoised, list(other.steps)
+        self.step_seconds = list(other.step_seconds)
+
+    def has_input_of(self, other: Solve) -> bool:
+        """Whether another solve has the same input, so that its result would be the same."""
+        if self.settings != other.settings or (self.weights is None) != (other.weights is None):
+            return False
+        pairs = [(self.vertices, other.vertices), (self.triangles, other.triangles)]
+        if self.weights is not None:
+            pairs.append((self.weights, other.weights))
+        return all(np.array_equal(mine, others) for mine, others in pairs)
+
     def run(self) -> Iterator[Solve]:
         """Run the algorithm; yield this object after every step, of `denoise` once.
 
@@ -263,10 +277,11 @@ class Solve:
 def run_solves(solves: Iterable[Solve]) -> Iterator[Solve]:
     """Run one solve after the other; yield the one at hand after every step.
 
-    A mesh that cannot be solved does not keep the others from it.
+    A mesh that cannot be solved does not keep the others from it; one that is over already is left
+    out.
     """
     for solve in solves:
-        if solve.failure is not None:
+        if solve.is_over:
             continue
         try:
             yield from solve.run()

@@ -17,13 +17,13 @@ from .object_mode import object_mode
 from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
 
 GAP = 0.25
-"""Space between two copies, as a share of the object's size."""
+"""Space between two copies, as a part of the object's size."""
 
 LABEL_GAP = 0.06
-"""Space between a copy and its label, as a share of the object's size."""
+"""Space between a copy and its label, as a part of the object's size."""
 
 LABEL_SIZE = 0.11
-"""Height of the labels, as a share of the object's size."""
+"""Height of the labels, as a part of the object's size."""
 
 
 class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.Operator):
@@ -114,7 +114,15 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         for obj in made:
             obj.select_set(True)
         context.view_layer.objects.active = made[-1]
+        _frame_selected(context)
         return {"FINISHED"}
+
+
+def _frame_selected(context) -> None:
+    """Have the 3D view that the user is in, if any, show what is selected."""
+    if context.region is not None and context.space_data is not None:
+        if bpy.ops.view3d.view_selected.poll():
+            bpy.ops.view3d.view_selected()
 
 
 COMPARISON = "fairing_comparison"

@@ -14,6 +14,9 @@ from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
 from .settings_layout import draw_operator
 
+_finished: list = []
+"""Solves of the last run: the redo panel may ask for the same again, stored another way."""
+
 DIFFUSION = (
     "Smooth the selected meshes by the paper's geometric diffusion, which follows the density of "
     "the mesh, and keep every step. Starts from the shape that is shown"
@@ -53,6 +56,7 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
         from ...core import FairingError
         from ..jobs.store_result import object_of
 
+        _finished[:] = [solve for solve in solves if solve.is_over and solve.has_result]
         results, problems, unchanged = [], [], []
         prepare_undo(context)
         with object_mode(context):
@@ -71,8 +75,7 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
         for problem in problems:
             self.report({"WARNING"} if results else {"ERROR"}, problem)
         for solve in unchanged:
-            why = "; ".join(solve.notes)
-            self.report({"INFO"}, rpt_("{:s}: nothing was changed: {:s}").format(solve.name, why))
+            self.report({"INFO"}, f"{solve.name}: {'; '.join(solve.notes)}")
         if not results:
             if not problems and not unchanged:
                 self.report({"INFO"}, rpt_("Stopped: nothing was changed"))
@@ -142,6 +145,9 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
             )
         except FairingError as error:
             solve.failure = error
+        for other in _finished:
+            if solve.failure is None and solve.has_input_of(other):
+                solve.take_result(other)
         return solve
 
 
@@ -186,6 +192,12 @@ def _summary(solves, is_stopped: bool) -> str:
     return rpt_("Stopped early. {:s}").format(text) if is_stopped else text
 
 
-register, unregister = bpy.utils.register_classes_factory(
+_register_classes, unregister = bpy.utils.register_classes_factory(
     (OBJECT_OT_adaptive_fairing, OBJECT_OT_adaptive_fairing_stop)
 )
+
+
+def register() -> None:
+    """Register the operators, with nothing remembered."""
+    _finished.clear()
+    _register_classes()

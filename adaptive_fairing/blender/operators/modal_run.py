@@ -73,11 +73,21 @@ class Progress:
         solve = self.solve
         if solve.is_denoise:
             text = iface_("Removing noise: {:.0f} %").format(100 * solve.progress)
+            left = self.seconds_left()
+            if left is not None:
+                text += iface_(", {:.0f} s left").format(left)
         else:
             text = iface_("Step {:d} of {:d}").format(
                 min(len(solve.steps) + 1, solve.settings.steps), solve.settings.steps
             )
         return f"{solve.name}: {text}" if len(self.solves) > 1 else text
+
+    def seconds_left(self) -> float | None:
+        """Guess how long `denoise` still takes; None at the beginning."""
+        done = self.solve.progress
+        if done < 0.05 or self.solve.is_over:
+            return None
+        return (time.perf_counter() - self.last_news) * (1 - done) / done
 
     def stop(self) -> None:
         """Ask the run to stop: after the step it is computing, `denoise` at once."""

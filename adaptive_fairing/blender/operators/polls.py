@@ -1,4 +1,4 @@
-"""Why a button is greyed out: reasons that several operators share, and how Blender is told."""
+"""Why a button is greyed out: common reasons, and how Blender is told."""
 
 from __future__ import annotations
 

@@ -24,11 +24,14 @@ def draw_operator(layout, operator, obj) -> None:
     draw_options(layout, operator, obj)
 
 
-def draw_method(layout, settings) -> None:
-    """Draw the method and what decides most: the strength, or the radius and the steps."""
+def draw_method(layout, settings, live_record=None) -> None:
+    """Draw the method and what decides most: the strength, or the radius and the steps.
+
+    An object that has a result of Denoise is changed by the strength at once: `live_record`.
+    """
     layout.prop(settings, "method")
     if settings.method == AUTO:
-        layout.prop(settings, "strength")
+        layout.prop(live_record or settings, "strength", slider=live_record is not None)
         return
     row = layout.row(align=True)
     row.prop(settings, "radius")
@@ -40,6 +43,7 @@ def draw_options(layout, properties, obj) -> None:
     """Draw where a run works, what it starts from, and what becomes of the result."""
     if properties.method == AUTO:
         layout.prop(properties, "features")
+        layout.prop(properties, "clean")
     draw_region(layout, properties, obj)
     draw_output(layout, properties)
 

@@ -50,10 +50,12 @@ class OBJECT_OT_adaptive_fairing_suggest_tau(_OnActiveMesh, bpy.types.Operator):
     def execute(self, context):
         from ...core.diffusion.smoothing_radius import suggest_tau
 
-        scale = self.measured(context)
+        settings = context.scene.adaptive_fairing
+        scale = mesh_scale.known_scale(context.active_object, settings)
+        if scale is None or isinstance(scale, str):
+            scale = self.measured(context)
         if scale is None:
             return {"CANCELLED"}
-        settings = context.scene.adaptive_fairing
         settings.tau = suggest_tau(scale, settings.radius, settings.steps)
         self.report({"INFO"}, rpt_("τ = {:.4g}").format(settings.tau))
         return {"FINISHED"}

@@ -28,7 +28,7 @@ def draw_lines(context: bpy.types.Context, layout, text: str, *, icon: str) -> N
     column.scale_y = 0.8
     for line in textwrap.wrap(text, max(int(room / PIXELS_PER_CHARACTER), 20)):
         column.label(text=line, icon=icon, translate=False)
-        icon = "BLANK1"
+        icon = "BLANK1" if icon != "NONE" else icon
 
 
 def length_text(context: bpy.types.Context, length: float) -> str:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from ..operators.compare import OBJECT_OT_adaptive_fairing_compare
 from ..operators.loop_subdivide import OBJECT_OT_adaptive_fairing_loop_subdivide
-from ..properties import copy_solver
+from ..properties import AUTO, FALLBACK_METHOD, copy_solver
 from .settings_panel import draw_run_button
 
 
@@ -20,8 +21,13 @@ def draw_object_menu(self, context) -> None:
 
 
 def draw_mode_menu(self, context) -> None:
-    """Add the run, with the settings of the scene."""
-    draw_run_button(self.layout, context.scene.adaptive_fairing, icon="MOD_SMOOTH")
+    """Add both algorithms, with the settings of the scene; in words that a search may use."""
+    settings = context.scene.adaptive_fairing
+    denoise = iface_("Denoise Scan (Fair, Smooth Noise)")
+    draw_run_button(self.layout, settings, AUTO, text=denoise, icon="MOD_SMOOTH")
+    method = FALLBACK_METHOD if settings.method == AUTO else settings.method
+    diffuse = iface_("Diffuse (Fair, Smooth by the Paper)")
+    draw_run_button(self.layout, settings, method, text=diffuse, icon="MOD_SMOOTH")
 
 
 def draw_loop_subdivide(self, context) -> None:
@@ -37,13 +43,27 @@ _ENTRIES = (
 )
 
 
+MANUAL = "https://extensions.blender.org/add-ons/adaptive-fairing/"
+
+
+def manual_pages() -> tuple[str, tuple[tuple[str, str], ...]]:
+    """Tell Blender where the online manual of the operators and the settings is."""
+    return MANUAL, (
+        ("bpy.ops.object.adaptive_fairing*", ""),
+        ("bpy.types.fairing*", ""),
+        ("bpy.types.object_ot_adaptive_fairing*", ""),
+    )
+
+
 def register() -> None:
-    """Add the entries."""
+    """Add the entries, and the links to the manual."""
+    bpy.utils.register_manual_map(manual_pages)
     for menu, draw in _ENTRIES:
         getattr(bpy.types, menu).append(draw)
 
 
 def unregister() -> None:
-    """Take the entries back."""
+    """Take them back."""
+    bpy.utils.unregister_manual_map(manual_pages)
     for menu, draw in _ENTRIES:
         getattr(bpy.types, menu).remove(draw)

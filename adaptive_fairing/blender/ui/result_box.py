@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..data.run_record import evolution_keys, is_of_strengths, result_measures
+from ..data.run_record import is_of_strengths, result_measures
 from ..data.stored_result import is_current
 from ..operators.results import (
     OBJECT_OT_adaptive_fairing_apply,
@@ -14,8 +14,17 @@ from ..operators.results import (
     OBJECT_OT_adaptive_fairing_paint,
     OBJECT_OT_adaptive_fairing_split,
 )
+from ..properties import AUTO
 from .layouts import draw_lines, world_length_text
 from .results_panel import active_record, change_text
+
+
+def live_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:
+    """Give the record of the active object if its strength can be changed now."""
+    record = active_record(context)
+    if record is None or record.result not in ("LIVE", "MODIFIER"):
+        return None
+    return record if is_current(record.id_data) else None
 
 
 def draw_result(context: bpy.types.Context, layout) -> None:
@@ -24,26 +33,20 @@ def draw_result(context: bpy.types.Context, layout) -> None:
     if record is None or not record.result:
         return
     obj = record.id_data
-    box = layout.box()
+    column = layout.column()
     is_keys = record.result == "KEYS"
     if obj.mode == "EDIT" and not is_keys:
-        draw_lines(context, box, iface_("Leave Edit Mode to change the strength"), icon="INFO")
+        draw_lines(context, column, iface_("Leave Edit Mode to change the strength"), icon="INFO")
     elif not is_keys and not is_current(obj):
         text = iface_(
             "The mesh was changed since the last run. The next one starts from what is shown"
         )
-        draw_lines(context, box, text, icon="INFO")
+        draw_lines(context, column, text, icon="INFO")
         return
-    elif record.has_slider():
-        row = box.row()
-        row.scale_y = 1.3
-        row.prop(record, "evolution" if is_keys else "strength", slider=True)
-        if evolution_keys(obj) is not None and is_keys:
-            n_steps = len(record.shapes) - 1
-            shown = iface_("Step {:.1f} of {:d}").format(record.evolution * n_steps, n_steps)
-            box.label(text=shown, translate=False)
-    draw_lines(context, box, result_text(context, record), icon="NONE")
-    row = box.row(align=True)
+    elif is_keys or context.scene.adaptive_fairing.method != AUTO:
+        _draw_slider(column, record)
+    draw_lines(context, column, result_text(context, record), icon="NONE")
+    row = column.row(align=True)
     is_before = record.held >= 0
     row.operator(OBJECT_OT_adaptive_fairing_before.bl_idname, depress=is_before)
     if record.result == "LIVE":
@@ -51,9 +54,23 @@ def draw_result(context: bpy.types.Context, layout) -> None:
     if not is_keys:
         is_painting = obj.mode == "WEIGHT_PAINT"
         row.operator(OBJECT_OT_adaptive_fairing_paint.bl_idname, depress=is_painting)
-    row = box.row(align=True)
+    row = column.row(align=True)
     row.operator(OBJECT_OT_adaptive_fairing_apply.bl_idname, icon="CHECKMARK")
     row.operator(OBJECT_OT_adaptive_fairing_discard.bl_idname, icon="X")
+
+
+def _draw_slider(column, record) -> None:
+    """Draw the slider where the main one is not that of the result."""
+    if not record.has_slider():
+        return
+    is_keys = record.result == "KEYS"
+    row = column.row()
+    row.scale_y = 1.3
+    row.prop(record, "evolution" if is_keys else "strength", slider=True)
+    if is_keys:
+        n_steps = len(record.shapes) - 1
+        shown = iface_("Step {:.1f} of {:d}").format(record.evolution * n_steps, n_steps)
+        column.label(text=shown, translate=False)
 
 
 def result_text(context: bpy.types.Context, record: bpy.types.PropertyGroup) -> str:

@@ -19,7 +19,7 @@ from ..properties import AUTO, OUTPUT_NAMES, copy_settings, copy_solver
 from ..requirements import scipy_problem
 from .layouts import FairingPanel, draw_lines
 from .presets import VIEW3D_PT_adaptive_fairing_presets
-from .result_box import draw_result
+from .result_box import draw_result, live_record
 
 
 class VIEW3D_PT_adaptive_fairing(FairingPanel, bpy.types.Panel):
@@ -39,7 +39,7 @@ class VIEW3D_PT_adaptive_fairing(FairingPanel, bpy.types.Panel):
         current = modal_run.progress()
         column = layout.column()
         column.active = current is None
-        draw_method(column, settings)
+        draw_method(column, settings, live_record(context))
         if current is not None:
             _draw_progress(layout, current)
             return
@@ -138,6 +138,7 @@ def _draw_run(context, layout, settings) -> None:
 
 def hints(obj: bpy.types.Object, settings) -> list[str]:
     """Say before a run what it will change beyond the mesh, and what it cannot see."""
+    from ..data.shape_keys import animated_frames
     from ..data.targets import needs_copy  # needs the core, which enabling the add-on does not load
 
     mesh = obj.data
@@ -147,6 +148,8 @@ def hints(obj: bpy.types.Object, settings) -> list[str]:
         found.append("The result goes to a copy; this object is hidden")
     elif mesh.users - mesh.use_fake_user > 1:
         found.append("Other objects share this mesh: they keep the old one")
+    if settings.method == AUTO and not is_modifier and animated_frames(obj) is not None:
+        found.append("The animation of the evolution is removed with its shape keys")
     if any(each.type == "MULTIRES" for each in obj.modifiers):
         found.append("Multiresolution: the base mesh is smoothed, not the sculpted levels")
     elif any(each.name != "Adaptive Fairing" and each.show_viewport for each in obj.modifiers):
@@ -159,10 +162,10 @@ def hints(obj: bpy.types.Object, settings) -> list[str]:
     return found
 
 
-def draw_run_button(layout, settings, **appearance) -> None:
-    """Draw a button that runs with the settings of the scene."""
+def draw_run_button(layout, settings, method=None, **appearance) -> None:
+    """Draw a button that runs with the settings of the scene, by its method or another."""
     operator = layout.operator(OBJECT_OT_adaptive_fairing.bl_idname, **appearance)
-    copy_solver(settings, operator)
+    copy_solver(settings, operator, method)
     copy_settings(settings, operator, OUTPUT_NAMES)
 
 

@@ -140,10 +140,10 @@ GERMAN = {
     "The boundary is smoothed along with the surface, and may shrink": "Der Rand wird mit der "
     "Fläche geglättet und kann schrumpfen",
     "Curvature Left": "Restkrümmung",
-    "Stop once this share of the bending (curvature energy H) is left; 0 takes every step": "Ende, "
+    "Stop once this part of the bending (curvature energy H) is left; 0 takes every step": "Ende, "
     "sobald nur dieser Anteil der Biegung (Krümmungsenergie H) übrig ist; 0 macht jeden Schritt",
     "Rate": "Rate",
-    "Stop once the share of the bending changes by less than this per unit of time; 0 takes every "
+    "Stop once the part of the bending changes by less than this per unit of time; 0 takes every "
     "step": "Enden, sobald sich der Anteil der Biegung je Zeiteinheit um weniger ändert; 0 macht "
     "jeden Schritt",
     "Solver Tolerance": "Toleranz des Lösers",
@@ -407,7 +407,6 @@ GERMAN = {
         "{:s} hat jetzt ein eigenes Netz: andere Objekte behalten das alte"
     ),
     "{:s} {:d} Objects": "{:s}: {:d} Objekte",
-    "{:s}: nothing was changed: {:s}": "{:s}: nichts wurde geändert: {:s}",
     "{:s}: the mesh was changed since the last run, whose stored result was dropped": (
         "{:s}: das Netz wurde seit dem letzten Lauf geändert, dessen gespeichertes Ergebnis "
         "entfällt"
@@ -443,6 +442,17 @@ GERMAN = {
         "Vom Original: was die Läufe seither getan haben, wird verworfen"
     ),
     "Diffusion (paper)": "Diffusion (Arbeit)",
+    ", {:.0f} s left": ", noch {:.0f} s",
+    "Denoise Scan (Fair, Smooth Noise)": "Scan entrauschen (Rauschen glätten)",
+    "Diffuse (Fair, Smooth by the Paper)": "Diffundieren (Glätten nach der Arbeit)",
+    "Clean Meshes": "Saubere Netze",
+    "What happens to a mesh that looks like a model without noise": "Was mit einem Netz geschieht, "
+    "das wie ein Modell ohne Rauschen aussieht",
+    "Leave Alone": "In Ruhe lassen",
+    "Change nothing, and say why": "Nichts ändern und sagen, warum",
+    "Take all that is rough for noise": "Alles Raue für Rauschen nehmen",
+    "The animation of the evolution is removed with its shape keys": "Die Animation des Verlaufs "
+    "entfällt mit seinen Formen",
     # Messages
     "Change to Object Mode, Edit Mode or Sculpt Mode": "In den Objekt-, Bearbeitungs- oder "
     "Bildhauermodus wechseln",

@@ -14,6 +14,7 @@ from ..mesh.topology import TriangleTopology
 from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import CallerMesh, SolverProblem
 from ..runtime.arrays import BoolArray, FloatArray
+from ..runtime.precision import SINGLE
 from .filter_rounds import KEEPS_CREASES
 from .local_frame import spacing_of
 from .mixing import mixed_surfaces
@@ -111,7 +112,10 @@ def denoise(
     for move in moves:
         move[problem.is_held] = 0
     surfaces = (problem.start, *(problem.start + move for move in moves))
-    initial, *measures = (problem.space.measures(each).scaled(1 / frame.scale) for each in surfaces)
+    in_single = SINGLE.serves_mesh(topology.n_triangles, prepared.quadrature_tolerance, True)
+    initial, *measures = (
+        problem.space.measures(each, in_single).scaled(1 / frame.scale) for each in surfaces
+    )
     plan, noise = outcome.plan, outcome.plan.noise
     crease_part = _crease_part(topology, outcome.positions[STRENGTHS.index(1.0)])
     result = DenoiseResult(

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csgraph
 
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import BoolArray, FloatArray
+from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from .local_frame import LocalFrame
 from .noise.clean_detail import NOISE, CleanDetail
 from .noise.level import CLEAN_ROUGHNESS, beyond_clean, noise_model
@@ -138,13 +138,14 @@ class MeshParts:
 
     def best_shares(
         self, removed: FloatArray, divergence: FloatArray, variances: FloatArray
-    ) -> FloatArray:
+    ) -> RealArray:
         """Choose the shares of the filters with the least risk in every part, (s, k, n).
 
         From what the filters remove and its divergence, (k, n), for several variances of the
         noise, (s, n).
         """
-        shares = np.zeros((len(variances), *removed.shape))
+        # In single precision: these are the largest arrays of a run.
+        shares = np.zeros((len(variances), *removed.shape), dtype=np.float32)
         for members in self._members:
             is_counted = self.is_counted[members]
             if not is_counted.any():

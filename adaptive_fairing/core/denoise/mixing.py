@@ -20,7 +20,7 @@ import numpy as np
 
 from ..fem.loop_space import LoopSpace
 from ..linalg.conjugate_gradients import SolveReport
-from ..runtime.arrays import BoolArray, FloatArray
+from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from .filter_bank import FilterBank, FilterFamily, NormalFamily
 from .filter_rounds import FAMILIES, USABLE, rounds_for
 from .local_frame import LocalFrame
@@ -167,7 +167,7 @@ def _planned(
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
     first, *others = rounds_for(noise)
     pilot_variance = np.square(NOISE_FACTOR * seen / correlation.seen)
-    pilots: list[FloatArray] = []
+    pilots: list[RealArray] = []
     for one in (track, shadow):
         one.filter(first)
     for families in others:
@@ -177,7 +177,7 @@ def _planned(
             one.filter(families)
     removed, divergence = measured()
     usable = USABLE[features]
-    mixtures = np.zeros((len(STRENGTHS), *removed.shape))
+    mixtures = np.zeros((len(STRENGTHS), *removed.shape), dtype=np.float32)
     variances = np.stack([variance(factor) for factor in STRENGTHS])
     mixtures[:, usable] = parts.best_shares(removed[usable], divergence[usable], variances)
     removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
@@ -260,7 +260,7 @@ class _Track:
             row[:] = frame.along_normal(taken.astype(np.float64))
         return removed
 
-    def mixed(self, shares: FloatArray) -> FloatArray:
+    def mixed(self, shares: RealArray) -> FloatArray:
         """Mix the filters with shares (k, n) at each vertex."""
         result = self.positions.copy()
         for share, taken in zip(shares, self.taken, strict=True):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..runtime.arrays import FloatArray
+from ..runtime.arrays import FloatArray, RealArray
 
 # Strengths that every run computes, as factors of the estimated noise.
 STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)
@@ -31,8 +31,8 @@ class DenoisePlan:
     """
 
     noise: FloatArray
-    pilots: tuple[FloatArray, ...]
-    mixtures: FloatArray
+    pilots: tuple[RealArray, ...]
+    mixtures: RealArray
     kept: FloatArray
     impulsive: FloatArray
 

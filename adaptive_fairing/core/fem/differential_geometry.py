@@ -12,8 +12,8 @@ import numpy as np
 
 from ..runtime.arrays import RealArray
 
-# A triangle whose limit patch is thinner than this ratio counts as having it: slivers and collapsed
-# triangles get a large but bounded metric instead of a division by zero.
+# Least area element over the squared lengths of the tangents.  Slivers and collapsed triangles are
+# computed as if they had this ratio, so that nothing is divided by zero.
 THINNEST_ASPECT = 1e-5
 _TINY = 1e-100
 

@@ -71,6 +71,18 @@ class LoopSpace:
     ------
     SettingsError
         If the tolerance is out of range.
+
+    Examples
+    --------
+    >>> from adaptive_fairing.core import LoopSpace, TriangleTopology
+    >>> positions = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]
+    >>> tetrahedron = TriangleTopology([(0, 2, 1), (0, 1, 3), (1, 2, 3), (2, 0, 3)], n_vertices=4)
+    >>> space = LoopSpace(tetrahedron)
+    >>> mass, stiffness = space.mass_matrix(positions), space.stiffness_matrix(positions)
+    >>> bool(abs(stiffness @ [1, 1, 1, 1]).max() < 1e-12)  # constants do not diffuse
+    True
+    >>> bool(abs(mass.sum() - space.measures(positions).area) < 1e-12)
+    True
     """
 
     def __init__(

@@ -118,7 +118,7 @@ def estimated_bytes(
 
 
 def _rare_bytes(n_numbers: LongArray, patches: PatchSet) -> LongArray:
-    """Bound the tables of single triangles, by class: `n_numbers` at points for each function."""
+    """Bound the tables of rare classes, each with n_points * n_control_points `n_numbers`."""
     n_triangles = patches.topology.n_triangles
     n_chunks = -(-n_triangles // max(chunk_size(n_triangles), 1))
     n_rare = np.minimum(patches.class_sizes, FEW_TRIANGLES * n_chunks)

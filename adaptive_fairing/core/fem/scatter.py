@@ -36,7 +36,7 @@ class ChunkEntries:
 
 
 def _doubled(vertices: IntArray, pairs: Pairs) -> IndexArray:
-    """Which entries (a, b), a ≠ b, of local matrices (p, n), in one row, have one vertex twice.
+    """Find the entries (a, b), a ≠ b, of local matrices (p, n), flattened, with one vertex twice.
 
     Parameters
     ----------

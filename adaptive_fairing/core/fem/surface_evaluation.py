@@ -21,7 +21,7 @@ class ControlValues(NamedTuple):
     Attributes
     ----------
     columns : (4, n)
-        From the chunk's lowest vertex on, coordinates as seen from the origin.
+        From the chunk's lowest vertex on: coordinates minus the origin, and the field.
     origin : (3,)
     extent : float
         Largest side of the box around the vertices.
@@ -37,7 +37,7 @@ class ControlValues(NamedTuple):
         own = columns[:, chunk.low : chunk.high]
         if precision is np.float64:
             return cls(own, np.zeros(3))
-        # Seen from its middle, a chunk's coordinates keep more digits than single precision has.
+        # Subtracting the middle of the chunk before rounding leaves more digits for the shape.
         low, high = own[:3].min(axis=1), own[:3].max(axis=1)
         middle = (low + high) / 2
         shifted = own.astype(precision)
@@ -117,10 +117,10 @@ def evaluate(block: Block, values: ControlValues, curved: bool) -> SurfaceBlock:
 
 
 def _see_from_corners(control: RealArray, origins: RealArray) -> None:
-    """Move the origins of triangles (3, n) to their first control points, out of (3, K, n).
+    """Subtract from control points (3, K, n) the first one of each triangle; add it to (3, n).
 
-    Rounded basis functions do not add up to 1, nor their derivatives to 0: far from the origin that
-    would bend the surface.
+    Rounded basis functions do not add up to 1, nor their derivatives to 0: an error that grows with
+    the distance from the origin.
     """
     corners = control[:, 0].copy()
     control -= corners[:, None]

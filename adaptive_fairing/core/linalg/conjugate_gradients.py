@@ -12,8 +12,7 @@ from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.precision import SINGLE
 from ..runtime.threads import ordered_map
 
-# Rounding alone leaves a residual of some machine epsilons of the terms that cancel in A x; asking
-# for less would never end.
+# The terms of A x are rounded to some machine epsilons, so no residual gets smaller than that.
 ATTAINABLE = 64  # machine epsilons
 
 # Unknowns per column that one thread updates in one go.
@@ -53,8 +52,8 @@ class SolveReport:
     ----------
     iterations : int
     residual : float
-        |b - A x| / |b| in the norm of the inverse diagonal, over all coordinates together; for b of
-        a step see `fairing`.
+        |b - A x| / |b| in the norm of the inverse diagonal, over all coordinates together; for a
+        step b is M X(0), the right side of (3.3).
     converged : bool
         Whether the residual is below the tolerance, or as small as rounding lets it be.
     """
@@ -136,7 +135,7 @@ def conjugate_gradients(
         image = matrix.product(state.direction)
         curvature = state.along(image)
         if abs(curvature) <= attainable * direction_size:
-            # What is left are motions that the matrix does not see at this precision.
+            # The rest of the residual lies in the kernel of A, as far as this precision tells.
             is_exhausted = True
             break
         if not curvature > 0:

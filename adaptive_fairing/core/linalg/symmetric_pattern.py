@@ -138,7 +138,7 @@ def _row_chunk(near: sparse.csr_array, first: int) -> RowChunk:
     n = near.shape[0]
     rows = slice(first, min(first + ROWS_PER_CHUNK, n))
     two_edges = near[rows] @ near
-    # Entries count paths: they must not add up to 0 by overflow, which would drop the entry.
+    # Entries count paths; without this a count might overflow to 0, and the entry be lost.
     two_edges.data[:] = 1
     reach = two_edges @ near
     row = np.repeat(np.arange(len(reach.indptr) - 1, dtype=np.int32), np.diff(reach.indptr))

@@ -161,6 +161,6 @@ def _fitted_part(child_class: PatchClass, index: int) -> tuple[FloatArray, Index
 
 
 def _home(bary: FloatArray) -> IndexArray:
-    """Which of the four children points with these barycentric coordinates lie in."""
+    """Find the child, 0 to 3, that each point lies in, by its barycentric coordinates (n, 3)."""
     home: IndexArray = np.where(bary.max(axis=1) > 0.5, bary.argmax(axis=1), 3)
     return home

@@ -48,6 +48,16 @@ def mesh_density(
         If `kind` is not one of the two.
 
     Source: section 3.2 of the paper.
+
+    Examples
+    --------
+    >>> from adaptive_fairing.core import TriangleTopology, mesh_density
+    >>> corners = [(0, 0, 0), (3, 0, 0), (0, 4, 0)]
+    >>> triangle = TriangleTopology([(0, 1, 2)], n_vertices=3)
+    >>> mesh_density(triangle, corners, smoothing_passes=0).tolist()  # edges of 3, 4 and 5
+    [3.5, 4.0, 4.5]
+    >>> mesh_density(triangle, corners, kind="area", smoothing_passes=0).tolist()
+    [6.0, 6.0, 6.0]
     """
     points = np.asarray(positions, dtype=np.float64)
     if kind == "edge_length":

@@ -66,10 +66,10 @@ def checked_weights(weights: ArrayLike | None, n_vertices: int) -> FloatArray:
     """Copy weights as float64, by default 1; refuse what is no (n,) in [0, 1]."""
     if weights is None:
         return np.ones(n_vertices)
-    shares = np.array(weights, dtype=np.float64)
-    if shares.shape != (n_vertices,):
-        raise InputError(f"weights must have shape ({n_vertices},), not {shares.shape}")
-    bad = np.flatnonzero(~((shares >= 0) & (shares <= 1)))
+    checked = np.array(weights, dtype=np.float64)
+    if checked.shape != (n_vertices,):
+        raise InputError(f"weights must have shape ({n_vertices},), not {checked.shape}")
+    bad = np.flatnonzero(~((checked >= 0) & (checked <= 1)))
     if len(bad):
         raise InputError(f"{len(bad)} weights lie outside [0, 1]: at vertices {listed(bad)}")
-    return shares
+    return checked

@@ -76,7 +76,7 @@ def cut_to_manifold(faces: IntArray, n_vertices: int) -> ManifoldMesh:
     if n_torn:
         notes.append(f"{n_torn} edges of one-sided pieces: cut there, their vertices held")
 
-    # Consistent pairs only: a pair that still runs the same way is where a one-sided piece tears.
+    # Where the two half-edges still run the same way, a one-sided piece is cut.
     joined = edges.first_way != edges.second_way
     torn = np.concatenate([crowded, edges.ends[~joined]])
     corner_of, n_copies = _fans(edges, joined, triangles)
@@ -154,7 +154,7 @@ def _paired_edges(triangles: LongArray, n_vertices: int) -> _PairedEdges:
 
 
 def _orientation(edges: _PairedEdges, n_triangles: int) -> tuple[BoolArray, BoolArray]:
-    """Which triangles to turn so that neighbours agree, and which pairs then still do not."""
+    """Find the triangles to turn so that neighbours agree, and the pairs that then still do not."""
     a, b = edges.first // 3, edges.second // 3
     disagree = edges.first_way == edges.second_way
     flip = np.zeros(n_triangles, dtype=bool)

@@ -77,7 +77,7 @@ class SolverFrame:
         low, high = bounding_box(points, surface.vertex_of[~surface.topology.is_loose])
         size = float((high - low).max())
         scale = FRAME_SIZE / size if normalize and size > 0 else 1.0
-        # Centred in any case: far from the origin the coordinates would lose digits.
+        # Always centred: far from the origin coordinates have fewer digits for the shape.
         return cls(low + (high - low) / 2, scale, surface)
 
     def inward(self, points: FloatArray) -> FloatArray:

@@ -51,6 +51,15 @@ class TriangleTopology:
         Repeated vertices in a triangle, an edge shared by more than two triangles, neighbours of
         opposite orientation, a vertex whose triangles form more than one fan, or a closed vertex
         of valence 2.
+
+    Examples
+    --------
+    >>> from adaptive_fairing.core import TriangleTopology
+    >>> square = TriangleTopology([(0, 1, 2), (0, 2, 3)], n_vertices=4)
+    >>> square.ring[square.ring_start[0] : square.ring_start[1]].tolist()  # around vertex 0
+    [1, 2, 3]
+    >>> square.twin.tolist()  # only the edge between 0 and 2 has two triangles
+    [-1, -1, 3, 2, -1, -1]
     """
 
     def __init__(self, faces: ArrayLike, n_vertices: int) -> None:

@@ -1,6 +1,7 @@
 """What is wrong with a mesh, told before or beside the solve: notes for the user, and culprits.
 
-The rules themselves are those of `manifold` and `geometry`; here they are only counted and located.
+The rules are those of `mesh.manifold` and `fem.differential_geometry`; here it is only counted and
+located where they apply.
 """
 
 from __future__ import annotations
@@ -103,7 +104,7 @@ def surface_notes(points: FloatArray, surface: SolverSurface) -> tuple[str, ...]
 
 
 def _is_thin(points: FloatArray, triangles: IntArray) -> BoolArray:
-    """Tell which triangles the metric of `geometry.metric_at` would bound, were they flat."""
+    """Tell which flat triangles have a metric that `metric_at` bounds, (m,)."""
     columns = np.ascontiguousarray(points.T)
     firsts = range(0, len(triangles), TRIANGLES_PER_CHUNK)
 
@@ -117,13 +118,13 @@ def _is_thin(points: FloatArray, triangles: IntArray) -> BoolArray:
 
 
 def _may_be_thin(columns: FloatArray, triangles: IntArray) -> IndexArray:
-    """Find triangles that are thin or nearly so, or so small or large that squares say nothing."""
+    """Find triangles that are nearly thin, or of a size whose squares overflow or underflow."""
     a, b, c = (np.ascontiguousarray(corner) for corner in triangles.T)
     with np.errstate(over="ignore", invalid="ignore"):
         u, v = ([x[end] - x[a] for x in columns] for end in (b, c))
         trace = sum(x * x for x in u) + sum(x * x for x in v)
         normal = [u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2] for k in range(3)]
-        # Half as thin again; sums that are no numbers, or vanish, decide nothing.
+        # With a factor 2 for rounding; sums that are 0 or not finite decide nothing.
         clear = sum(x * x for x in normal) > (2 * THINNEST_ASPECT * trace) ** 2
     return np.flatnonzero(~clear)
 

@@ -26,6 +26,8 @@ class Contents:
     ----------
     n_vertices, n_faces
         As the file counts them; None where that cannot be compared with Blender's mesh.
+    n_points
+        Positions that a file holds whose vertices may be split; None for other formats.
     repeated_faces
         (k,) numbers of the faces that have the same vertices as an earlier one, where the importer
         would drop them in an order left to chance.
@@ -35,6 +37,7 @@ class Contents:
 
     n_vertices: int | None = None
     n_faces: int | None = None
+    n_points: int | None = None
     repeated_faces: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     has_faces_before_groups: bool = False
 

@@ -28,13 +28,14 @@ def inspect_gltf(path: Path) -> Contents:
     Blender joins and splits vertices of such files, so their number tells nothing.
     """
     try:
-        _check(path)
+        n_points = _check(path)
     except (KeyError, IndexError, TypeError, ValueError, AttributeError, RecursionError) as error:
         raise DamagedError(f"its structure is damaged ({type(error).__name__}: {error})") from error
-    return Contents()
+    return Contents(n_points=n_points)
 
 
-def _check(path: Path) -> None:
+def _check(path: Path) -> int:
+    """Check everything; give the number of positions of all meshes."""
     data = path.read_bytes()
     text, binary = _chunks(data) if data[:4] == b"glTF" else (data, None)
     scene: Json = json.loads(text.decode("utf-8"))
@@ -47,10 +48,13 @@ def _check(path: Path) -> None:
     accessors = scene.get("accessors", [])
     for number, accessor in enumerate(accessors):
         _check_accessor(number, accessor, views)
+    positions = set()
     for mesh in scene.get("meshes", []):
         for primitive in mesh["primitives"]:
             if "KHR_draco_mesh_compression" not in primitive.get("extensions", {}):
                 _check_primitive(primitive, accessors, views, buffers)
+            positions.add(_natural(primitive["attributes"]["POSITION"]))
+    return sum(_natural(accessors[number]["count"]) for number in positions)
 
 
 def _chunks(data: bytes) -> tuple[bytes, bytes | None]:

@@ -81,7 +81,7 @@ def inspect_ply(path: Path) -> Contents:
     is_bad = (corners < 0) | (corners >= len(points))
     face_of = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
     refuse_unknown_vertices(np.unique(face_of[is_bad]), len(points))
-    return Contents(len(points), len(starts) - 1, repeated(corners, starts))
+    return Contents(len(points), len(starts) - 1, repeated_faces=repeated(corners, starts))
 
 
 def without_faces(path: Path, faces: NDArray[np.int64]) -> bytes:

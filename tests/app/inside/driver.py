@@ -122,10 +122,14 @@ class Stage:
         """Press keys one after the other; names and combinations as in ``ctrl+z``."""
         xdotool("key", *keys)
 
-    def press_in_view(self, *keys: str) -> Scenario:
-        """Press keys while the pointer is over the 3D view."""
+    def point_at_view(self) -> Scenario:
+        """Move the pointer over the 3D view."""
         self.point(*self.middle("WINDOW"))
         yield REACTION
+
+    def press_in_view(self, *keys: str) -> Scenario:
+        """Press keys while the pointer is over the 3D view."""
+        yield from self.point_at_view()
         self.press(*keys)
         yield REACTION
 

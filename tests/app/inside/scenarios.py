@@ -15,7 +15,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
-from driver import Scenario, Stage, play
+from driver import Scenario, Stage, play, xdotool
 from meshes import (
     add_noisy,
     equal_to_core,
@@ -117,8 +117,8 @@ def escape(stage: Stage) -> Scenario:
 
 
 def automatic(stage: Stage) -> Scenario:
-    """Esc ends an automatic run at once; a whole one stands at the chosen strength; its colours."""
-    add_noisy("ico_sphere", 0.004, "auto", subdivisions=7)
+    """Esc ends a run of Denoise at once; after a whole one the slider, colours and buttons."""
+    noisy = vertex_positions(add_noisy("ico_sphere", 0.004, "auto", subdivisions=7))
     yield from press_fairing(stage)
     yield 4.0
     yield from stage.picture("auto-running")
@@ -127,24 +127,89 @@ def automatic(stage: Stage) -> Scenario:
     stage.results["running before escape"] = stage.is_running()
     yield from stage.press_in_view("Escape")
     yield stage.until(lambda: not stage.is_running(), 20, "end after Esc")
-    stage.results["after escape"] = key_names()
+    left = vertex_positions(bpy.context.object)
+    stage.results["unchanged after escape"] = bool(np.array_equal(left, noisy))
 
     obj = add_noisy("ico_sphere", 0.02, "auto", subdivisions=5)
+    noisy = vertex_positions(obj)
     with stage.context():
         bpy.ops.view3d.view_selected()
     yield from stage.picture("auto-before")
     yield from run_to_the_end(stage, 200)
     yield from stage.picture("auto-after")
-    keys = obj.data.shape_keys
-    stage.results["keys"] = key_names()
-    stage.results["shown"] = [key.name for key in keys.key_blocks if key.frame == keys.eval_time]
-    x, y = yield from stage.find_button("adaptive_fairing_view(field='REMOVED')")
+    denoised = vertex_positions(obj)
+    stage.results["moved"] = float(np.abs(denoised - noisy).max())
+    slider = 'objects["Icosphere"].adaptive_fairing.strength'
+    x, y = yield from stage.find_button(slider, "shift+ctrl+alt+c")
+    yield from stage.enter_value(x, y, 0.5)
+    half = vertex_positions(obj)
+    stage.results["moved at half"] = float(np.abs(half - noisy).max())
+    yield from stage.enter_value(x, y, 1.0)
+    stage.results["slider back"] = bool(np.array_equal(vertex_positions(obj), denoised))
+
+    yield from stage.point_at_view()
+    xdotool("keydown", "alt+b")
+    yield 1.0
+    stage.results["held"] = bool(np.array_equal(vertex_positions(obj), noisy))
+    yield from stage.picture("auto-held")
+    xdotool("keyup", "alt+b")
+    yield 1.0
+    stage.results["released"] = bool(np.array_equal(vertex_positions(obj), denoised))
+
+    x, y = yield from stage.find_button("adaptive_fairing_split(")
     stage.click(x, y)
     yield 1.0
-    stage.scroll_down("UI")
+    kept = (vertex_positions(obj) == noisy).all(axis=1).mean()
+    stage.results["original in the split"] = float(kept)
+    yield from stage.picture("auto-split")
+    stage.click(x, y)
+    yield 1.0
+    with stage.context():
+        bpy.ops.object.adaptive_fairing_view(field="REMOVED")
     yield 1.0
     yield from stage.picture("auto-removed")
-    stage.results["colours"] = obj.data.color_attributes.active_color.name
+    stage.results["active colour"] = obj.data.attributes.active_color_name
+    x, y = yield from stage.find_button("adaptive_fairing_discard(")
+    stage.click(x, y)
+    yield 1.0
+    stage.results["discarded"] = bool(np.array_equal(vertex_positions(obj), noisy))
+    names = [name for name in obj.data.attributes.keys() if name.startswith("fairing")]
+    stage.results["attributes left"] = names
+
+
+def undo_in_modes(stage: Stage) -> Scenario:
+    """One Ctrl Z takes a run back in every mode, and leaves the mode and the mask."""
+    for mode in ("OBJECT", "EDIT", "SCULPT"):
+        noisy = vertex_positions(add_noisy("ico_sphere", 0.02, "auto", subdivisions=4))
+        with stage.context():
+            if mode != "OBJECT":
+                bpy.ops.object.mode_set("EXEC_DEFAULT", True, mode=mode)
+            if mode == "SCULPT":
+                for value in (0.25, 0.5):
+                    bpy.ops.paint.mask_flood_fill("EXEC_DEFAULT", True, mode="VALUE", value=value)
+        yield 0.5
+        yield from run_to_the_end(stage, 60)
+        after_run = present_state(noisy)
+        yield from stage.press_in_view("ctrl+z")
+        yield 1.0
+        stage.results[mode] = {"after run": after_run, "after undo": present_state(noisy)}
+        with stage.context():
+            if bpy.context.object.mode != "OBJECT":
+                bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def present_state(noisy: np.ndarray) -> dict:
+    """Mode and mask of the active object, how far it is from the noisy one, what runs left."""
+    obj = bpy.context.view_layer.objects.active
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+    mask = obj.data.attributes.get(".sculpt_mask")
+    return {
+        "mode": obj.mode,
+        "moved": float(np.abs(vertex_positions(obj) - noisy).max()),
+        "mask": None if mask is None else mask.data[0].value,
+        "result": obj.adaptive_fairing.result if obj.mode != "EDIT" else "",
+    }
 
 
 def delete_object(stage: Stage) -> Scenario:

@@ -7,6 +7,7 @@ from support.meshes import noisy_ball
 from support.objects import add_object, shown_positions
 
 from adaptive_fairing.blender.files.mesh_files import empty_scene
+from adaptive_fairing.blender.operators import following
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -35,7 +36,7 @@ IMPORTERS = {
 
 @pytest.fixture
 def noisy():
-    obj = add_object(*noisy_ball(2, 0.03))
+    obj = add_object(*noisy_ball(3, 0.02))
     obj.data.shade_smooth()  # glTF splits vertices at flat faces
     obj.select_set(True)
     return obj
@@ -106,3 +107,23 @@ def test_ply_writes_the_colors_of_the_scan(noisy, tmp_path):
     found = np.empty(4 * len(mesh.vertices), dtype=np.float32)
     mesh.color_attributes[0].data.foreach_get("color", found)
     assert np.abs(found.reshape(-1, 4) - [1, 0, 0, 1]).max() < 0.01
+
+
+@pytest.mark.parametrize("kind", [".stl", ".glb"])
+def test_a_walk_from_the_scan_to_the_export(noisy, tmp_path, kind):
+    """One press, slide, paint the nose back, apply, export, import: what was seen comes back."""
+    before = shown_positions(noisy)
+    bpy.ops.object.adaptive_fairing()
+    noisy.adaptive_fairing.strength = 0.8
+    denoised = shown_positions(noisy)
+    bpy.ops.object.adaptive_fairing_paint()
+    nose = before[:, 2] > 0.7
+    noisy.vertex_groups["Fairing"].add(np.flatnonzero(nose).tolist(), 0.0, "REPLACE")
+    following.follow_weights(noisy)
+    bpy.ops.object.adaptive_fairing_paint()
+    assert noisy.mode == "OBJECT"
+    bpy.ops.object.adaptive_fairing_apply()
+    shown = shown_positions(noisy)
+    assert np.array_equal(shown[nose], before[nose])
+    assert np.array_equal(shown[~nose], denoised[~nose])
+    assert same_points(written(kind, tmp_path), shown) < 1e-5

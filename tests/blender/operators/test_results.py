@@ -7,6 +7,7 @@ from support.meshes import noisy_ball
 from support.objects import add_object, key_positions, select, shown_positions
 
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
+from adaptive_fairing.blender.data.shape_keys import animated_frames
 from adaptive_fairing.blender.data.stored_result import PAINT_GROUP
 from adaptive_fairing.blender.operators import following
 from adaptive_fairing.core import DenoiseSettings, denoise
@@ -222,15 +223,57 @@ class TestNothingToDo:
         bpy.ops.mesh.primitive_uv_sphere_add()
         return bpy.context.object
 
-    def test_nothing_changed_means_nothing(self, clean):
+    def test_nothing_changed_means_nothing(self, clean, capfd):
         before, names = coordinates(clean), clean.data.attributes.keys()
         assert run() == {"CANCELLED"}
+        said = capfd.readouterr().out
+        assert said.count("nothing was changed") == 1
+        assert "Denoised" not in said
         assert np.array_equal(coordinates(clean), before)
         assert clean.data.attributes.keys() == names
         assert clean.data.shape_keys is None
         assert list(clean.modifiers) == []
         assert clean.adaptive_fairing.result == ""
         assert len(clean.adaptive_fairing.shapes) == 0
+
+    def test_it_can_be_denoised_all_the_same(self):
+        bpy.ops.mesh.primitive_monkey_add()
+        assert run() == {"CANCELLED"}
+        assert run(clean="denoise") == {"FINISHED"}
+
+
+class TestTheRedoPanel:
+    """Undo, and the same again with one property changed."""
+
+    def test_what_does_not_change_the_solve_costs_none(self, noisy, monkeypatch):
+        from adaptive_fairing.blender.jobs import solve
+
+        run()
+        shown = coordinates(noisy)
+        bpy.ops.object.adaptive_fairing_discard()
+        monkeypatch.setattr(solve, "denoise", None)  # would fail if it were called
+        assert run(result="MODIFIER", store_density=True) == {"FINISHED"}
+        assert near(shown_positions(noisy), shown)
+        assert "fairing_density" in noisy.data.attributes
+
+    def test_other_settings_are_solved_anew(self, noisy):
+        run()
+        bpy.ops.object.adaptive_fairing_discard()
+        expected = core_result(noisy, features="smooth", strength=0.6)
+        run(features="smooth", strength=0.6)
+        assert near(coordinates(noisy), expected.positions)
+
+
+class TestLinkedDuplicates:
+    def test_the_others_keep_their_mesh_and_that_is_said(self, noisy, capfd):
+        twin = bpy.data.objects.new("Twin", noisy.data)
+        bpy.context.scene.collection.objects.link(twin)
+        before = coordinates(twin)
+        run()
+        assert "Thing has a mesh of its own now" in capfd.readouterr().out
+        assert np.array_equal(coordinates(twin), before)
+        bpy.ops.object.adaptive_fairing_discard()
+        assert np.array_equal(coordinates(noisy), before)
 
 
 class TestKeys:
@@ -265,6 +308,14 @@ class TestKeys:
             block.value * (key_positions(noisy, block.name) - basis) for block in keys.key_blocks
         )
         assert near(sum_of_keys, shown_positions(noisy))
+
+    def test_a_second_run_keeps_the_animation(self, noisy):
+        paper()
+        bpy.ops.object.adaptive_fairing_animate(frame_start=7, frame_end=40)
+        paper(steps=2)
+        assert animated_frames(noisy) == (7.0, 40.0)
+        bpy.context.scene.frame_set(40)
+        assert near(shown_positions(noisy), key_positions(noisy, "Fairing 2"))
 
     def test_apply_keeps_what_is_shown(self, noisy):
         paper()

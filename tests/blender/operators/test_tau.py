@@ -8,7 +8,7 @@ from support.objects import add_object
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh
 from adaptive_fairing.blender.operators import mesh_scale
 from adaptive_fairing.core import FairingSettings
-from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale
+from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale, suggest_tau
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -95,3 +95,13 @@ class TestMemory:
     def test_a_large_mesh_is_not_measured_unasked(self, obj, settings, monkeypatch):
         monkeypatch.setattr(mesh_scale, "LARGEST_UNASKED", 10)
         assert not mesh_scale.measure_soon(obj, settings)
+
+
+def test_tau_follows_the_radius_of_a_paper_method(obj, settings):
+    settings.method = "adaptive_timestep"
+    settings.radius = 0.8
+    first = settings.tau
+    scale = mesh_scale.known_scale(obj, settings)
+    assert first == pytest.approx(suggest_tau(scale, 0.8, settings.steps), rel=1e-6)
+    settings.radius = 1.6
+    assert settings.tau == pytest.approx(4 * first, rel=1e-5)

@@ -97,12 +97,15 @@ class TestPanel:
         run()
         record = noisy.adaptive_fairing
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-        assert drawn.properties == ["method", "strength", "strength"]
+        assert drawn.properties == ["method", "strength"]
         noise = f"{float(f'{2 * 100 * record.noise_length:.3g}'):g} cm"
         first, last = record.shapes[0], record.shapes[record.shown]
         volume = 100 * (last.volume / first.volume - 1)
         line = f"Noise {noise}  ·  smoothed {record.radius:.2g} edges  ·  volume {volume:+.2f} %"
         assert line in " ".join(drawn.texts).replace("   ", "  ")
+        record.strength = 0.0
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert "volume +0.00 %" in " ".join(drawn.texts)
         names = [each["name"].removeprefix("object.adaptive_fairing") for each in drawn.operators]
         assert names == ["", "_before", "_split", "_paint", "_apply", "_discard"]
 
@@ -202,7 +205,10 @@ class TestRun:
         try:
             solve.progress = 0.45
             drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-            assert drawn.progress == [(0.45, "Removing noise: 45 %")]
+            ((factor, text),) = drawn.progress
+            assert factor == 0.45
+            assert text.startswith("Removing noise: 45 %, ")
+            assert text.endswith(" s left")
             draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
             modal_run.stop_run()
             assert solve.is_cancelled

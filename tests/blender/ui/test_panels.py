@@ -79,7 +79,7 @@ class TestBeforeTheRun:
         assert fair["output"] == "RELATIVE_KEYS"
         for name in (*FAIRING_NAMES, *OUTPUT_NAMES):
             assert fair[name] == getattr(settings, name)
-        assert not {"strength", "features"} & set(fair)
+        assert not {"strength", "features", "clean"} & set(fair)
 
     def test_the_button_counts_the_objects(self, sphere):
         add_object(*icosphere(1), name="Second").select_set(True)
@@ -280,5 +280,10 @@ def test_menus_run_with_the_settings_of_the_scene(sphere):
     settings.method, settings.steps = "uniform", 9
     menus.draw_object_menu(Stand(), FakeContext())
     drawn = Stand.layout.drawn
-    assert button(drawn, "object.adaptive_fairing")["steps"] == 9
+    denoise, diffuse = [
+        each for each in drawn.operators if each["name"] == "object.adaptive_fairing"
+    ]
+    assert (denoise["method"], diffuse["method"], diffuse["steps"]) == ("auto", "uniform", 9)
+    words = f"{denoise['text']} {diffuse['text']}".lower()
+    assert all(word in words for word in ("noise", "smooth", "fair", "scan"))
     assert button(drawn, "object.adaptive_fairing_compare")["steps"] == 9

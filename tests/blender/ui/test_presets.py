@@ -31,7 +31,7 @@ def execute(path):
 
 def test_blender_finds_the_folder():
     assert str(SHIPPED[0].parent) in bpy.utils.preset_paths("adaptive_fairing")
-    assert len(SHIPPED) == 6
+    assert len(SHIPPED) == 7
 
 
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
@@ -49,8 +49,16 @@ def test_a_preset_that_comes_along_sets_scheme_and_density_whatever_was_set(path
     assert found[0] == found[1]
 
 
+def test_one_leads_back_to_denoise():
+    settings = bpy.context.scene.adaptive_fairing
+    settings.method, settings.strength, settings.features = "uniform", 1.7, "sharp"
+    (path,) = [path for path in SHIPPED if path.stem == "Denoise"]
+    execute(path)
+    assert solver_settings(settings) == DenoiseSettings()
+
+
 def test_the_papers_head_is_the_default():
-    (path,) = [path for path in SHIPPED if path.stem == "Paper_Head"]
+    (path,) = [path for path in SHIPPED if path.stem == "Diffusion_Paper_Head"]
     execute(path)
     assert solver_settings(bpy.context.scene.adaptive_fairing) == FairingSettings()
 

@@ -1,0 +1,10 @@
+"""Estimate the noise and remove it."""
+
+import bpy
+
+settings = bpy.context.scene.adaptive_fairing
+
+settings.method = "auto"
+settings.strength = 1.0
+settings.features = "auto"
+settings.clean = "keep"
