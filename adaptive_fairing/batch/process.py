@@ -47,6 +47,9 @@ class WorkerProcess:
             errors="replace",
             env=environment(),
         )
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._requests, self._answers = self._process.stdin, self._process.stdout
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
@@ -57,15 +60,15 @@ class WorkerProcess:
     def send(self, message: dict[str, Any]) -> None:
         """Send a message; one that a dying process cannot take is lost, its end is told anyway."""
         try:
-            self._process.stdin.write(encode(message))
-            self._process.stdin.flush()
+            self._requests.write(encode(message))
+            self._requests.flush()
         except OSError:
             pass
 
     def end(self) -> None:
         """Let the process end now; an output it is writing does not come to be."""
         try:
-            self._process.stdin.close()  # which tells a worker to leave
+            self._requests.close()  # which tells a worker to leave
         except OSError:
             pass
         try:
@@ -91,14 +94,14 @@ class WorkerProcess:
         return f"the worker process was ended {ending(code)}" + (f": {last}" if last else "")
 
     def _read(self) -> None:
-        for line in self._process.stdout:
+        for line in self._answers:
             message = decode(line)
             if message is not None:
                 self._events.put((self, message))
         self._events.put((self, {"event": "ended"}))
 
     def _close(self) -> None:
-        for stream in (self._process.stdin, self._process.stdout, self._errors):
+        for stream in (self._requests, self._answers, self._errors):
             try:
                 stream.close()
             except OSError:  # what was to be sent to a process that is gone

@@ -59,7 +59,8 @@ def is_finished(record: Json | None, made_with: Mapping[str, Any], output: Path)
         The file.
     """
     return (
-        _says(record, DONE, made_with)
+        record is not None
+        and _says(record, DONE, made_with)
         and record.get("output_stamp") is not None
         and record["output_stamp"] == stamp(output)
     )

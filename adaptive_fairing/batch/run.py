@@ -144,7 +144,7 @@ def _outcomes(batch: Batch, items: Sequence[Item]) -> Iterator[Outcome]:
     schedule = Schedule(batch.command, batch.jobs, batch.memory)
     settings, scale = settings_record(batch.settings), None
     if batch.reference is not None and batch.same_strength:
-        measured = _measure(batch, schedule)
+        measured = _measure(batch, batch.reference, schedule)
         if measured.error is not None:
             # No fault of the process: another one could do none of the frames either.
             reason = f"first frame, {batch.reference.input.name}: {measured.error}"
@@ -155,9 +155,8 @@ def _outcomes(batch: Batch, items: Sequence[Item]) -> Iterator[Outcome]:
     yield from schedule.run(tasks)
 
 
-def _measure(batch: Batch, schedule: Schedule) -> Outcome:
+def _measure(batch: Batch, first: Item, schedule: Schedule) -> Outcome:
     """Let a worker find what gives all frames the smoothing of the first."""
-    first = batch.reference
     job = Job(
         str(first.input), first.frame, batch.object_name, settings_record(batch.settings), None
     )

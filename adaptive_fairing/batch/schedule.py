@@ -126,8 +126,15 @@ class Schedule:
 
     def _handle(self, worker: _Worker, message: Json) -> Iterator[Outcome]:
         event, task = message["event"], worker.task
-        if event == "needs":
-            yield from self._admit(worker, int(message["bytes"]))
+        if event == "ended":
+            del self._workers[worker.process]
+            how = worker.process.how_it_ended()
+            if task is not None:
+                yield Outcome(task.item, how, {})
+        elif task is None:  # sent away while the message was on its way
+            return
+        elif event == "needs":
+            yield from self._admit(worker, task, int(message["bytes"]))
         elif event == "later":
             self._waiting.insert(0, task)
             self._release(worker)
@@ -136,14 +143,8 @@ class Schedule:
             yield Outcome(task.item, account.pop("error", None), account)
             worker.claim = max(worker.claim, account.get("peak_bytes") or 0)
             self._release(worker)
-        elif event == "ended":
-            del self._workers[worker.process]
-            how = worker.process.how_it_ended()
-            if task is not None:
-                yield Outcome(task.item, how, {})
 
-    def _admit(self, worker: _Worker, needed: int) -> Iterator[Outcome]:
-        task = worker.task
+    def _admit(self, worker: _Worker, task: Task, needed: int) -> Iterator[Outcome]:
         task.claim = max(task.claim, needed)
         if self._fits(task, worker):
             worker.claim = max(worker.claim, task.claim)
@@ -211,10 +212,11 @@ class Schedule:
                 yield self._too_large(task)
 
     def _too_large(self, task: Task, what: str = "needs about") -> Outcome:
+        limit = in_gigabytes(self.limit or 0)
         return Outcome(
             task.item,
-            f"{what} {in_gigabytes(task.claim)} of memory, the limit is "
-            f"{in_gigabytes(self.limit)}: raise --memory, decimate the mesh, or fair it in parts",
+            f"{what} {in_gigabytes(task.claim)} of memory, the limit is {limit}: "
+            "raise --memory, decimate the mesh, or fair it in parts",
             {"needed_bytes": task.claim},
         )
 

@@ -20,7 +20,9 @@ def run(arguments: list[str]) -> int:
     # Imported late, because enabling the add-on must cost nothing.
     from ..cli import main as cli
 
-    return cli.main(arguments, worker_command=worker_command(), is_apart=True)
+    # Blender as a Python module has no program that could be started a second time.
+    is_apart = bool(bpy.app.binary_path)
+    return cli.main(arguments, worker_command=worker_command(), is_apart=is_apart)
 
 
 def worker_command() -> list[str]:

@@ -55,7 +55,8 @@ def run_apart(command: Sequence[str], expected: Sequence[int]) -> int:
         status = process.wait()
     finally:
         signal.signal(signal.SIGINT, before)
-        process.stdin.close()
+        if process.stdin is not None:
+            process.stdin.close()
     if status not in expected:
         raise CrashError(ending(status))
     return status

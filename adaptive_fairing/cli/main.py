@@ -309,9 +309,11 @@ def build_parser() -> argparse.ArgumentParser:
 
 def _misplaced(arguments: argparse.Namespace) -> str | None:
     """Say which argument belongs to another method than the one that was chosen."""
-    names, owner = OF_AUTO, f"--method {AUTO}"
+    names: tuple[str, ...]
     if arguments.method == AUTO:
         names, owner = OF_THE_PAPER, f"--method {', '.join(PAPER_METHODS)}"
+    else:
+        names, owner = OF_AUTO, f"--method {AUTO}"
     for name in names:
         if getattr(arguments, name) is not None:
             option = name.replace("_", "-")
@@ -342,7 +344,7 @@ def settings_of(arguments: argparse.Namespace) -> DenoiseSettings | FairingSetti
 
 def _run(arguments: argparse.Namespace) -> int:
     # Imported late: numpy, scipy and Blender take a second, which --help and typos need not wait.
-    from ..core import FairingError, SettingsError
+    from ..core import DenoiseSettings, FairingError, SettingsError
 
     try:
         settings = settings_of(arguments)
@@ -366,7 +368,7 @@ def _run(arguments: argparse.Namespace) -> int:
     )
     show = not arguments.quiet and sys.stderr.isatty()
     try:
-        if arguments.method == AUTO:
+        if isinstance(settings, DenoiseSettings):
             with part_progress(enabled=show) as on_progress:
                 report = run_job(job, on_progress=on_progress)
         else:

@@ -36,6 +36,7 @@ BAD_DENOISING = {
     "strength": [0, -1, 100, float("nan"), "1", None, True],
     "features": ["round", "", None],
     "boundary": ["open", None],
+    "clean": ["yes", True, None],
 }
 BAD_SETTINGS = {FairingSettings: BAD_FAIRING, DenoiseSettings: BAD_DENOISING}
 

@@ -121,7 +121,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
 def _frame_selected(context) -> None:
     """Have the 3D view that the user is in, if any, show what is selected."""
     if context.region is not None and context.space_data is not None:
-        if bpy.ops.view3d.view_selected.poll():
+        if bpy.ops.view3d.view_selected.poll():  # type: ignore[call-arg]  # as above
             bpy.ops.view3d.view_selected()
 
 

@@ -36,5 +36,5 @@ def prepare_undo(context: bpy.types.Context) -> None:
     a whole state just before the change gives it something to go back to.
     """
     active = context.active_object
-    if active is not None and active.mode == "SCULPT" and bpy.ops.ed.undo_push.poll():
+    if active is not None and active.mode == "SCULPT" and bpy.ops.ed.undo_push.poll():  # type: ignore[call-arg]  # the stubs want self
         bpy.ops.ed.undo_push(message="Adaptive Fairing")

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.sparse import csgraph
 
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import BoolArray, FloatArray
+from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from .local_frame import LocalFrame
 from .noise.clean_detail import NOISE, CleanDetail
 from .noise.level import CLEAN_ROUGHNESS, beyond_clean, noise_model
 from .noise.order_decay import Fading
 from .noise.roughness import Roughness
+from .noise.spikes import impulsive_share
 from .unbiased_risk import density_classes, least_risk_shares
 
 # What is rough and has fewer vertices may be noise or shape; with fewer still nothing can be told.
@@ -20,6 +23,27 @@ FEWEST_TO_TELL, FEWEST_VERTICES = 300, 50
 OWN_ESTIMATE = 400
 # Passes of averaging over the neighbours for densities.
 DENSITY_PASSES = 3
+
+
+class NoiseFound(NamedTuple):
+    """Noise of a mesh.
+
+    Attributes
+    ----------
+    level : (n,)
+        Standard deviation in local edge lengths; 0 where it was not judged.
+    impulsive : (n,)
+        How surely the noise is that of single vertices, 0 to 1.
+    roughness : (n,)
+        The level that the roughness alone would tell; 0 where it was not judged.
+    notes : tuple of str
+        Why there is nothing to do, if so.
+    """
+
+    level: FloatArray
+    impulsive: FloatArray
+    roughness: FloatArray
+    notes: tuple[str, ...] = ()
 
 
 class MeshParts:
@@ -47,8 +71,8 @@ class MeshParts:
 
     def noise(
         self, positions: FloatArray, fading: Fading, strength: float, *, keeps_clean: bool = True
-    ) -> tuple[FloatArray, tuple[str, ...]]:
-        """Estimate the noise, (n,), and say if there is nothing to do.
+    ) -> NoiseFound:
+        """Estimate the noise, and say if there is nothing to do.
 
         Parameters
         ----------
@@ -60,13 +84,13 @@ class MeshParts:
             Whether what looks like a clean mesh has no noise. Or else all roughness is noise.
         """
         n_counted = int(np.count_nonzero(self.is_counted))
-        noise = np.zeros(len(positions))
+        noise, impulsive = np.zeros((2, len(positions)))
         too_few = (
             f"only {n_counted} vertices inside the surface: too few to tell noise from shape; "
             "nothing was changed"
         )
         if n_counted < FEWEST_VERTICES:
-            return noise, (too_few,)
+            return NoiseFound(noise, impulsive, noise, (too_few,))
         rough = Roughness.of(positions, self._frame)
         detail = CleanDetail(self._topology, positions, self._frame, fading, self.is_counted)
         level = np.zeros(len(positions))
@@ -76,43 +100,52 @@ class MeshParts:
             counted[members] = self.is_counted[members]
             if not counted.any():
                 continue
-            model = noise_model(rough, counted, self._averaged)
+            model = noise_model(rough, self._frame.spacing, counted, self._averaged)
             level[counted] = model.level(self._frame.spacing[counted])
-            if not keeps_clean:
+            relative = rough.value / np.maximum(model.expected(rough), CLEAN_ROUGHNESS)
+            # The steps of contoured voxels stand out as well, but fade; single vertices do not.
+            may_be_spiky = np.median(level[counted]) > CLEAN_ROUGHNESS and not fading.fades(counted)
+            spiky = impulsive_share(relative, self._frame, counted) if may_be_spiky else 0.0
+            if keeps_clean:
+                found = detail.found(level, counted, spiky > 0)
+            else:
                 # What is taken off for clean meshes is added first.
                 level[counted] = (level[counted] ** 4 + CLEAN_ROUGHNESS**4) ** 0.25
-            found = detail.found(level, counted) if keeps_clean else NOISE
+                found = NOISE
             if found.is_model:
                 models.append(found.reason)
             elif found.is_noise:
-                noise[counted] = level[counted]
+                noise[counted], impulsive[counted] = level[counted], spiky
             else:
                 noise[counted] = np.minimum(level[counted], CLEAN_ROUGHNESS)
         if beyond_clean(strength * noise).any():
             if n_counted < FEWEST_TO_TELL and keeps_clean:
-                return np.zeros_like(noise), (too_few,)
-            return noise, ()
+                return NoiseFound(0 * noise, 0 * noise, level, (too_few,))
+            return NoiseFound(noise, impulsive, level)
         if models:
-            return noise, (f"looks like a clean low-poly model: {models[0]}; nothing was changed",)
+            note = f"looks like a clean low-poly model: {models[0]}; nothing was changed"
+            return NoiseFound(noise, impulsive, level, (note,))
         typical = float(np.median(level[self.is_counted]))
         what = "clean meshes are" if typical <= CLEAN_ROUGHNESS else "the detail of clean meshes is"
-        return noise, (
+        note = (
             f"no noise found: the surface is rough by {typical:.2g} of the local edge length, as "
-            f"{what}; nothing was changed",
+            f"{what}; nothing was changed"
         )
+        return NoiseFound(noise, impulsive, level, (note,))
 
     def _averaged(self, values: FloatArray) -> FloatArray:
         return self._frame.spread(values, DENSITY_PASSES)
 
     def best_shares(
         self, removed: FloatArray, divergence: FloatArray, variances: FloatArray
-    ) -> FloatArray:
+    ) -> RealArray:
         """Choose the shares of the filters with the least risk in every part, (s, k, n).
 
         From what the filters remove and its divergence, (k, n), for several variances of the
         noise, (s, n).
         """
-        shares = np.zeros((len(variances), *removed.shape))
+        # In single precision: these are the largest arrays of a run.
+        shares = np.zeros((len(variances), *removed.shape), dtype=np.float32)
         for members in self._members:
             is_counted = self.is_counted[members]
             if not is_counted.any():

@@ -14,21 +14,23 @@ of our own added: the metrics follow the noise too, which no formula for a linea
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..fem.loop_space import LoopSpace
 from ..linalg.conjugate_gradients import SolveReport
-from ..runtime.arrays import BoolArray, FloatArray
+from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from .filter_bank import FilterBank, FilterFamily, NormalFamily
 from .filter_rounds import FAMILIES, USABLE, rounds_for
 from .local_frame import LocalFrame
-from .mesh_parts import MeshParts
-from .noise.correlation import NoiseCorrelation, noise_correlation
+from .mesh_parts import MeshParts, NoiseFound
+from .noise.correlation import LEAST_ROUGHNESS, NoiseCorrelation, noise_correlation
 from .noise.level import beyond_clean
 from .noise.order_decay import Fading
 from .noise.own_numbers import own_signs
+from .noise.smooth_noise import smooth_noise
+from .noise.spikes import without_spikes
 from .plan import STRENGTHS, DenoisePlan
 from .tangential_limit import Sliding
 
@@ -43,6 +45,12 @@ PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large again
 # A probe that folds a triangle over changes the filtered surface by leaps; such outliers of its
 # response, which is about 1 at most, are cut off.
 LARGEST_RESPONSE = 3.0
+
+SMOOTH = (
+    "the surface is evenly uneven over several edges, by {:.2g} of an edge: fine detail, which was "
+    "kept, or the smooth noise of a scanner, which is removed if all roughness counts as noise"
+)
+IMPULSIVE = "the noise is impulsive: single vertices that stand out were put back first"
 
 
 @dataclass(frozen=True)
@@ -97,45 +105,52 @@ def mixed_surfaces(
         Called with the part of the work that is done; may raise to end it.
     """
     solves = _Solves(EXPECTED_SOLVES * (2 if plan is None else 1), progress)
-    bank = FilterBank(space.topology, positions, solves.count)
-    track = _Track(bank, positions)
-    frame = LocalFrame.of(space.topology, track.surface, track.surface)
+    stage = _Stage(space, positions, is_still, solves.count)
     notes: tuple[str, ...] = ()
     if plan is None:
-        parts = MeshParts(space.topology, frame, is_still)
-        fading = Fading(positions, frame)
-        noise, notes = parts.noise(positions, fading, strength, keeps_clean=keeps_clean)
-        if beyond_clean(max(STRENGTHS) * strength * noise).any():
-            correlation = noise_correlation(fading, frame, parts.is_counted & (noise > 0))
-            plan = _planned(bank, track, frame, parts, noise, correlation, strength, features)
-        else:
-            plan = DenoisePlan.idle(noise)
-    elif not plan.is_idle:
-        first, *others = rounds_for(plan.noise)
-        track.filter(first)
-        for families, pilot in zip(others, plan.pilots, strict=True):
-            track.surface = track.mixed(pilot)
-            track.filter(families)
-    if plan.is_idle:
-        results = [positions] * len(STRENGTHS)
+        found, fading = stage.noise_found(strength, keeps_clean)
+        impulsive, notes = found.impulsive, found.notes
+        if impulsive.any():
+            stage = stage.calmed(impulsive)
+            found, fading = stage.noise_found(strength, keeps_clean)
+            notes = (IMPULSIVE,)
+        level, counted = found.level, stage.parts.is_counted
+        plan, correlation = DenoisePlan.idle(level), None
+        # White noise that is stronger hides the smooth kind.
+        if counted.any() and np.median(found.roughness[counted]) < LEAST_ROUGHNESS:
+            smooth = smooth_noise(stage.track.positions, stage.frame, fading, counted)
+            if smooth.may_be_noise and not keeps_clean:
+                level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
+            elif smooth.is_likely and not beyond_clean(strength * level).any():
+                notes = (SMOOTH.format(smooth.level), *notes)
+        if beyond_clean(max(STRENGTHS) * strength * level).any():
+            if correlation is None:
+                correlation = noise_correlation(fading, stage.frame, counted & (level > 0))
+            plan = _planned(stage, level, correlation, strength, features)
+        plan = replace(plan, impulsive=impulsive)
     else:
-        results = [track.mixed(shares) for shares in plan.mixtures]
-        sliding = Sliding(space.topology, positions, frame)
+        if plan.impulsive.any():
+            stage = stage.calmed(plan.impulsive)
+        if not plan.is_idle:
+            stage.repeat(plan)
+    if plan.is_idle:
+        results = [stage.track.positions] * len(STRENGTHS)
+    else:
+        results = [stage.track.mixed(shares) for shares in plan.mixtures]
+        sliding = Sliding(space.topology, stage.track.positions, stage.frame)
         results = [sliding.limited(result) for result in results]
     return MixedSurfaces(results, plan, solves.report(), notes)
 
 
 def _planned(
-    bank: FilterBank,
-    track: _Track,
-    frame: LocalFrame,
-    parts: MeshParts,
+    stage: _Stage,
     noise: FloatArray,
     correlation: NoiseCorrelation,
     strength: float,
     features: str,
 ) -> DenoisePlan:
     """Filter in all rounds, and choose the shares in each."""
+    bank, track, frame, parts = stage.bank, stage.track, stage.frame, stage.parts
     seen, noise = noise, noise / correlation.seen * correlation.deviation
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
     sign = own_signs(track.positions, frame)
@@ -152,7 +167,7 @@ def _planned(
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
     first, *others = rounds_for(noise)
     pilot_variance = np.square(NOISE_FACTOR * seen / correlation.seen)
-    pilots: list[FloatArray] = []
+    pilots: list[RealArray] = []
     for one in (track, shadow):
         one.filter(first)
     for families in others:
@@ -162,12 +177,12 @@ def _planned(
             one.filter(families)
     removed, divergence = measured()
     usable = USABLE[features]
-    mixtures = np.zeros((len(STRENGTHS), *removed.shape))
+    mixtures = np.zeros((len(STRENGTHS), *removed.shape), dtype=np.float32)
     variances = np.stack([variance(factor) for factor in STRENGTHS])
     mixtures[:, usable] = parts.best_shares(removed[usable], divergence[usable], variances)
     removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
     kept = 1 - removed_noise.mean(axis=1) / correlation.deviation**2
-    return DenoisePlan(noise, tuple(pilots), mixtures, kept)
+    return DenoisePlan(noise, tuple(pilots), mixtures, kept, np.zeros(len(noise)))
 
 
 def _divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
@@ -181,6 +196,44 @@ def _divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> F
     divergence = shadow - removed
     divergence *= probe / PROBE_SIZE**2
     return np.clip(divergence, 1 - LARGEST_RESPONSE, 1 + LARGEST_RESPONSE, out=divergence)
+
+
+class _Stage:
+    """Positions with all that the method needs of them before the noise is known."""
+
+    def __init__(
+        self,
+        space: LoopSpace,
+        positions: FloatArray,
+        is_still: BoolArray,
+        on_solve: Callable[[SolveReport], None],
+    ) -> None:
+        self._space, self._is_still, self._on_solve = space, is_still, on_solve
+        self.bank = FilterBank(space.topology, positions, on_solve)
+        self.track = _Track(self.bank, positions)
+        self.frame = LocalFrame.of(space.topology, self.track.surface, self.track.surface)
+        self.parts = MeshParts(space.topology, self.frame, is_still)
+
+    def noise_found(self, strength: float, keeps_clean: bool) -> tuple[NoiseFound, Fading]:
+        """Estimate the noise."""
+        fading = Fading(self.track.positions, self.frame)
+        positions = self.track.positions
+        return self.parts.noise(positions, fading, strength, keeps_clean=keeps_clean), fading
+
+    def calmed(self, impulsive: FloatArray) -> _Stage:
+        """Put vertices back that stand out, by a part (n,) of their way."""
+        positions = self.track.positions
+        calm = without_spikes(self._space.topology, positions, self.frame, self.parts.is_counted)
+        start = positions + impulsive[:, None] * (calm - positions)
+        return _Stage(self._space, start, self._is_still, self._on_solve)
+
+    def repeat(self, plan: DenoisePlan) -> None:
+        """Filter as on another frame of the surface."""
+        first, *others = rounds_for(plan.noise)
+        self.track.filter(first)
+        for families, pilot in zip(others, plan.pilots, strict=True):
+            self.track.surface = self.track.mixed(pilot)
+            self.track.filter(families)
 
 
 class _Track:
@@ -207,7 +260,7 @@ class _Track:
             row[:] = frame.along_normal(taken.astype(np.float64))
         return removed
 
-    def mixed(self, shares: FloatArray) -> FloatArray:
+    def mixed(self, shares: RealArray) -> FloatArray:
         """Mix the filters with shares (k, n) at each vertex."""
         result = self.positions.copy()
         for share, taken in zip(shares, self.taken, strict=True):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..runtime.arrays import FloatArray
+from ..runtime.arrays import FloatArray, RealArray
 
 # Strengths that every run computes, as factors of the estimated noise.
 STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)
@@ -26,18 +26,21 @@ class DenoisePlan:
         Coefficients of all filters, for each of `STRENGTHS`.
     kept : (s,)
         Part of the noise that each mixture keeps, 0 to 1.
+    impulsive : (n,)
+        By what part of their way vertices that stand out are put back before the filters.
     """
 
     noise: FloatArray
-    pilots: tuple[FloatArray, ...]
-    mixtures: FloatArray
+    pilots: tuple[RealArray, ...]
+    mixtures: RealArray
     kept: FloatArray
+    impulsive: FloatArray
 
     @classmethod
     def idle(cls, noise: FloatArray) -> DenoisePlan:
         """Leave everything as it is."""
         nothing = np.zeros((len(STRENGTHS), 0, len(noise)))
-        return cls(noise, (), nothing, np.ones(len(STRENGTHS)))
+        return cls(noise, (), nothing, np.ones(len(STRENGTHS)), np.zeros(len(noise)))
 
     @property
     def is_idle(self) -> bool:

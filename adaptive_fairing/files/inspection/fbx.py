@@ -6,7 +6,7 @@ import struct
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +30,7 @@ class Node(NamedTuple):
     """A node: its path of names, such as ``Objects/Geometry/Vertices``, and its arrays."""
 
     path: str
-    arrays: list[NDArray]
+    arrays: list[NDArray[Any]]
 
 
 def inspect_fbx(path: Path) -> Contents:
@@ -41,7 +41,7 @@ def inspect_fbx(path: Path) -> Contents:
     data = path.read_bytes()
     if not data.startswith(_MAGIC):
         return Contents()  # text, which Blender refuses
-    points: NDArray = np.empty((0, 3))
+    points: NDArray[Any] = np.empty((0, 3))
     try:
         version = struct.unpack_from("<I", data, len(_MAGIC))[0]
         for node in _nodes(data, _FIRST_NODE, len(data), version >= _WIDE_OFFSETS, "", 0):
@@ -55,10 +55,10 @@ def inspect_fbx(path: Path) -> Contents:
     return Contents()
 
 
-def _check_faces(corners: NDArray, n_vertices: int) -> None:
+def _check_faces(corners: NDArray[Any], n_vertices: int) -> None:
     is_last = corners < 0  # of a face: stored as -1 - vertex
     vertices = np.where(is_last, ~corners, corners)
-    face_of = np.cumsum(is_last) - is_last
+    face_of: NDArray[np.intp] = np.cumsum(is_last) - is_last
     refuse_unknown_vertices(np.unique(face_of[vertices >= n_vertices]), n_vertices)
 
 
@@ -84,7 +84,7 @@ def _nodes(
         place = node_end
 
 
-def _arrays(data: bytes, place: int, end: int, count: int, name: str) -> list[NDArray]:
+def _arrays(data: bytes, place: int, end: int, count: int, name: str) -> list[NDArray[Any]]:
     """Check the properties of a node; give its arrays if they are of geometry."""
     found = []
     for _ in range(count):

@@ -128,7 +128,7 @@ def _check_primitive(
             )
 
 
-def _read(accessor: Json, views: list[Json], buffers: list[bytes]) -> NDArray:
+def _read(accessor: Json, views: list[Json], buffers: list[bytes]) -> NDArray[Any]:
     """Numbers of an accessor, (count, width); all that it needs was checked to be there."""
     count, dtype, width = _layout(accessor)
     if "bufferView" not in accessor:
@@ -140,7 +140,7 @@ def _read(accessor: Json, views: list[Json], buffers: list[bytes]) -> NDArray:
     return np.ndarray((count, width), dtype, buffers[view["buffer"]], start, steps)
 
 
-def _layout(accessor: Json) -> tuple[int, np.dtype, int]:
+def _layout(accessor: Json) -> tuple[int, np.dtype[Any], int]:
     kind = np.dtype(_COMPONENTS[accessor["componentType"]])
     return _natural(accessor["count"]), kind, _WIDTHS[accessor["type"]]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +26,8 @@ class Property(NamedTuple):
     """A property of an element: one number a row, or a list with its length in front."""
 
     name: str
-    dtype: np.dtype
-    length_dtype: np.dtype | None
+    dtype: np.dtype[Any]
+    length_dtype: np.dtype[Any] | None
 
 
 @dataclass(frozen=True)
@@ -63,8 +63,8 @@ class Rows:
         (n + 1,) where each row starts in the file, and where the last one ends.
     """
 
-    columns: Mapping[str, NDArray]
-    lists: Mapping[str, tuple[NDArray, NDArray[np.int64]]]
+    columns: Mapping[str, NDArray[Any]]
+    lists: Mapping[str, tuple[NDArray[Any], NDArray[np.int64]]]
     starts: NDArray[np.int64]
 
 
@@ -196,9 +196,9 @@ def _read_binary(data: bytes, place: int, element: Element) -> Rows:
     return _walk_binary(data, place, element)
 
 
-def _row_dtype(data: bytes, place: int, properties: Sequence[Property]) -> np.dtype | None:
+def _row_dtype(data: bytes, place: int, properties: Sequence[Property]) -> np.dtype[Any] | None:
     """Layout of a row whose lists are as long as in the row at a place; None if it is cut."""
-    fields: list[tuple] = []
+    fields: list[tuple[Any, ...]] = []
     for each in properties:
         if each.length_dtype is None:
             fields.append((each.name, each.dtype))
@@ -218,7 +218,7 @@ def _row_dtype(data: bytes, place: int, properties: Sequence[Property]) -> np.dt
         raise DamagedError("its header names a property twice") from error
 
 
-def _rows_of_table(table: NDArray, element: Element, place: int) -> Rows:
+def _rows_of_table(table: NDArray[Any], element: Element, place: int) -> Rows:
     columns, lists = {}, {}
     for each in element.properties:
         if each.length_dtype is None:
@@ -240,7 +240,9 @@ def _walk_binary(data: bytes, place: int, element: Element) -> Rows:
             length = 1
             if each.length_dtype is not None:
                 width = each.length_dtype.itemsize
-                order = "big" if each.length_dtype.byteorder == ">" else "little"
+                order: Literal["big", "little"] = (
+                    "big" if each.length_dtype.byteorder == ">" else "little"
+                )
                 signed = each.length_dtype.kind == "i"
                 length = int.from_bytes(data[place : place + width], order, signed=signed)
                 place += width
@@ -273,8 +275,8 @@ def _read_text(data: bytes, place: int, element: Element) -> Rows:
         raise _cut_short(element, len(ends))
     starts = np.concatenate([[place], ends[: element.count]]).astype(np.int64)
     lines = data[place : starts[-1]].split(b"\n")[: element.count]
-    columns: dict[str, NDArray] = {}
-    lists: dict[str, tuple[NDArray, NDArray[np.int64]]] = {}
+    columns: dict[str, NDArray[Any]] = {}
+    lists: dict[str, tuple[NDArray[Any], NDArray[np.int64]]] = {}
     table = _numbers(lines, element)
     sizes = np.array([len(line.split()) for line in lines], dtype=np.int64)
     at = np.cumsum(sizes) - sizes

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ...core.runtime.arrays import FloatArray
 from .contents import Contents, DamagedError, require_finite
 
 HEADER_BYTES, TRIANGLE_BYTES = 84, 50
@@ -32,7 +33,7 @@ def inspect_stl(path: Path) -> Contents:
     return Contents()
 
 
-def _corners_of_text(data: bytes) -> np.ndarray:
+def _corners_of_text(data: bytes) -> FloatArray:
     words = _CORNER.findall(data)
     n_facets, n_ends = len(re.findall(rb"\bfacet\s+normal\b", data)), data.count(b"endfacet")
     if not n_facets == n_ends == len(words) / 3:

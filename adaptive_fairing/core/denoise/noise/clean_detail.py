@@ -26,6 +26,10 @@ SMOOTH_SHARE, CORNER_ROUGHNESS = 0.9, 0.3
 # 0.25 of an edge; with noise of 0.2 of an edge they share at most 0.58, unless they are slivers
 # that seem rough by 0.8. What fades more than to 0.7 is smoother than the edges allow.
 LOW_POLY, SHARED_BEND, ROUGHEST_MODEL, LEAST_KEPT = 3000, 0.6, 0.4, 0.75
+SMALL = 300
+
+# Spikes at every fifth vertex leave half of the triangles of a model as they were.
+LEFT_BY_SPIKES = 0.6
 
 # Levels of a clean mesh may lie above what clean meshes have at this part of its vertices: those
 # with much shorter edges than others.
@@ -75,19 +79,23 @@ class CleanDetail:
         self._topology, self._positions, self._frame = topology, positions, frame
         self._fading, self._all_counted = fading, is_counted
 
-    def found(self, level: FloatArray, is_counted: BoolArray) -> Found:
+    def found(self, level: FloatArray, is_counted: BoolArray, is_impulsive: bool) -> Found:
         """Tell what the roughness of some vertices, (n,) bool, is.
 
         Parameters
         ----------
         level : (n,)
             Noise in local edge lengths, as the roughness tells it.
+        is_impulsive : bool
+            Whether the roughness is that of single vertices.
         """
         if np.quantile(level[is_counted], 1 - FEW) <= CLEAN_ROUGHNESS:
             return DETAIL
         of_part = is_counted[self._topology.triangles].any(axis=1)
         repeated = repetition(self._topology.triangles[of_part], self._positions)
-        if repeated.part > 0 and not repeated.is_contour:
+        # Spikes leave the triangles between them as they were.
+        is_model = repeated.part > (LEFT_BY_SPIKES if is_impulsive else 0)
+        if is_model and not repeated.is_contour:
             return Found(
                 is_model=True,
                 reason=f"{100 * repeated.part:.0f} % of its triangles are exact copies of others",
@@ -101,7 +109,10 @@ class CleanDetail:
         rough, kept = self._fading.of_mesh(is_counted)
         if self._fading.fades(is_counted) and rough < LEAST_ROUGHNESS:
             return DETAIL
-        may_be_model = kept > LEAST_KEPT and np.median(level[is_counted]) < ROUGHEST_MODEL
+        # Small parts, such as the eyes of a head, go with the whole.
+        is_small = np.count_nonzero(is_counted) < SMALL
+        is_mild = kept > LEAST_KEPT and np.median(level[is_counted]) < ROUGHEST_MODEL
+        may_be_model = is_small or is_mild
         if may_be_model and not repeated.is_contour and self._bends:
             return Found(is_model=True, reason=self._bends)
         return NOISE

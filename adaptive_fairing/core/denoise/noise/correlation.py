@@ -35,14 +35,19 @@ class NoiseCorrelation(NamedTuple):
         How strong differences of second order are, relative to those of the white noise.
     deviation : float
         Standard deviation relative to that of the white noise.
+    passes : int
+        Of averaging half with the neighbours' mean, for noise that is smooth over several edges.
     """
 
     share: float = 0.0
     seen: float = 1.0
     deviation: float = 1.0
+    passes: int = 0
 
     def applied(self, values: FloatArray, frame: LocalFrame) -> FloatArray:
         """Give white noise (n,), in local edge lengths, this correlation."""
+        if self.passes:
+            return frame.spread(values * frame.spacing, self.passes) / frame.spacing
         if self.share == 0:
             return values
         mean: FloatArray = (frame.mean @ (values * frame.spacing)) / frame.spacing

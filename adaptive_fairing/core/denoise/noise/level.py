@@ -68,7 +68,9 @@ class NoiseModel(NamedTuple):
         return np.sqrt(self.per_edge + self.per_length * rough.fineness)
 
 
-def noise_model(rough: Roughness, is_counted: BoolArray, smoothed: Smoother) -> NoiseModel:
+def noise_model(
+    rough: Roughness, spacing: FloatArray, is_counted: BoolArray, smoothed: Smoother
+) -> NoiseModel:
     """Estimate the noise along the normals from vertices (n,) bool.
 
     Medians do not see the features in the roughness.  Noise of neighbours that is alike (scanners,
@@ -77,6 +79,8 @@ def noise_model(rough: Roughness, is_counted: BoolArray, smoothed: Smoother) -> 
     Parameters
     ----------
     rough : Roughness
+    spacing : (n,)
+        Local edge lengths.
     is_counted : (n,) bool
         Vertices to judge from.
     smoothed : callable
@@ -88,18 +92,24 @@ def noise_model(rough: Roughness, is_counted: BoolArray, smoothed: Smoother) -> 
     """
     if not is_counted.any():
         return NoiseModel(0.0, 0.0)
-    bins = _bins(is_counted, smoothed(np.log(rough.fineness)))
-    fineness = np.exp([np.median(np.log(rough.fineness[members])) for members in bins])
-    levels = np.array([np.median(rough.value[members]) for members in bins]) / NORMAL_MEDIAN
-    levels *= 1 + LEAST_OF[len(bins)] * MEDIAN_ERROR / np.sqrt([len(each) for each in bins])
-    variance = np.square(levels)
+    variance = _variances(rough, _bins(is_counted, smoothed(np.log(spacing))))
     (constant,) = _quantile_fit(np.ones((1, len(variance))), variance)
     least = float(variance.min())
     # Noise is everywhere: where a part is clean, the others have features.
     alone = least if least <= CLEAN_ROUGHNESS**2 else float(constant)
-    both = NoiseModel(*_quantile_fit(np.stack([np.ones_like(variance), fineness]), variance))
+    bins = _bins(is_counted, smoothed(np.log(rough.fineness)))
+    fineness = np.exp([np.median(np.log(rough.fineness[members])) for members in bins])
+    terms = np.stack([np.ones_like(fineness), fineness])
+    both = NoiseModel(*_quantile_fit(terms, _variances(rough, bins)))
     share = _evidence(rough, bins, both)
     return NoiseModel(share * both.per_edge + (1 - share) * alone, share * both.per_length)
+
+
+def _variances(rough: Roughness, bins: list[IndexArray]) -> FloatArray:
+    """Variance of the noise in each bin, as its median tells it, (k,)."""
+    levels = np.array([np.median(rough.value[members]) for members in bins]) / NORMAL_MEDIAN
+    levels *= 1 + LEAST_OF[len(bins)] * MEDIAN_ERROR / np.sqrt([len(each) for each in bins])
+    return np.square(levels)
 
 
 def _bins(is_counted: BoolArray, size: FloatArray) -> list[IndexArray]:

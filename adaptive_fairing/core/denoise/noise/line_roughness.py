@@ -17,6 +17,51 @@ from .own_numbers import LINE_NOISE, own_noise
 SHARES = (0.2, 0.8)
 
 
+class OppositeLines:
+    """The straight lines between opposite neighbours of every vertex.
+
+    Parameters
+    ----------
+    topology : TriangleTopology
+    frame : LocalFrame
+    """
+
+    def __init__(self, topology: TriangleTopology, frame: LocalFrame) -> None:
+        sizes = topology.ring_size
+        self._middle = np.repeat(np.arange(topology.n_vertices), sizes)
+        first = np.repeat(topology.ring_start[:-1], sizes)
+        place = np.arange(len(self._middle)) - first
+        size = sizes[self._middle]
+        self._start = topology.ring
+        self._end = topology.ring[first + (place + size // 2) % size]
+        self._frame = frame
+
+    def passing(self, positions: FloatArray) -> FloatArray:
+        """Where on each line its vertex of `positions` (n, 3) lies, 0 to 1."""
+        normal = self._frame.normals[self._middle]
+        along = positions[self._end] - positions[self._start]
+        along -= np.einsum("ed,ed->e", along, normal)[:, None] * normal
+        reach = np.einsum("ed,ed->e", positions[self._middle] - positions[self._start], along)
+        return np.clip(reach / np.maximum(np.einsum("ed,ed->e", along, along), 1e-300), *SHARES)
+
+    def least_deviation(self, positions: FloatArray, passing: FloatArray) -> FloatArray:
+        """Height of each vertex over the line that it deviates least from, (n,).
+
+        Along the normals, in local edge lengths; 0 at vertices without neighbours.
+        """
+        line = positions[self._start]
+        line = line + passing[:, None] * (positions[self._end] - line)
+        deviation = np.einsum(
+            "ed,ed->e", positions[self._middle] - line, self._frame.normals[self._middle]
+        )
+        order = np.lexsort((deviation, np.abs(deviation), self._middle))
+        vertex = self._middle[order]
+        is_least = np.append(True, vertex[1:] != vertex[:-1])[: len(vertex)]
+        least = np.zeros(len(positions))
+        least[vertex[is_least]] = deviation[order][is_least]
+        return least / self._frame.spacing
+
+
 class LineRoughness:
     """Deviations from the straight lines between opposite neighbours, the least at each vertex.
 
@@ -30,28 +75,11 @@ class LineRoughness:
     def __init__(
         self, topology: TriangleTopology, positions: FloatArray, frame: LocalFrame
     ) -> None:
-        sizes = topology.ring_size
-        middle = np.repeat(np.arange(topology.n_vertices), sizes)
-        first = np.repeat(topology.ring_start[:-1], sizes)
-        place = np.arange(len(middle)) - first
-        size = sizes[middle]
-        start, end = topology.ring, topology.ring[first + (place + size // 2) % size]
-        normal = frame.normals[middle]
-        along = positions[end] - positions[start]
-        along -= np.einsum("ed,ed->e", along, normal)[:, None] * normal
-        reach = np.einsum("ed,ed->e", positions[middle] - positions[start], along)
-        share = np.clip(reach / np.maximum(np.einsum("ed,ed->e", along, along), 1e-300), *SHARES)
-
-        def least(points: FloatArray) -> FloatArray:
-            line = points[start] + share[:, None] * (points[end] - points[start])
-            deviation = np.abs(np.einsum("ed,ed->e", points[middle] - line, normal))
-            result = np.full(topology.n_vertices, np.inf)
-            np.minimum.at(result, middle, deviation)
-            return result / frame.spacing
-
-        noise = own_noise(positions, frame, LINE_NOISE)
-        self._least = least(positions)
-        self._least_of_noise = least(frame.raised(noise))
+        lines = OppositeLines(topology, frame)
+        passing = lines.passing(positions)
+        noise = frame.raised(own_noise(positions, frame, LINE_NOISE))
+        self._least = np.abs(lines.least_deviation(positions, passing))
+        self._least_of_noise = np.abs(lines.least_deviation(noise, passing))
 
     def level(self, is_counted: BoolArray, quantile: float = 0.5) -> float:
         """Return the standard deviation of noise that is as rough, in local edge lengths.

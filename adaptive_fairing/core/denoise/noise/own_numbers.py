@@ -19,6 +19,7 @@ from ..local_frame import LocalFrame
 # turns, so neighbours are not alike; rounding to single precision moves it by a thousandth.
 TURNS = (61.0, 37.0 * np.sqrt(2))
 TURNS_FROM_PLANES = (31.0 * np.sqrt(3), 29.0 * np.sqrt(5), 23.0 * np.sqrt(7))
+MIXING = 13.0
 
 # Different numbers for different uses: added to the turns.
 PROBE, WHITE_NOISE, LINE_NOISE = 0.0, 7.3, 12.9
@@ -41,9 +42,12 @@ def own_phases(positions: FloatArray, frame: LocalFrame, use: float) -> FloatArr
     first = np.linalg.norm(to_middle, axis=1) / frame.spacing
     second = spread / frame.spacing**2
     turns = (TURNS[0] + use) * first + (TURNS[1] + use) * second
-    # Where a mesh is exactly regular, the lengths around its vertices are all the same.
+    # Where a mesh is exactly regular, the lengths around its vertices are all the same.  Products,
+    # because a phase that is linear in the position would be a wave on a lattice.
     _, axes = np.linalg.eigh(centred.T @ centred)
-    turns += np.abs(centred @ axes) @ TURNS_FROM_PLANES / np.mean(frame.spacing)
+    from_planes = np.abs(centred @ axes) * TURNS_FROM_PLANES / np.mean(frame.spacing)
+    waves = from_planes - np.floor(from_planes)
+    turns += MIXING * np.einsum("nk,nk->n", waves, np.roll(waves, 1, axis=1))
     phases: FloatArray = turns - np.floor(turns)
     return phases
 

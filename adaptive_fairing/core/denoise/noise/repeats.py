@@ -11,10 +11,9 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...mesh.normals import triangle_normals, unit_vectors
-from ...runtime.arrays import FloatArray, IntArray
+from ...runtime.arrays import FloatArray, IndexArray, IntArray
 
 # Lengths agree within so many units of single precision of the mesh's half size, and compared with
 # pairs that agree so many times less well.
@@ -73,7 +72,7 @@ def repetition(triangles: IntArray, positions: FloatArray) -> Repetition:
     return Repetition(part, _is_contour(triangles, positions))
 
 
-def _others_alike(values: FloatArray, tolerance: float) -> NDArray[np.intp]:
+def _others_alike(values: FloatArray, tolerance: float) -> IndexArray:
     """How many other rows of (m, k) are the same, rounded to the tolerance, (m,)."""
     rounded = np.round(values / tolerance).astype(np.int64)
     _, kind, counts = np.unique(rounded, axis=0, return_inverse=True, return_counts=True)

@@ -41,10 +41,12 @@ def levels(shape, points):
     """Before and after detail was told from noise."""
     topology, frame = frame_of(shape)
     inside = np.ones(len(points), dtype=bool)
-    model = noise_model(Roughness.of(points, frame), inside, lambda each: frame.spread(each, 3))
+    model = noise_model(
+        Roughness.of(points, frame), frame.spacing, inside, lambda each: frame.spread(each, 3)
+    )
     parts = MeshParts(topology, frame, ~inside)
-    kept, _ = parts.noise(points, Fading(points, frame), 1.0)
-    return model.level(frame.spacing), kept
+    found = parts.noise(points, Fading(points, frame), 1.0)
+    return model.level(frame.spacing), found.level
 
 
 @EVERY_SHAPE

@@ -30,7 +30,9 @@ def levels(points, smooth, faces):
     topology = TriangleTopology(faces, len(points))
     frame = LocalFrame.of(topology, smooth, smooth)
     inside = ~topology.on_boundary
-    model = noise_model(Roughness.of(points, frame), inside, lambda each: frame.spread(each, 3))
+    model = noise_model(
+        Roughness.of(points, frame), frame.spacing, inside, lambda each: frame.spread(each, 3)
+    )
     return (
         np.median(model.level(frame.spacing)[inside]),
         LineRoughness(topology, points, frame).level(inside),

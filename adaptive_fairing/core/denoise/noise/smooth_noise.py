@@ -1,0 +1,109 @@
+"""Noise that is alike over several edges, as that of range scanners and depth cameras.
+
+In differences of second order it hardly shows.  In wider bands, between averages over few and over
+many neighbours, it does, but so does shape.  Noise is as strong everywhere; a shape bends more here
+and less there.  So the quietest tenth of the surface tells how much noise there may be in each
+band, and how far it lies below the rest tells how surely it is noise.  Shapes that are as bumpy
+everywhere look the same.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ...runtime.arrays import BoolArray, FloatArray
+from ..local_frame import LocalFrame
+from .correlation import NoiseCorrelation
+from .order_decay import Fading
+
+# Passes of averaging that bound the bands, from narrow to wide.
+BANDS = ((0, 1), (1, 3), (3, 8))
+# Neighbourhoods whose band levels are compared, and the part of the surface that is quiet.
+AROUND, QUIET_PART = 30, 0.1
+# Passes of averaging of white noise that are tried.
+PASSES = (2, 4, 8, 16, 32)
+# Noise of 0.2 of an edge that is alike over two to three edges had an evenness of 0.62 to 0.93 on
+# 21 of 22 shapes, the clean shapes less than 0.6 on 19.  None of these was above the second limit
+# and the least level.  Coarse round shapes are as even: fewer vertices are no scan.
+MAY_BE_NOISE, LIKELY, LEAST_LEVEL, LEAST_VERTICES = 0.6, 0.75, 0.09, 4500
+
+
+class SmoothNoise(NamedTuple):
+    """What may be smooth noise.
+
+    Attributes
+    ----------
+    evenness : float
+        How even the bands are over the surface, relative to noise; 0 to about 1.
+    level : float
+        Standard deviation in local edge lengths.
+    correlation : NoiseCorrelation
+    n_counted : int
+        Number of vertices that it was judged from.
+    """
+
+    evenness: float
+    level: float
+    correlation: NoiseCorrelation
+    n_counted: int
+
+    @property
+    def may_be_noise(self) -> bool:
+        """Whether it is as even as noise."""
+        return self.evenness >= MAY_BE_NOISE
+
+    @property
+    def is_likely(self) -> bool:
+        """Whether it is more even, and stronger, than clean shapes are."""
+        is_strong = self.evenness >= LIKELY and self.level >= LEAST_LEVEL
+        return is_strong and self.n_counted >= LEAST_VERTICES
+
+
+def smooth_noise(
+    positions: FloatArray, frame: LocalFrame, fading: Fading, is_counted: BoolArray
+) -> SmoothNoise:
+    """Find the noise of several edges' width that explains the quietest part of a mesh.
+
+    Parameters
+    ----------
+    positions : (n, 3)
+    frame : LocalFrame
+    fading : Fading
+        Of the mesh, for its white noise.
+    is_counted : (n,) bool
+        Vertices to judge from, at least one.
+    """
+    white = _bands(frame.raised(fading.white), frame, is_counted)
+    own = _bands(positions, frame, is_counted)
+    quiet, typical = (np.quantile(own, part, axis=1) for part in (QUIET_PART, 0.5))
+    white_quiet, white_typical = (np.quantile(white, part, axis=1) for part in (QUIET_PART, 0.5))
+    evenness = float(np.min((quiet / typical / (white_quiet / white_typical))[1:]))
+    best = None
+    for passes in PASSES:
+        noise = frame.spread(fading.white * frame.spacing, passes) / frame.spacing
+        bands = np.median(_bands(frame.raised(noise), frame, is_counted), axis=1)
+        ratios = quiet / white_quiet / (bands / white_typical)
+        # All bands have at least the noise; the one with the least has no more.
+        misfit = float(np.sum(np.log(ratios / ratios.min())))
+        if best is None or misfit < best[0]:
+            deviation = float(np.std(noise[is_counted]))
+            # The level is that of the noise itself, not what second differences see of it.
+            correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
+            best = misfit, float(ratios.min()) * deviation, correlation
+    assert best is not None
+    return SmoothNoise(evenness, best[1], best[2], int(np.count_nonzero(is_counted)))
+
+
+def _bands(positions: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> FloatArray:
+    """Local strength of the bands along the normals at the counted vertices, (k, m)."""
+    found = []
+    weight = np.maximum(frame.spread(is_counted.astype(float), AROUND), 1e-9)
+    for low, high in BANDS:
+        near = frame.spread(positions, low)
+        band = near - frame.spread(near, high - low)
+        band = band - frame.spread(band, high)
+        root = np.where(is_counted, np.sqrt(np.abs(frame.along_normal(band))), 0)
+        found.append(np.square(frame.spread(root, AROUND) / weight)[is_counted])
+    return np.maximum(np.stack(found), 1e-12)

@@ -1,0 +1,88 @@
+"""Spikes are taken off before the filters spread them; normal noise is not touched."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import TriangleTopology, denoise
+from adaptive_fairing.core.denoise.local_frame import LocalFrame
+from adaptive_fairing.core.denoise.noise.spikes import impulsive_share, without_spikes
+
+SHAPES = {"sphere": meshes.icosphere(4), "graded": meshes.graded_sphere(4)}
+
+
+def frame_of(shape):
+    vertices, faces = SHAPES[shape]
+    topology = TriangleTopology(faces, len(vertices))
+    return topology, LocalFrame.of(topology, vertices, vertices)
+
+
+def with_spikes(shape, below=0.0, seed=0):
+    """Heights in local edge lengths: at every fifth vertex far more than at the others."""
+    vertices, _ = SHAPES[shape]
+    generator = np.random.default_rng(seed)
+    is_spike = generator.random(len(vertices)) < 0.2
+    heights = np.where(is_spike, 0.45, below) * generator.normal(size=len(vertices))
+    return vertices + frame_of(shape)[1].raised(heights)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("seed", range(10))
+def test_normal_noise_is_not_impulsive(shape, seed):
+    _, frame = frame_of(shape)
+    rough = np.abs(np.random.default_rng(seed).normal(size=len(frame.spacing)))
+    assert impulsive_share(rough, frame, np.ones(len(rough), dtype=bool)) == 0
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_spikes_come_off_and_the_others_stay(shape):
+    vertices, _ = SHAPES[shape]
+    topology, frame = frame_of(shape)
+    points = with_spikes(shape)
+    calm = without_spikes(topology, points, frame, np.ones(len(points), dtype=bool))
+    before = np.linalg.norm(points - vertices, axis=1) / frame.spacing
+    after = np.linalg.norm(calm - vertices, axis=1) / frame.spacing
+    assert np.sqrt(np.mean(after**2)) < 0.6 * np.sqrt(np.mean(before**2))
+    assert np.mean(after > 0.25) < 0.05
+    moved = (calm != points).any(axis=1)
+    assert np.mean(moved[before < 0.01]) < 0.05
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("below", [0.01, 0.02])
+def test_no_spike_survives(shape, below):
+    vertices, faces = SHAPES[shape]
+    _, frame = frame_of(shape)
+    points = with_spikes(shape, below=below)
+    result = denoise(points, faces)
+    assert result.plan.impulsive.max() > 0.8
+    assert any("impulsive" in note for note in result.notes)
+    left = np.linalg.norm(result.positions - vertices, axis=1) / frame.spacing
+    assert np.mean(left > 0.25) < 0.03
+    assert np.sqrt(np.mean(left**2)) < 0.1
+
+
+def test_other_frames_lose_their_spikes_too():
+    vertices, faces = SHAPES["sphere"]
+    _, frame = frame_of("sphere")
+    plan = denoise(with_spikes("sphere", below=0.02), faces).plan
+    result = denoise(with_spikes("sphere", below=0.02, seed=1), faces, plan=plan)
+    left = np.linalg.norm(result.positions - vertices, axis=1) / frame.spacing
+    assert np.sqrt(np.mean(left**2)) < 0.1
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_normal_noise_is_denoised_as_before(shape):
+    vertices, faces = SHAPES[shape]
+    _, frame = frame_of(shape)
+    heights = 0.2 * np.random.default_rng(2).normal(size=len(vertices))
+    assert not denoise(vertices + frame.raised(heights), faces).plan.impulsive.any()
+
+
+def test_steps_of_voxels_are_no_spikes():
+    """Heights in whole steps, averaged twice with the neighbours', as contours are."""
+    _, frame = frame_of("sphere")
+    vertices, faces = SHAPES["sphere"]
+    steps = np.random.default_rng(0).choice([-2.0, 0.0, 0.0, 2.0], len(vertices))
+    points = vertices + frame.raised(frame.spread(steps, 2))
+    assert not denoise(points, faces).plan.impulsive.any()
