@@ -13,11 +13,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..runtime.arrays import BoolArray, IntArray, LongArray
 from .cut_surface import CutSurface
 from .refined_mesh import RefinedMesh, edge_keys
 
 Values = NDArray[Any]
-IntArray = NDArray[np.int64]
+IntArray = LongArray
 
 
 class RefinedNet:
@@ -65,7 +66,7 @@ class RefinedNet:
         return choice
 
     @cached_property
-    def _is_turned(self) -> NDArray[np.bool_]:
+    def _is_turned(self) -> BoolArray:
         """Refined triangles that run the other way in the surface."""
         return np.repeat(self.cut.is_turned, 4**self.levels)
 

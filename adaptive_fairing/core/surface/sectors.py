@@ -10,14 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from ..mesh.normals import unit_vectors
+from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray
 from .refined_mesh import CORNER, CREASE, RefinedMesh
 
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
+IntArray = IndexArray
 
 
 @dataclass(frozen=True)
@@ -128,9 +127,7 @@ def sector_normals(mesh: RefinedMesh, sectors: Sectors, control: FloatArray) -> 
 DEGENERATE = 1e-12
 
 
-def _tangents_across(
-    sectors: Sectors, is_corner: NDArray[np.bool_], control: FloatArray
-) -> FloatArray:
+def _tangents_across(sectors: Sectors, is_corner: BoolArray, control: FloatArray) -> FloatArray:
     """Compute the tangents from the vertex into the sectors, (s, 3), as long as they come.
 
     With θ = π/k the inner weights are sin jθ, of the eigenvalue λ = 3/8 + cos(θ)/4.  The columns of
