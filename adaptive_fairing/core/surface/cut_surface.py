@@ -14,11 +14,9 @@ import numpy as np
 from ..errors import TopologyError
 from ..mesh.manifold import cut_to_manifold
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import BoolArray, IntArray, LongArray
+from ..runtime.arrays import BoolArray, LongArray
 from .limit_surface import RefinementLevels
 from .refined_mesh import edge_keys
-
-IntArray = LongArray
 
 
 @dataclass(frozen=True)
@@ -41,13 +39,13 @@ class CutSurface:
     """
 
     levels: RefinementLevels
-    vertex_of: IntArray
-    corner_of: IntArray
+    vertex_of: LongArray
+    corner_of: LongArray
     is_turned: BoolArray
     is_cut: bool
     notes: tuple[str, ...]
 
-    def joined_vertices(self, level: int) -> IntArray:
+    def joined_vertices(self, level: int) -> LongArray:
         """Give the vertices of a level numbers, the same to copies at cuts, (n_level,).
 
         The caller's vertices keep their numbers; the others follow without gaps.
@@ -64,7 +62,7 @@ class CutSurface:
 
 
 def cut_surface(
-    triangles: IntArray, n_vertices: int, creases: IntArray, corners: IntArray
+    triangles: LongArray, n_vertices: int, creases: LongArray, corners: LongArray
 ) -> CutSurface:
     """Make any triangles refinable.
 
@@ -104,15 +102,15 @@ def cut_surface(
     return CutSurface(levels, vertex_of, corner_of, is_turned, is_cut, notes)
 
 
-def _edges(topology: TriangleTopology) -> IntArray:
+def _edges(topology: TriangleTopology) -> LongArray:
     """Edges once each, (e, 2)."""
     ends = np.stack([topology.origins, topology.triangles[:, [1, 2, 0]].reshape(-1)], axis=1)
     is_first = (topology.twin < 0) | (np.arange(len(ends)) < topology.twin)
-    result: IntArray = ends[is_first]
+    result: LongArray = ends[is_first]
     return result
 
 
-def _apart(topology: TriangleTopology, vertex_of: IntArray, creases: IntArray) -> BoolArray:
+def _apart(topology: TriangleTopology, vertex_of: LongArray, creases: LongArray) -> BoolArray:
     """Choose copies of vertices that would move apart: they do not lie on one curve."""
     n = int(vertex_of.max()) + 1
     ends = np.stack([topology.origins, topology.triangles[:, [1, 2, 0]].reshape(-1)], axis=1)

@@ -13,10 +13,8 @@ import numpy as np
 from scipy import sparse
 
 from ..mesh.normals import unit_vectors
-from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray
+from ..runtime.arrays import BoolArray, FloatArray, IndexArray
 from .refined_mesh import CORNER, CREASE, RefinedMesh
-
-IntArray = IndexArray
 
 
 @dataclass(frozen=True)
@@ -37,18 +35,18 @@ class Sectors:
         From the vertex to the neighbour; nothing useful at the last entry of a sector.
     """
 
-    vertex: IntArray
-    size: IntArray
-    start: IntArray
-    neighbour: IntArray
-    half_edge: IntArray
+    vertex: IndexArray
+    size: IndexArray
+    start: IndexArray
+    neighbour: IndexArray
+    half_edge: IndexArray
 
     @property
-    def end(self) -> IntArray:
+    def end(self) -> IndexArray:
         """Last entry of each sector, (s,)."""
         return self.start + self.size
 
-    def corners(self) -> tuple[IntArray, IntArray]:
+    def corners(self) -> tuple[IndexArray, IndexArray]:
         """Corners 3 f + k of the triangles in the sectors, and the sector of each."""
         sector, place = counted(self.size)
         return self.half_edge[self.start[sector] + place], sector
@@ -90,7 +88,7 @@ def sectors_of(mesh: RefinedMesh) -> Sectors:
     )
 
 
-def counted(sizes: IntArray) -> tuple[IntArray, IntArray]:
+def counted(sizes: IndexArray) -> tuple[IndexArray, IndexArray]:
     """Give the group of every member, and its place in it, for groups of these sizes."""
     group = np.repeat(np.arange(len(sizes)), sizes)
     return group, np.arange(len(group)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
