@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import TopologyError
 from ..mesh.manifold import cut_to_manifold
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import BoolArray, LongArray
+from ..runtime.arrays import BoolArray, IntArray, LongArray
 from .limit_surface import RefinementLevels
 from .refined_mesh import edge_keys
 
@@ -62,7 +62,7 @@ class CutSurface:
 
 
 def cut_surface(
-    triangles: LongArray, n_vertices: int, creases: LongArray, corners: LongArray
+    triangles: IntArray, n_vertices: int, creases: LongArray, corners: LongArray
 ) -> CutSurface:
     """Make any triangles refinable.
 
@@ -102,15 +102,15 @@ def cut_surface(
     return CutSurface(levels, vertex_of, corner_of, is_turned, is_cut, notes)
 
 
-def _edges(topology: TriangleTopology) -> LongArray:
+def _edges(topology: TriangleTopology) -> IntArray:
     """Edges once each, (e, 2)."""
     ends = np.stack([topology.origins, topology.triangles[:, [1, 2, 0]].reshape(-1)], axis=1)
     is_first = (topology.twin < 0) | (np.arange(len(ends)) < topology.twin)
-    result: LongArray = ends[is_first]
+    result: IntArray = ends[is_first]
     return result
 
 
-def _apart(topology: TriangleTopology, vertex_of: LongArray, creases: LongArray) -> BoolArray:
+def _apart(topology: TriangleTopology, vertex_of: LongArray, creases: IntArray) -> BoolArray:
     """Choose copies of vertices that would move apart: they do not lie on one curve."""
     n = int(vertex_of.max()) + 1
     ends = np.stack([topology.origins, topology.triangles[:, [1, 2, 0]].reshape(-1)], axis=1)
