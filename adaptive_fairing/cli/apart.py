@@ -54,7 +54,8 @@ def run_apart(command: Sequence[str], expected: Sequence[int]) -> int:
     try:
         status = process.wait()
     finally:
-        signal.signal(signal.SIGINT, before)
+        # Blender has a handler of its own, which Python cannot name; then the system's serves.
+        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
         if process.stdin is not None:
             process.stdin.close()
     if status not in expected:
