@@ -67,7 +67,9 @@ def follow_parent() -> None:
     """End this process as soon as the one that has started it has ended."""
 
     def wait() -> None:
-        sys.stdin.buffer.read()
+        # Not sys.stdin: an interpreter that ends aborts if a thread still holds that one's lock.
+        while os.read(0, 4096):
+            pass
         os._exit(1)
 
     threading.Thread(target=wait, daemon=True).start()
