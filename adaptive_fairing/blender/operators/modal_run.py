@@ -71,7 +71,9 @@ class Progress:
     def describe_step(self) -> str:
         """Name the step that is being computed, of how many."""
         solve = self.solve
-        if solve.is_denoise:
+        if solve.is_denoise and solve.progress == 0:
+            text = iface_("Measuring the noise")
+        elif solve.is_denoise:
             text = iface_("Removing noise: {:.0f} %").format(100 * solve.progress)
             left = self.seconds_left()
             if left is not None:

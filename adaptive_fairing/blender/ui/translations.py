@@ -264,6 +264,7 @@ GERMAN = {
     "Stopping…": "Hält an …",
     "Stop, Keep Steps": "Anhalten, Schritte behalten",
     "Step {:d} of {:d}": "Schritt {:d} von {:d}",
+    "Measuring the noise": "Rauschen wird gemessen",
     "Removing noise: {:.0f} %": "Rauschen entfernen: {:.0f} %",
     "{:d} solver iterations  ·  H at {:.1f} %": "{:d} Iterationen  ·  H bei {:.1f} %",
     "stopping": "hält an",
