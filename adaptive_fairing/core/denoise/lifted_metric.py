@@ -31,14 +31,11 @@ import numpy as np
 from ..linalg.edge_matrix import EdgeMatrix, EdgePattern
 from ..mesh.normals import vertex_normals
 from ..runtime.arrays import FloatArray
+from .parameters import parameters
 
 # A triangle's metric counts as at least this definite: determinant relative to the
 # square of the edges' squared lengths.
 LEAST_DETERMINANT = 1e-8
-
-# Part of the mass of linear elements that is moved to the diagonal.  With none, filters are
-# unstable at rims of slivers; the more of it, the less accurate they are.
-LUMPED_PART = 0.3
 
 
 class LiftedMetric(NamedTuple):
@@ -91,11 +88,12 @@ class LiftedMetric(NamedTuple):
 
 def linear_elements(pattern: EdgePattern, squares: FloatArray) -> tuple[EdgeMatrix, EdgeMatrix]:
     """Mass and stiffness matrix for the squared lengths of the triangles' edges, (3, m)."""
+    tuned = parameters()
     element = area_elements(squares)
-    mass = pattern.summed(np.tile((1 - LUMPED_PART) / 24 * element, (3, 1)))
+    mass = pattern.summed(np.tile((1 - tuned.lumped_fraction) / 24 * element, (3, 1)))
     stiffness = pattern.summed(-half_cotangents(squares, element))
     # A third of a triangle belongs to each corner; rows of L add up to 0.
-    on_diagonal = (1 + LUMPED_PART) / (1 - LUMPED_PART) * mass.row_sums()
+    on_diagonal = (1 + tuned.lumped_fraction) / (1 - tuned.lumped_fraction) * mass.row_sums()
     return mass.with_diagonal(on_diagonal), stiffness.with_diagonal(-stiffness.row_sums())
 
 

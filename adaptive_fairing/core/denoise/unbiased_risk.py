@@ -18,10 +18,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from ..runtime.arrays import BoolArray, FloatArray
-
-# Vertices per group of their own in the density classes below, and classes at most.
-VERTICES_PER_CLASS = 200
-MOST_CLASSES = 3
+from .parameters import parameters
 
 # Sums over the vertices are taken in pieces of so many, which bounds the memory.
 VERTICES_AT_ONCE = 16384
@@ -96,10 +93,12 @@ def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:
     is_counted : (n,) bool
         Vertices whose distribution decides.
     """
+    tuned = parameters()
     n_counted = int(np.count_nonzero(is_counted))
-    n_classes = int(np.clip(n_counted // VERTICES_PER_CLASS, 1, MOST_CLASSES))
-    knots = np.quantile(size[is_counted], np.linspace(0.05, 0.95, n_classes)) if n_counted else []
+    n_classes = int(np.clip(n_counted // tuned.vertices_per_class, 1, tuned.most_classes))
+    parts = np.linspace(tuned.class_margin, 1 - tuned.class_margin, n_classes)
+    knots = np.quantile(size[is_counted], parts) if n_counted else []
     # On an even mesh there is nothing to tell apart.
-    if n_classes == 1 or not np.all(np.diff(knots) > 0.02):
+    if n_classes == 1 or not np.all(np.diff(knots) > tuned.least_class_distance):
         return np.ones((1, len(size)))
     return np.stack([np.interp(size, knots, unit) for unit in np.eye(n_classes)])
