@@ -212,7 +212,7 @@ class DenoiseParameters:
     most_kinds_of_edges: int = 100
     # Contoured voxels have this many kinds of vertices for each kind of edges; models have fewer
     # kinds of vertices than of edges. By hand.
-    least_kinds_of_vertices: float = 3
+    least_kinds_of_vertices: float = 3.0
     # Contoured voxels face in this many directions, unlike boxes. By hand.
     least_directions: int = 9
 
