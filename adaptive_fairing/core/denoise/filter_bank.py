@@ -1,15 +1,14 @@
-"""The filters that `auto` chooses from: corrected diffusion in several metrics, over several times.
+"""The filters of the automatic method: corrected diffusion in several metrics.
 
-One step of semi-implicit diffusion is S = (M + t L)⁻¹ M.  It also shrinks what it should keep; to
-add what S makes of the part that it removed, and of what is still missing then, gives
-1 - (1 - S)ᵖ: p times the order of accuracy at long waves, and still damps the short ones.  Several
-such steps make one filter, the steeper the larger p.
+One step of semi-implicit diffusion is S = (M + t L)⁻¹ M.  It also shrinks long waves, which it
+should keep.  The corrected step 1 - (1 - S)ᵖ has p times the order of accuracy at long waves and
+still damps the short ones.  Several such steps make one filter, which is the steeper the larger p.
 
 Where creases stand close together, no diffusion has room between them.  There another filter fits
 the surface to smoothed normals of its triangles, again by a semi-implicit step.
 
-A vertex whose edges are shorter than those around it has less noise than its neighbours, as far as
-noise grows with the edges: M counts it for more.
+Where noise grows with the edges, a vertex with shorter edges than its neighbours has less noise
+than they have.  It gets a larger weight in M.
 """
 
 from __future__ import annotations

@@ -43,13 +43,13 @@ class LiftedMetric(NamedTuple):
 
     Attributes
     ----------
-    surface_share : float
+    surface_fraction : float
         s in [0, 1]: 0 takes lengths from the mesh alone, 1 from the surface.
     angle : float or None
         a > 0 in radians; None leaves the bending out.
     """
 
-    surface_share: float = 0.0
+    surface_fraction: float = 0.0
     angle: float | None = None
 
     def matrices(
@@ -75,11 +75,11 @@ class LiftedMetric(NamedTuple):
         self, pattern: EdgePattern, positions: FloatArray, spacing: FloatArray
     ) -> FloatArray:
         """Squared lengths q of every triangle's edges in the metric, (3, m); see `matrices`."""
-        topology, share = pattern.topology, self.surface_share
-        squares = np.full((3, topology.n_triangles), 1.0 - share)
-        if share > 0:
+        topology, fraction = pattern.topology, self.surface_fraction
+        squares = np.full((3, topology.n_triangles), 1.0 - fraction)
+        if fraction > 0:
             spacing_of_triangle = spacing[topology.triangles].mean(axis=1)
-            squares += share / spacing_of_triangle**2 * squared_edges(pattern, positions)
+            squares += fraction / spacing_of_triangle**2 * squared_edges(pattern, positions)
         if self.angle is not None:
             normals = vertex_normals(topology, positions)
             squares += squared_edges(pattern, normals) / self.angle**2

@@ -14,9 +14,9 @@ from .noise.clean_detail import NOISE, CleanDetail
 from .noise.level import beyond_clean, noise_model
 from .noise.order_decay import Fading
 from .noise.roughness import Roughness
-from .noise.spikes import impulsive_share
+from .noise.spikes import impulsive_certainty
 from .parameters import parameters
-from .unbiased_risk import density_classes, least_risk_shares
+from .unbiased_risk import density_classes, least_risk_coefficients
 
 
 class NoiseFound(NamedTuple):
@@ -102,7 +102,7 @@ class MeshParts:
             relative = rough.value / np.maximum(model.expected(rough), clean)
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
             may_be_spiky = np.median(level[counted]) > clean and not fading.fades(counted)
-            spiky = impulsive_share(relative, self._frame, counted) if may_be_spiky else 0.0
+            spiky = impulsive_certainty(relative, self._frame, counted) if may_be_spiky else 0.0
             if keeps_clean:
                 found = detail.found(level, counted, spiky > 0)
             else:
@@ -133,27 +133,27 @@ class MeshParts:
     def _averaged(self, values: FloatArray) -> FloatArray:
         return self._frame.spread(values, parameters().density_passes)
 
-    def best_shares(
+    def best_coefficients(
         self, removed: FloatArray, divergence: FloatArray, variances: FloatArray
     ) -> RealArray:
-        """Choose the shares of the filters with the least risk in every part, (s, k, n).
+        """Choose the filters' coefficients of least risk in every part, (s, k, n).
 
         From what the filters remove and its divergence, (k, n), for several variances of the
         noise, (s, n).
         """
         # In single precision: these are the largest arrays of a run.
-        shares = np.zeros((len(variances), *removed.shape), dtype=np.float32)
+        coefficients = np.zeros((len(variances), *removed.shape), dtype=np.float32)
         for members in self._members:
             is_counted = self.is_counted[members]
             if not is_counted.any():
                 continue
             counted = members[is_counted]
             classes = density_classes(self._size[members], is_counted)
-            chosen = least_risk_shares(
+            chosen = least_risk_coefficients(
                 removed[:, counted],
                 divergence[:, counted],
                 variances[:, counted],
                 classes[:, is_counted],
             )
-            shares[:, :, members] = np.einsum("sck,cn->skn", chosen, classes)
-        return shares
+            coefficients[:, :, members] = np.einsum("sck,cn->skn", chosen, classes)
+        return coefficients

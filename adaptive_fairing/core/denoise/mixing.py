@@ -1,6 +1,6 @@
 """The automatic method: estimate the noise, filter in rounds, mix the filters for the least risk.
 
-1.  Noise level of each connected part, by density (`noise_level`).
+1.  Noise level of each connected part, by density (`mesh_parts`).
 2.  Filters in metrics of the slightly smoothed surface (`filter_bank`), and the mixture of them
     with the least estimated distance to the surface without noise (`unbiased_risk`).
 3.  The same again with metrics of that mixture, which knows the creases, once more with a
@@ -8,7 +8,7 @@
     of all filters of all rounds.
 
 How much of the noise a filter removes is measured by filtering a second time with a little noise
-of our own added: the metrics follow the noise too, which no formula for a linear filter sees.
+added: the metrics depend on the noise too, so a formula for linear filters would not do.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def mixed_surfaces(
     if plan.is_idle:
         results = [stage.track.positions] * len(STRENGTHS)
     else:
-        results = [stage.track.mixed(shares) for shares in plan.mixtures]
+        results = [stage.track.mixed(coefficients) for coefficients in plan.mixtures]
         sliding = Sliding(space.topology, stage.track.positions, stage.frame)
         results = [sliding.limited(result) for result in results]
     return MixedSurfaces(results, plan, solves.report(), notes)
@@ -140,7 +140,7 @@ def _planned(
     strength: float,
     features: str,
 ) -> DenoisePlan:
-    """Filter in all rounds, and choose the shares in each."""
+    """Filter in all rounds, and choose the coefficients of the filters after each."""
     tuned = parameters()
     bank, track, frame, parts = stage.bank, stage.track, stage.frame, stage.parts
     seen, noise = noise, noise / correlation.seen * correlation.deviation
@@ -165,7 +165,7 @@ def _planned(
     for one in (track, shadow):
         one.filter(first)
     for families in others:
-        pilots.extend(parts.best_shares(*measured(), pilot_variance[None]))
+        pilots.extend(parts.best_coefficients(*measured(), pilot_variance[None]))
         for one in (track, shadow):
             one.surface = one.mixed(pilots[-1])
             one.filter(families)
@@ -174,7 +174,7 @@ def _planned(
     usable = [each.serves(features) for each in filters]
     mixtures = np.zeros((len(STRENGTHS), *removed.shape), dtype=np.float32)
     variances = np.stack([variance(factor) for factor in STRENGTHS])
-    mixtures[:, usable] = parts.best_shares(removed[usable], divergence[usable], variances)
+    mixtures[:, usable] = parts.best_coefficients(removed[usable], divergence[usable], variances)
     removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
     kept = 1 - removed_noise.mean(axis=1) / correlation.deviation**2
     return DenoisePlan(filters, noise, tuple(pilots), mixtures, kept, np.zeros(len(noise)))
@@ -260,12 +260,12 @@ class _Track:
             row[:] = frame.along_normal(taken.astype(np.float64))
         return removed
 
-    def mixed(self, shares: RealArray) -> FloatArray:
-        """Mix the filters with shares (k, n) at each vertex."""
+    def mixed(self, coefficients: RealArray) -> FloatArray:
+        """Mix the filters with coefficients (k, n) at each vertex."""
         result = self.positions.copy()
-        for share, taken in zip(shares, self.taken.values(), strict=True):
-            if share.any():
-                result -= share[:, None] * taken
+        for row, taken in zip(coefficients, self.taken.values(), strict=True):
+            if row.any():
+                result -= row[:, None] * taken
         return result
 
 

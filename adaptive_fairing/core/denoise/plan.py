@@ -28,9 +28,9 @@ class DenoisePlan:
     mixtures : (s, k, n)
         Coefficients of all filters, for each of `STRENGTHS`.
     kept : (s,)
-        Part of the noise that each mixture keeps, 0 to 1.
+        Fraction of the noise that each mixture keeps, 0 to 1.
     impulsive : (n,)
-        By what part of their way vertices that stand out are put back before the filters.
+        Fraction of their way by which vertices that stand out are put back before the filters.
     """
 
     filters: tuple[Filter, ...]

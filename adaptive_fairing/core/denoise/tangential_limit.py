@@ -1,9 +1,9 @@
 """How far auto moves vertices along the surface.
 
-Filters move vertices along the surface, too: towards the middle of their neighbours, and inwards at
-a rim.  That makes the surface smoother, but a large part of it is no noise, and where small
-triangles lie between larger ones it may turn them over.  So vertices go most of that way alone,
-and less where triangles would be turned over; they go all of the way along the normal.
+Filters also move vertices along the surface: towards the middle of their neighbours, and inwards at
+a rim.  A large part of that is no noise, and small triangles between larger ones may be turned
+over.  So vertices go only a fraction of their way along the surface, and less where a triangle
+would be turned over.  They go all of their way along the normal.
 """
 
 from __future__ import annotations
@@ -49,20 +49,20 @@ class Sliding:
         tuned = parameters()
         move = faired - self._positions
         along = move - np.einsum("nd,nd->n", move, self._normals)[:, None] * self._normals
-        share, kept = np.full(len(faired), tuned.sliding_fraction), np.ones(len(faired))
+        along_kept, kept = np.full(len(faired), tuned.sliding_fraction), np.ones(len(faired))
         judged = np.flatnonzero(self._may_turn)
         for done in range(tuned.most_sliding_rounds):
-            slower = move - (1 - share)[:, None] * along
+            slower = move - (1 - along_kept)[:, None] * along
             result: FloatArray = self._positions + kept[:, None] * slower
             turned = judged[self._is_turned(result, judged)]
             if not len(turned):
                 break
             vertices = np.unique(self._triangles[turned])
-            share[vertices] /= 2
+            along_kept[vertices] /= 2
             if done >= tuned.sliding_rounds:
                 kept[vertices] /= 2
             # Elsewhere nothing has changed.
-            is_near = (share[self._triangles] < tuned.sliding_fraction).any(axis=1)
+            is_near = (along_kept[self._triangles] < tuned.sliding_fraction).any(axis=1)
             judged = np.flatnonzero(self._may_turn & is_near)
         return result
 

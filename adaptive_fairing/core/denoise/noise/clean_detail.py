@@ -103,8 +103,9 @@ class CleanDetail:
     def _bends(self) -> str:
         """What tells that the whole mesh is a low-poly shape that bends; empty if it is none.
 
-        Of what makes a vertex stand out from its neighbours' mean, noise shares nothing with the
-        same at the neighbours, and a smooth shape nearly all.
+        Measured is how far a vertex stands out from the mean of its neighbours.  In white noise
+        this is independent of how far the neighbours stand out; on a smooth shape it is nearly the
+        same.
         """
         tuned = parameters()
         if np.count_nonzero(self._all_counted) > tuned.low_poly:
@@ -113,11 +114,11 @@ class CleanDetail:
             self._alikeness(values)
             for values in (self._positions, self._frame.raised(self._fading.white))
         )
-        shared = (of_mesh - of_noise) / max(1 - of_noise, 1e-9)
-        if shared < tuned.shared_bend:
+        alike = (of_mesh - of_noise) / max(1 - of_noise, 1e-9)
+        if alike < tuned.shared_bend:
             return ""
         return (
-            f"neighbouring vertices stand out alike by {100 * shared:.0f} %, as where a shape bends"
+            f"neighbouring vertices stand out alike by {100 * alike:.0f} %, as where a shape bends"
         )
 
     def _alikeness(self, values: FloatArray) -> float:

@@ -79,8 +79,10 @@ def noise_model(
     fineness = np.exp([np.median(np.log(rough.fineness[members])) for members in bins])
     terms = np.stack([np.ones_like(fineness), fineness])
     both = NoiseModel(*_quantile_fit(terms, _variances(rough, bins)))
-    share = _evidence(rough, bins, both)
-    return NoiseModel(share * both.per_edge + (1 - share) * alone, share * both.per_length)
+    certainty = _evidence(rough, bins, both)
+    return NoiseModel(
+        certainty * both.per_edge + (1 - certainty) * alone, certainty * both.per_length
+    )
 
 
 def _variances(rough: Roughness, bins: list[IndexArray]) -> FloatArray:

@@ -39,7 +39,7 @@ class Fading:
         self._positions, self._frame = positions, frame
 
     def fades(self, is_counted: BoolArray) -> bool:
-        """Tell if the roughness of vertices, (n,) bool, fades more than white noise may."""
+        """Tell if the roughness of vertices, (n,) bool, fades more than that of white noise."""
         tuned = parameters()
         _, kept = self.of_mesh(is_counted)
         chance = tuned.fading_deviations / np.sqrt(np.count_nonzero(is_counted))

@@ -19,7 +19,7 @@ from .line_roughness import OppositeLines
 from .own_numbers import LINE_NOISE, own_noise
 
 
-def impulsive_share(rough: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> float:
+def impulsive_certainty(rough: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> float:
     """Tell how surely noise is impulsive, from 0 to 1.
 
     Parameters
