@@ -7,6 +7,7 @@
 Prints a table in Markdown with one row a parameter: the change in percent of the error (distance to
 the clean surface) and of the angle of the normals, geometric means over the meshes, with the
 parameter divided and multiplied by the factor.  Only shapes that may be used for tuning are taken.
+Parameters that tell clean meshes, spikes or smooth noise need other noise than the main one.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from .normal_filter import Smoothing
 # What a filter does at creases. Those that see creases keep what stands out of the noise.
 KEEPS, SEES, ROUNDS = "keeps", "sees", "rounds"
 
-# Solves for the filters of one metric, as far as a progress goes; it differs a little.
+# Linear solves for the filters of one metric, about; for the progress alone.
 SOLVES_PER_METRIC = 9
 
 

@@ -1,11 +1,11 @@
 """The automatic method: estimate the noise, filter in rounds, mix the filters for the least risk.
 
-1.  Noise level of each connected part, by density (`mesh_parts`).
-2.  Filters in metrics of the slightly smoothed surface (`filter_bank`), and the mixture of them
-    with the least estimated distance to the surface without noise (`unbiased_risk`).
-3.  The same again with metrics of that mixture, which knows the creases, once more with a
-    smaller angle, and fits of the mixture of all that to its smoothed normals; the last mixture is
-    of all filters of all rounds.
+1.  Estimate the noise level of each connected part, by density (`mesh_parts`).
+2.  Filter in the metrics of the slightly smoothed surface (`filter_bank`).  Mix the filters so that
+    the estimated distance to the surface without noise is least (`unbiased_risk`).
+3.  Filter in the metrics of that mixture, which shows the creases, and mix all filters so far.
+    Repeat this in a metric of a smaller angle, and last by fits to smoothed normals
+    (`filter_rounds`).
 
 How much of the noise a filter removes is measured by filtering a second time with a little noise
 added: the metrics depend on the noise too, so a formula for linear filters would not do.

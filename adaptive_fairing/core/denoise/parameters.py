@@ -79,7 +79,7 @@ class DenoiseParameters:
 
     # lifted_metric
     # Fraction of the mass of linear elements that is moved to the diagonal. With 0 filters are
-    # unstable at rims of slivers; the more of it, the less accurate they are.
+    # unstable at rims of slivers; with more they are less accurate.
     lumped_fraction: float = 0.3
 
     # mesh_parts
@@ -144,7 +144,7 @@ class DenoiseParameters:
     low_poly: int = 3000
     # Neighbours in a model stand out alike by this correlation: white noise has 0, smooth shapes 1.
     # Models measured 0.65 to 0.95; with noise of 0.2 at most 0.58, but for slivers.
-    shared_bend: float = 0.6
+    least_bend_correlation: float = 0.6
     # Models are less rough. They measured up to 0.25; slivers with noise seem rough by 0.8.
     roughest_model: float = 0.4
     # What keeps less in differences of high order is smoother than the edges of a model allow.

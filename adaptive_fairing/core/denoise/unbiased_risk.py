@@ -20,7 +20,7 @@ from scipy.optimize import nnls
 from ..runtime.arrays import BoolArray, FloatArray
 from .parameters import parameters
 
-# Sums over the vertices are taken in pieces of so many, which bounds the memory.
+# Sums over the vertices are taken over this many at once, which bounds the memory.
 VERTICES_AT_ONCE = 16384
 
 # Relative weights of two terms of the least squares: the first keeps them definite, the second

@@ -115,7 +115,7 @@ class CleanDetail:
             for values in (self._positions, self._frame.raised(self._fading.white))
         )
         alike = (of_mesh - of_noise) / max(1 - of_noise, 1e-9)
-        if alike < tuned.shared_bend:
+        if alike < tuned.least_bend_correlation:
             return ""
         return (
             f"neighbouring vertices stand out alike by {100 * alike:.0f} %, as where a shape bends"

@@ -18,10 +18,10 @@ Smoother = Callable[[FloatArray], FloatArray]
 # The median of |x| for a normal distribution of unit variance.
 NORMAL_MEDIAN = 0.6744897501960817
 
-# The lowest of up to three estimates with a standard error of 1, and the second lowest of four or
-# five, is on average so much too low; and the standard error of the median absolute deviation of n
-# values, times √n and relative.
+# Entry k is by how much an order statistic of k estimates with a standard error of 1 is too low on
+# average: the lowest of two or three, the second lowest of four or five.
 LEAST_OF = (0.0, 0.0, 0.564, 0.846, 0.297, 0.495)
+# Relative standard error of the median absolute deviation of n values, times √n.
 MEDIAN_ERROR = 1.167
 
 
@@ -103,7 +103,7 @@ def _bins(is_counted: BoolArray, size: FloatArray) -> list[IndexArray]:
 def _evidence(rough: Roughness, bins: list[IndexArray], both: NoiseModel) -> float:
     """Probability, 0 to 1, that the noise has one amplitude in part, and not only grows with edges.
 
-    By the likelihood of every vertex: it decides the more clearly the more vertices there are.
+    It compares the likelihoods of both models, summed over the vertices.
     Features may be denser than the rest of a mesh and make the whole of it look so; but not within
     each bin as well, so both must agree.
     """

@@ -16,11 +16,12 @@ from ...mesh.normals import triangle_normals, unit_vectors
 from ...runtime.arrays import FloatArray, IndexArray, IntArray
 from ..parameters import parameters
 
-# Lengths agree within so many units of single precision of the mesh's half size, and compared with
-# pairs that agree so many times less well.
+# Lengths agree if they differ by at most this times the mesh's half size: eight units of single
+# precision.  Chance is measured with a tolerance that is wider by the second number.
 TOLERANCE = 8 * 2.0**-23
 WIDER = 64
 
+# Directions and edges are of one kind if they differ by at most this, relative to the longest edge.
 COARSE = 1e-3
 
 
