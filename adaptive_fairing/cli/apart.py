@@ -54,7 +54,8 @@ def run_apart(command: Sequence[str], expected: Sequence[int]) -> int:
     try:
         status = process.wait()
     finally:
-        signal.signal(signal.SIGINT, before)
+        # Blender has a handler of its own, which Python cannot name; then the system's serves.
+        signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
         if process.stdin is not None:
             process.stdin.close()
     if status not in expected:
@@ -66,7 +67,9 @@ def follow_parent() -> None:
     """End this process as soon as the one that has started it has ended."""
 
     def wait() -> None:
-        sys.stdin.buffer.read()
+        # Not sys.stdin: an interpreter that ends aborts if a thread still holds that one's lock.
+        while os.read(0, 4096):
+            pass
         os._exit(1)
 
     threading.Thread(target=wait, daemon=True).start()

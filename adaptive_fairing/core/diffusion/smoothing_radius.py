@@ -13,15 +13,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..mesh.density import mesh_density
 from ..mesh.solver_mesh import SolverFrame, solvable_surface
 from ..mesh.topology import TriangleTopology, checked_triangles
+from ..runtime.arrays import FloatArray
 from .settings import FairingSettings
-
-FloatArray = NDArray[np.float64]
 
 EXTREME_SHARE = 0.01
 """Share of the vertices that counts as the densest, and as the coarsest, part of a mesh."""

@@ -8,12 +8,10 @@ crease the missing neighbours are those that the boundary rules imply.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..runtime.arrays import FloatArray
 from .refined_mesh import CREASE, SMOOTH, RefinedMesh
 from .sectors import counted, sectors_of
-
-FloatArray = NDArray[np.float64]
 
 REGULAR_VALENCE = 6
 REGULAR_SECTOR = 3  # triangles on one side of a regular boundary vertex

@@ -10,15 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import TopologyError
 from ..mesh.manifold import cut_to_manifold
 from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import BoolArray, IntArray, LongArray
 from .limit_surface import RefinementLevels
 from .refined_mesh import edge_keys
-
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -41,13 +39,13 @@ class CutSurface:
     """
 
     levels: RefinementLevels
-    vertex_of: IntArray
-    corner_of: IntArray
-    is_turned: NDArray[np.bool_]
+    vertex_of: LongArray
+    corner_of: LongArray
+    is_turned: BoolArray
     is_cut: bool
     notes: tuple[str, ...]
 
-    def joined_vertices(self, level: int) -> IntArray:
+    def joined_vertices(self, level: int) -> LongArray:
         """Give the vertices of a level numbers, the same to copies at cuts, (n_level,).
 
         The caller's vertices keep their numbers; the others follow without gaps.
@@ -64,7 +62,7 @@ class CutSurface:
 
 
 def cut_surface(
-    triangles: NDArray[np.int32], n_vertices: int, creases: IntArray, corners: IntArray
+    triangles: IntArray, n_vertices: int, creases: LongArray, corners: LongArray
 ) -> CutSurface:
     """Make any triangles refinable.
 
@@ -104,17 +102,15 @@ def cut_surface(
     return CutSurface(levels, vertex_of, corner_of, is_turned, is_cut, notes)
 
 
-def _edges(topology: TriangleTopology) -> NDArray[np.int32]:
+def _edges(topology: TriangleTopology) -> IntArray:
     """Edges once each, (e, 2)."""
     ends = np.stack([topology.origins, topology.triangles[:, [1, 2, 0]].reshape(-1)], axis=1)
     is_first = (topology.twin < 0) | (np.arange(len(ends)) < topology.twin)
-    result: NDArray[np.int32] = ends[is_first]
+    result: IntArray = ends[is_first]
     return result
 
 
-def _apart(
-    topology: TriangleTopology, vertex_of: IntArray, creases: NDArray[np.int32]
-) -> NDArray[np.bool_]:
+def _apart(topology: TriangleTopology, vertex_of: LongArray, creases: IntArray) -> BoolArray:
     """Choose copies of vertices that would move apart: they do not lie on one curve."""
     n = int(vertex_of.max()) + 1
     ends = np.stack([topology.origins, topology.triangles[:, [1, 2, 0]].reshape(-1)], axis=1)
@@ -127,5 +123,5 @@ def _apart(
     n_copies = np.bincount(vertex_of, minlength=n)
     on_one_curve = (per_copy == 2) & (per_vertex == 2)[vertex_of]
     n_on_curve = np.bincount(vertex_of, on_one_curve, n)
-    result: NDArray[np.bool_] = ((n_copies > 1) & (n_on_curve < n_copies))[vertex_of]
+    result: BoolArray = ((n_copies > 1) & (n_on_curve < n_copies))[vertex_of]
     return result & ~topology.is_loose

@@ -6,20 +6,19 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy import sparse
 
 from ..errors import InputError
 from ..mesh.input_checks import checked_vertices
 from ..mesh.normals import unit_vectors
 from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import FloatArray, IntArray
 from .curvature import curvature
 from .edge_points import edge_limit_points, edge_normals, unit_cross
 from .masks import limit_matrix, refinement_matrix, tangent_matrices
 from .refined_mesh import RefinedMesh, unrefined_mesh
 from .sectors import Sectors, sector_normals, sectors_of
-
-FloatArray = NDArray[np.float64]
 
 
 class Refined(NamedTuple):
@@ -34,7 +33,7 @@ class Refined(NamedTuple):
     """
 
     vertices: FloatArray
-    triangles: NDArray[np.int32]
+    triangles: IntArray
     normals: FloatArray
 
 

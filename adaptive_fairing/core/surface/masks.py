@@ -16,13 +16,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from ..mesh.loop_masks import limit_weight, loop_alpha
+from ..runtime.arrays import FloatArray, IndexArray, IntArray
 from .refined_mesh import CORNER, CREASE, DART, RefinedMesh
-
-FloatArray = NDArray[np.float64]
 
 
 def refinement_matrix(mesh: RefinedMesh) -> sparse.csr_array:
@@ -116,9 +114,9 @@ def _edge_rows(mesh: RefinedMesh) -> sparse.csr_array:
     return rows
 
 
-def _opposite(half_edge: NDArray[np.int32]) -> NDArray[np.int32]:
+def _opposite(half_edge: IntArray) -> IntArray:
     """Place in the triangle array of the corner that faces a half-edge."""
-    opposite: NDArray[np.int32] = half_edge - half_edge % 3 + (half_edge + 2) % 3
+    opposite: IntArray = half_edge - half_edge % 3 + (half_edge + 2) % 3
     return opposite
 
 
@@ -158,9 +156,9 @@ class DartRings(NamedTuple):
         Into the mesh's `ring`, one dart after the other.
     """
 
-    vertices: NDArray[np.intp]
+    vertices: IndexArray
     valences: tuple[int, ...]
-    places: NDArray[np.intp]
+    places: IndexArray
 
     def weights(self, row: int) -> FloatArray:
         """Weights of the ring entries in a row of `dart_masks`."""

@@ -23,8 +23,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError, listed
 from ..mesh.topology import TriangleTopology
-
-IntArray = NDArray[np.int32]
+from ..runtime.arrays import BoolArray, IndexArray, IntArray, LongArray
 
 SMOOTH, DART, CREASE, CORNER = np.arange(4, dtype=np.int8)
 """Kinds of vertices: with no, one, two, or more sharp edges.  Corners stay where they are."""
@@ -55,7 +54,7 @@ class RefinedMesh:
         sides: IntArray,
         edges: IntArray,
         halves: tuple[IntArray, IntArray],
-        is_sharp: NDArray[np.bool_],
+        is_sharp: BoolArray,
         kind: NDArray[np.int8],
         rings: Callable[[], tuple[IntArray, IntArray, IntArray]],
     ) -> None:
@@ -93,7 +92,7 @@ class RefinedMesh:
         return np.diff(self.ring_start)
 
     @cached_property
-    def on_boundary(self) -> NDArray[np.bool_]:
+    def on_boundary(self) -> BoolArray:
         """Vertices whose ring is no cycle, (n_vertices,)."""
         result = np.zeros(self.n_vertices, dtype=bool)
         result[self.edges[self.right < 0]] = True
@@ -220,7 +219,7 @@ def _children_along(half_edge: IntArray) -> tuple[IntArray, IntArray]:
 
 
 def unrefined_mesh(
-    topology: TriangleTopology, creases: NDArray[np.int64], corners: NDArray[np.bool_]
+    topology: TriangleTopology, creases: LongArray, corners: BoolArray
 ) -> RefinedMesh:
     """Build level 0.
 
@@ -268,7 +267,7 @@ def unrefined_mesh(
     )
 
 
-def _edge_numbers(edges: IntArray, pairs: NDArray[np.int64], n_vertices: int) -> NDArray[np.intp]:
+def _edge_numbers(edges: IntArray, pairs: LongArray, n_vertices: int) -> IndexArray:
     """Find pairs of vertices among the edges."""
     keys, wanted = edge_keys(edges, n_vertices), edge_keys(pairs, n_vertices)
     order = np.argsort(keys)
@@ -281,8 +280,8 @@ def _edge_numbers(edges: IntArray, pairs: NDArray[np.int64], n_vertices: int) ->
     return numbers
 
 
-def edge_keys(ends: IntArray | NDArray[np.int64], n_vertices: int) -> NDArray[np.int64]:
+def edge_keys(ends: IntArray | LongArray, n_vertices: int) -> LongArray:
     """Make one number of every vertex pair (e, 2), whatever the order of the two."""
     low, high = np.minimum(ends[:, 0], ends[:, 1]), np.maximum(ends[:, 0], ends[:, 1])
-    keys: NDArray[np.int64] = low.astype(np.int64) * n_vertices + high
+    keys: LongArray = low.astype(np.int64) * n_vertices + high
     return keys

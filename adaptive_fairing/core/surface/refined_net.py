@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..runtime.arrays import BoolArray, LongArray
 from .cut_surface import CutSurface
 from .refined_mesh import RefinedMesh, edge_keys
 
 Values = NDArray[Any]
-IntArray = NDArray[np.int64]
 
 
 class RefinedNet:
@@ -59,13 +59,13 @@ class RefinedNet:
         self.sides[turned] = self.sides[turned][:, [1, 0, 2]]
 
     @cached_property
-    def _vertex_choice(self) -> IntArray:
+    def _vertex_choice(self) -> LongArray:
         """One of the copies of every vertex."""
-        choice: IntArray = np.unique(self.cut.joined_vertices(self.levels), return_index=True)[1]
+        choice: LongArray = np.unique(self.cut.joined_vertices(self.levels), return_index=True)[1]
         return choice
 
     @cached_property
-    def _is_turned(self) -> NDArray[np.bool_]:
+    def _is_turned(self) -> BoolArray:
         """Refined triangles that run the other way in the surface."""
         return np.repeat(self.cut.is_turned, 4**self.levels)
 
@@ -111,7 +111,7 @@ class RefinedNet:
         """Hand values (m, …) of the caller's triangles on to their children."""
         return np.repeat(values[self.cut.corner_of[:, 0] // 3], 4**self.levels, axis=0)
 
-    def of_edges(self, values: Values, ends: IntArray, default: object) -> Values:
+    def of_edges(self, values: Values, ends: LongArray, default: object) -> Values:
         """Hand values (k, …) of the caller's edges on to their parts.
 
         Parameters

@@ -10,14 +10,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import sparse
 
 from ..mesh.normals import unit_vectors
+from ..runtime.arrays import BoolArray, FloatArray, IndexArray
 from .refined_mesh import CORNER, CREASE, RefinedMesh
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -38,18 +35,18 @@ class Sectors:
         From the vertex to the neighbour; nothing useful at the last entry of a sector.
     """
 
-    vertex: IntArray
-    size: IntArray
-    start: IntArray
-    neighbour: IntArray
-    half_edge: IntArray
+    vertex: IndexArray
+    size: IndexArray
+    start: IndexArray
+    neighbour: IndexArray
+    half_edge: IndexArray
 
     @property
-    def end(self) -> IntArray:
+    def end(self) -> IndexArray:
         """Last entry of each sector, (s,)."""
         return self.start + self.size
 
-    def corners(self) -> tuple[IntArray, IntArray]:
+    def corners(self) -> tuple[IndexArray, IndexArray]:
         """Corners 3 f + k of the triangles in the sectors, and the sector of each."""
         sector, place = counted(self.size)
         return self.half_edge[self.start[sector] + place], sector
@@ -91,7 +88,7 @@ def sectors_of(mesh: RefinedMesh) -> Sectors:
     )
 
 
-def counted(sizes: IntArray) -> tuple[IntArray, IntArray]:
+def counted(sizes: IndexArray) -> tuple[IndexArray, IndexArray]:
     """Give the group of every member, and its place in it, for groups of these sizes."""
     group = np.repeat(np.arange(len(sizes)), sizes)
     return group, np.arange(len(group)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
@@ -128,9 +125,7 @@ def sector_normals(mesh: RefinedMesh, sectors: Sectors, control: FloatArray) -> 
 DEGENERATE = 1e-12
 
 
-def _tangents_across(
-    sectors: Sectors, is_corner: NDArray[np.bool_], control: FloatArray
-) -> FloatArray:
+def _tangents_across(sectors: Sectors, is_corner: BoolArray, control: FloatArray) -> FloatArray:
     """Compute the tangents from the vertex into the sectors, (s, 3), as long as they come.
 
     With θ = π/k the inner weights are sin jθ, of the eigenvalue λ = 3/8 + cos(θ)/4.  The columns of

@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...core.runtime.arrays import FloatArray
 from .contents import Contents, DamagedError, require_finite
 
 HEADER_BYTES, TRIANGLE_BYTES = 84, 50
@@ -33,7 +33,7 @@ def inspect_stl(path: Path) -> Contents:
     return Contents()
 
 
-def _corners_of_text(data: bytes) -> FloatArray:
+def _corners_of_text(data: bytes) -> NDArray[np.float64]:
     words = _CORNER.findall(data)
     n_facets, n_ends = len(re.findall(rb"\bfacet\s+normal\b", data)), data.count(b"endfacet")
     if not n_facets == n_ends == len(words) / 3:

@@ -118,11 +118,11 @@ def escape(stage: Stage) -> Scenario:
 
 def automatic(stage: Stage) -> Scenario:
     """Esc ends a run of Denoise at once; after a whole one the slider, colours and buttons."""
-    noisy = vertex_positions(add_noisy("ico_sphere", 0.004, "auto", subdivisions=7))
+    noisy = vertex_positions(add_noisy("ico_sphere", 0.002, "auto", subdivisions=8))
     yield from press_fairing(stage)
-    yield 4.0
+    yield 2.0
     yield from stage.picture("auto-running")
-    yield 4.0
+    yield 2.0
     yield from stage.picture("auto-running-later")
     stage.results["running before escape"] = stage.is_running()
     yield from stage.press_in_view("Escape")
@@ -157,6 +157,9 @@ def automatic(stage: Stage) -> Scenario:
     stage.results["released"] = bool(np.array_equal(vertex_positions(obj), denoised))
 
     x, y = yield from stage.find_button("adaptive_fairing_split(")
+    yield from stage.point_at_view()  # the keys have left the button without the pointer
+    stage.point(x, y)
+    yield 0.5
     stage.click(x, y)
     yield 1.0
     kept = (vertex_positions(obj) == noisy).all(axis=1).mean()
