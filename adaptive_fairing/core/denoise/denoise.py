@@ -15,17 +15,13 @@ from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import CallerMesh, SolverProblem
 from ..runtime.arrays import BoolArray, FloatArray
 from ..runtime.precision import SINGLE
-from .filter_rounds import KEEPS_CREASES
+from .filter_family import KEEPS
 from .local_frame import spacing_of
 from .mixing import mixed_surfaces
+from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
 from .result import DenoiseResult
 from .settings import DenoiseSettings
-
-# An edge is a crease if the normals beside it differ by this many radians. Smooth meshes have fewer
-# creases than this part of their edges.
-CREASE_ANGLE = 0.6
-SMOOTH_CREASE_PART = 0.02
 
 
 def denoise(
@@ -130,7 +126,7 @@ def denoise(
         sharp_part=_sharp_part(plan),
         crease_part=crease_part,
         is_sharp=(
-            crease_part > SMOOTH_CREASE_PART
+            crease_part > parameters().smooth_crease_fraction
             if settings.features == "auto"
             else settings.features == "sharp"
         ),
@@ -159,10 +155,11 @@ def _median_where(judged: BoolArray, values: FloatArray) -> float:
 
 
 def _sharp_part(plan: DenoisePlan) -> float:
-    """Part of the filters' coefficients at strength 1 that belongs to filters that keep creases."""
+    """Fraction of the coefficients at strength 1 that belongs to filters that keep creases."""
+    keeps_creases = [each.creases == KEEPS for each in plan.filters]
     coefficients = plan.mixtures[STRENGTHS.index(1.0)]
     total = float(coefficients.sum())
-    return float(coefficients[KEEPS_CREASES].sum()) / total if total > 0 else 0.0
+    return float(coefficients[keeps_creases].sum()) / total if total > 0 else 0.0
 
 
 def _crease_part(topology: TriangleTopology, positions: FloatArray) -> float:
@@ -170,4 +167,4 @@ def _crease_part(topology: TriangleTopology, positions: FloatArray) -> float:
     normal = unit_vectors(triangle_normals(positions, topology.triangles))
     side = np.flatnonzero(topology.twin >= 0)
     cosine = np.einsum("ed,ed->e", normal[side // 3], normal[topology.twin[side] // 3])
-    return float(np.mean(cosine < np.cos(CREASE_ANGLE))) if len(side) else 0.0
+    return float(np.mean(cosine < np.cos(parameters().crease_angle))) if len(side) else 0.0

@@ -1,22 +1,20 @@
-"""The filters that `auto` chooses from: corrected diffusion in several metrics, over several times.
+"""The filters of the automatic method: corrected diffusion in several metrics.
 
-One step of semi-implicit diffusion is S = (M + t L)⁻¹ M.  It also shrinks what it should keep; to
-add what S makes of the part that it removed, and of what is still missing then, gives
-1 - (1 - S)ᵖ: p times the order of accuracy at long waves, and still damps the short ones.  Several
-such steps make one filter, the steeper the larger p.
+One step of semi-implicit diffusion is S = (M + t L)⁻¹ M.  It also shrinks long waves, which it
+should keep.  The corrected step 1 - (1 - S)ᵖ has p times the order of accuracy at long waves and
+still damps the short ones.  Several such steps make one filter, which is the steeper the larger p.
 
 Where creases stand close together, no diffusion has room between them.  There another filter fits
 the surface to smoothed normals of its triangles, again by a semi-implicit step.
 
-A vertex whose edges are shorter than those around it has less noise than its neighbours, as far as
-noise grows with the edges: M counts it for more.
+Where noise grows with the edges, a vertex with shorter edges than its neighbours has less noise
+than they have.  It gets a larger weight in M.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -27,6 +25,8 @@ from ..mesh.normals import triangle_normals, unit_vectors
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, IndexArray, RealArray
 from ..runtime.precision import SINGLE, Precision
+from .filter_family import Filter, FilterFamily, NormalFamily
+from .filter_rounds import mesh_family
 from .lifted_metric import (
     LiftedMetric,
     area_elements,
@@ -36,105 +36,11 @@ from .lifted_metric import (
     squared_edges,
 )
 from .local_frame import spacing_of
-from .normal_filter import Smoothing, smoothed_normals, triangles_around, turning_load
+from .normal_filter import smoothed_normals, triangles_around, turning_load
+from .parameters import parameters
 
-# With at most this angle a metric keeps creases, without one it rounds them; those between keep
-# what stands out of the noise.
-SHARP_ANGLE = 0.1
-
-# Solves for the filters of one metric, as far as a progress goes; it differs a little.
-SOLVES_PER_METRIC = 9
-
-
-class FilterFamily(NamedTuple):
-    """Several diffusions in one metric."""
-
-    metric: LiftedMetric
-    diffusions: tuple[Diffusion, ...]
-
-    @property
-    def n_filters(self) -> int:
-        """Number of surfaces that come out."""
-        return len(self.diffusions)
-
-    @property
-    def n_solves(self) -> int:
-        """Number of linear solves, about."""
-        return SOLVES_PER_METRIC
-
-    @property
-    def keeps_creases(self) -> bool:
-        """Whether diffusion stops at every crease."""
-        return self.metric.angle is not None and self.metric.angle <= SHARP_ANGLE
-
-    @property
-    def rounds_creases(self) -> bool:
-        """Whether diffusion does not see creases."""
-        return self.metric.angle is None
-
-    def scaled(self, factor: float) -> FilterFamily:
-        """Return the same diffusions with the metric's angle times a factor."""
-        if self.metric.angle is None:
-            return self
-        return self._replace(metric=self.metric._replace(angle=factor * self.metric.angle))
-
-
-class NormalFamily(NamedTuple):
-    """Fits to the normals of triangles, smoothed in several ways."""
-
-    smoothings: tuple[Smoothing, ...]
-
-    @property
-    def n_filters(self) -> int:
-        """Number of surfaces that come out."""
-        return sum(len(smoothing.passes) for smoothing in self.smoothings)
-
-    @property
-    def n_solves(self) -> int:
-        """Number of linear solves."""
-        return self.n_filters
-
-    @property
-    def keeps_creases(self) -> bool:
-        """Normals are not smoothed across creases."""
-        return True
-
-    @property
-    def rounds_creases(self) -> bool:
-        """See `keeps_creases`."""
-        return False
-
-    def scaled(self, factor: float) -> NormalFamily:
-        """Return itself: the angles of normals do not follow the noise."""
-        return self
-
-
-# Creases need the gentle ones; smooth shapes, whose waves end somewhere, the steep ones too.
-GENTLE = (Diffusion(0.25, 2, 4), Diffusion(1.0, 2, 4), Diffusion(4.0, 2, 4))
-STEEP = (*GENTLE, Diffusion(0.5, 4, 4), Diffusion(1.2, 4, 4), Diffusion(3.0, 4, 4))
-
-# Smoothing before the first metric of a surface can be taken, and the filters beside it.
-FIRST = Diffusion(0.5, 2, 2)
-MESH_FAMILY = FilterFamily(LiftedMetric(), STEEP)
-
-# Of the filters' solves.  A filter need not be exactly that of its formula, because what it removes
-# is measured.  At 0.01 the results are no better.
-TOLERANCE = 0.05
-
-# Time of the step that fits a surface to normals, in squared edge lengths, and the tolerance of its
-# solve; the metric is that of the surface.
-FIT_TIME, FIT_TOLERANCE = 4.0, 1e-2
+# The fit to normals is a step in the metric of the surface.
 FIT_METRIC = LiftedMetric(1)
-
-# How much of the flux of the surface through its rims is not taken for bending.  With none rims are
-# drawn inwards, with all of it their noise stays; found on an open mesh with slivers at its rims.
-RIM_SHARE = 0.5
-
-# A vertex counts for at most so many times, or parts, of the others around it.
-LARGEST_WEIGHT = 8.0
-
-# Passes of (3.6) over the edge length that serves as the unit in a metric.
-SPACING_PASSES = 3
 
 
 class FilterBank:
@@ -155,39 +61,43 @@ class FilterBank:
         positions: FloatArray,
         on_solve: Callable[[SolveReport], None],
     ) -> None:
+        tuned = parameters()
         self.topology, self._on_solve = topology, on_solve
         self._pattern = EdgePattern(topology)
         self._is_loose = topology.is_loose
         is_large = topology.n_triangles >= SINGLE.least_triangles
         self._precision: Precision = np.float32 if is_large else np.float64
-        around = spacing_of(topology, positions, SPACING_PASSES)
+        around = spacing_of(topology, positions, tuned.spacing_passes)
         ratio = around / spacing_of(topology, positions, 0)
-        self._weights = np.clip(ratio, 1 / LARGEST_WEIGHT, LARGEST_WEIGHT)
+        self._weights = np.clip(ratio, 1 / tuned.largest_weight, tuned.largest_weight)
 
-    def started(self, positions: FloatArray) -> tuple[FloatArray, list[FloatArray]]:
+    def started(self, positions: FloatArray) -> tuple[FloatArray, dict[Filter, FloatArray]]:
         """Filter in the metric of the mesh alone, which needs no surface.
 
         Returns
         -------
         surface : (n, 3)
             Positions smoothed enough for a metric to be taken from them.
-        filtered : list of (n, 3)
-            The filters of `MESH_FAMILY`.
+        filtered : dict of Filter to (n, 3)
+            What those of `mesh_family` make of the positions.
         """
-        diffusions = FIRST, *MESH_FAMILY.diffusions
+        tuned, family = parameters(), mesh_family()
+        first_diffusion = Diffusion(tuned.first_time, tuned.first_order, tuned.first_steps)
+        diffusions = first_diffusion, *family.diffusions
         n = self.topology.n_vertices
-        # The metric does not see the surface: any will do.
-        squares = MESH_FAMILY.metric.lengths(self._pattern, positions, np.ones(n))
+        # This metric does not depend on the positions and the unit of length.
+        squares = family.metric.lengths(self._pattern, positions, np.ones(n))
         matrices = self._matrices(squares)
         first, *removed = self._removed(matrices, matrices[1].product(positions.T).T, diffusions)
-        return positions - first, [positions - each for each in removed]
+        filtered = dict(zip(family.filters, (positions - each for each in removed), strict=True))
+        return positions - first, filtered
 
     def filtered(
         self,
         positions: FloatArray,
         surface: FloatArray,
         families: Sequence[FilterFamily | NormalFamily],
-    ) -> Iterator[FloatArray]:
+    ) -> Iterator[tuple[Filter, FloatArray]]:
         """Filter positions in the metrics of a surface, or that surface by its normals.
 
         Parameters
@@ -199,21 +109,23 @@ class FilterBank:
 
         Yields
         ------
-        (n, 3)
-            What the next filter makes of them, family by family.
+        Filter, (n, 3)
+            The next filter and what it makes of them, family by family.
         """
-        spacing = spacing_of(self.topology, surface, SPACING_PASSES)
+        tuned = parameters()
+        spacing = spacing_of(self.topology, surface, tuned.spacing_passes)
         for family in families:
             if isinstance(family, NormalFamily):
-                yield from self._fitted(surface, spacing, family)
+                fits = self._fitted(surface, spacing, family)
+                yield from zip(family.filters, fits, strict=True)
                 continue
-            metric, diffusions = family
-            squares = metric.lengths(self._pattern, surface, spacing)
+            squares = family.metric.lengths(self._pattern, surface, spacing)
             matrices = self._matrices(squares)
             bending = matrices[1].product(positions.T).T
-            bending -= RIM_SHARE * rim_flux(self._pattern, squares, surface)
-            for removed in self._removed(matrices, bending, diffusions):
-                yield positions - removed
+            bending -= tuned.rim_fraction * rim_flux(self._pattern, squares, surface)
+            all_removed = self._removed(matrices, bending, family.diffusions)
+            for each, removed in zip(family.filters, all_removed, strict=True):
+                yield each, positions - removed
 
     def _fitted(
         self, surface: FloatArray, spacing: FloatArray, family: NormalFamily
@@ -223,23 +135,24 @@ class FilterBank:
         The step X - (M + t L)⁻¹ t b turns the tangents of every triangle as far as its normal was
         turned, with b = ∫ (∇x - R ∇x) · ∇φ.
         """
+        tuned = parameters()
         mass, stiffness = self._matrices(FIT_METRIC.lengths(self._pattern, surface, spacing))
         normals = unit_vectors(triangle_normals(surface, self.topology.triangles))
         squares = squared_edges(self._pattern, surface)
         cotangents = half_cotangents(squares, area_elements(squares))
         loads = [
-            FIT_TIME * turning_load(self._pattern, surface, cotangents, smooth)
+            tuned.fit_time * turning_load(self._pattern, surface, cotangents, smooth)
             for smoothing in family.smoothings
             for smooth in smoothed_normals(normals, self._around, smoothing)
         ]
         # One system for all fits: they differ in the right sides alone.
         load = np.concatenate(loads, axis=1)
         removed, report = conjugate_gradients(
-            mass.plus(FIT_TIME, stiffness).in_precision(self._precision),
+            mass.plus(tuned.fit_time, stiffness).in_precision(self._precision),
             load,
             np.zeros_like(load),
             is_held=self._is_loose,
-            tolerance=FIT_TOLERANCE,
+            tolerance=tuned.fit_tolerance,
             max_iterations=MAX_ITERATIONS,
         )
         self._on_solve(report)
@@ -266,6 +179,6 @@ class FilterBank:
             bending,
             self._is_loose,
             self._on_solve,
-            TOLERANCE,
+            parameters().filter_tolerance,
             self._precision,
         )

@@ -1,48 +1,75 @@
-"""The filters of `auto`, round by round, and which of them may be used."""
+"""The filters of the automatic method, round by round."""
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from ..linalg.krylov_filters import Diffusion
 from ..runtime.arrays import FloatArray
-from .filter_bank import GENTLE, MESH_FAMILY, STEEP, FilterFamily, NormalFamily
+from .filter_family import KEEPS, ROUNDS, SEES, FilterFamily, NormalFamily
 from .lifted_metric import LiftedMetric
 from .normal_filter import Smoothing
+from .parameters import parameters
 
-# Filters of each round besides those of the mesh, in metrics of the mixture of the rounds before
-# it, at first in those of the slightly smoothed surface.  The angles of the
-# metrics are for noise of `COARSE_NOISE` or more; with less noise the normals are less disturbed,
-# and smaller angles tell creases from it.
-ROUNDS: tuple[tuple[FilterFamily | NormalFamily, ...], ...] = (
-    (FilterFamily(LiftedMetric(1), STEEP),),
-    (
-        FilterFamily(LiftedMetric(0, 0.3), STEEP),
-        FilterFamily(LiftedMetric(1, 0.3), STEEP),
-    ),
-    (FilterFamily(LiftedMetric(0, 0.035), GENTLE),),
-    (
-        NormalFamily(
-            (Smoothing(math.radians(30), (2, 8)), Smoothing(math.radians(60), (1, 3, 8, 20)))
+Round = tuple[FilterFamily | NormalFamily, ...]
+
+
+def gentle_diffusions() -> tuple[Diffusion, ...]:
+    """Return the diffusions of low order, which are enough near creases."""
+    tuned = parameters()
+    return tuple(
+        Diffusion(time, tuned.gentle_order, tuned.diffusion_steps) for time in tuned.gentle_times
+    )
+
+
+def all_diffusions() -> tuple[Diffusion, ...]:
+    """Return the gentle diffusions and those of high order, for smooth shapes."""
+    tuned = parameters()
+    steep = (
+        Diffusion(time, tuned.steep_order, tuned.diffusion_steps) for time in tuned.steep_times
+    )
+    return *gentle_diffusions(), *steep
+
+
+def mesh_family() -> FilterFamily:
+    """Return the filters in the metric of the mesh alone."""
+    return FilterFamily("mesh", ROUNDS, LiftedMetric(), all_diffusions())
+
+
+def rounds() -> tuple[Round, ...]:
+    """Return the filters of each round besides those of the mesh.
+
+    The metrics of a round are those of the mixture of the rounds before it, at first those of the
+    slightly smoothed surface.  Their angles are for coarse noise, see `rounds_for`.
+    """
+    tuned = parameters()
+    every, gentle = all_diffusions(), gentle_diffusions()
+    return (
+        (FilterFamily("surface", ROUNDS, LiftedMetric(1), every),),
+        (
+            FilterFamily("mesh, wide angle", SEES, LiftedMetric(0, tuned.wide_angle), every),
+            FilterFamily("surface, wide angle", SEES, LiftedMetric(1, tuned.wide_angle), every),
         ),
-    ),
-)
-FAMILIES = (MESH_FAMILY, *(family for families in ROUNDS for family in families))
-COARSE_NOISE = 0.2
-LEAST_ANGLE_FACTOR = 0.1
-
-N_FILTERS = [family.n_filters for family in FAMILIES]
-KEEPS_CREASES = np.repeat([family.keeps_creases for family in FAMILIES], N_FILTERS)
-USABLE = {
-    "auto": np.ones(sum(N_FILTERS), dtype=bool),
-    "sharp": KEEPS_CREASES,
-    "smooth": np.repeat([family.rounds_creases for family in FAMILIES], N_FILTERS),
-}
+        (FilterFamily("mesh, narrow angle", KEEPS, LiftedMetric(0, tuned.narrow_angle), gentle),),
+        (
+            NormalFamily(
+                (
+                    Smoothing(tuned.short_fit_angle, tuned.short_fit_passes),
+                    Smoothing(tuned.long_fit_angle, tuned.long_fit_passes),
+                )
+            ),
+        ),
+    )
 
 
-def rounds_for(noise: FloatArray) -> list[list[FilterFamily | NormalFamily]]:
+def all_families() -> Round:
+    """Return the filters of the mesh and of all rounds, in the order in which they are used."""
+    return mesh_family(), *(family for families in rounds() for family in families)
+
+
+def rounds_for(noise: FloatArray) -> list[Round]:
     """Scale the angles of all rounds' metrics to the noise, (n,), of the vertices judged."""
+    tuned = parameters()
     typical = float(np.median(noise[noise > 0])) if noise.any() else 0.0
-    factor = float(np.clip(typical / COARSE_NOISE, LEAST_ANGLE_FACTOR, 1))
-    return [[family.scaled(factor) for family in families] for families in ROUNDS]
+    factor = float(np.clip(typical / tuned.coarse_noise, tuned.least_angle_factor, 1))
+    return [tuple(family.scaled(factor) for family in families) for families in rounds()]

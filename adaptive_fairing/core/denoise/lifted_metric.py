@@ -31,14 +31,11 @@ import numpy as np
 from ..linalg.edge_matrix import EdgeMatrix, EdgePattern
 from ..mesh.normals import vertex_normals
 from ..runtime.arrays import FloatArray
+from .parameters import parameters
 
 # A triangle's metric counts as at least this definite: determinant relative to the
 # square of the edges' squared lengths.
 LEAST_DETERMINANT = 1e-8
-
-# Part of the mass of linear elements that is moved to the diagonal.  With none, filters are
-# unstable at rims of slivers; the more of it, the less accurate they are.
-LUMPED_PART = 0.3
 
 
 class LiftedMetric(NamedTuple):
@@ -46,13 +43,13 @@ class LiftedMetric(NamedTuple):
 
     Attributes
     ----------
-    surface_share : float
+    surface_fraction : float
         s in [0, 1]: 0 takes lengths from the mesh alone, 1 from the surface.
     angle : float or None
         a > 0 in radians; None leaves the bending out.
     """
 
-    surface_share: float = 0.0
+    surface_fraction: float = 0.0
     angle: float | None = None
 
     def matrices(
@@ -78,11 +75,11 @@ class LiftedMetric(NamedTuple):
         self, pattern: EdgePattern, positions: FloatArray, spacing: FloatArray
     ) -> FloatArray:
         """Squared lengths q of every triangle's edges in the metric, (3, m); see `matrices`."""
-        topology, share = pattern.topology, self.surface_share
-        squares = np.full((3, topology.n_triangles), 1.0 - share)
-        if share > 0:
+        topology, fraction = pattern.topology, self.surface_fraction
+        squares = np.full((3, topology.n_triangles), 1.0 - fraction)
+        if fraction > 0:
             spacing_of_triangle = spacing[topology.triangles].mean(axis=1)
-            squares += share / spacing_of_triangle**2 * squared_edges(pattern, positions)
+            squares += fraction / spacing_of_triangle**2 * squared_edges(pattern, positions)
         if self.angle is not None:
             normals = vertex_normals(topology, positions)
             squares += squared_edges(pattern, normals) / self.angle**2
@@ -91,11 +88,12 @@ class LiftedMetric(NamedTuple):
 
 def linear_elements(pattern: EdgePattern, squares: FloatArray) -> tuple[EdgeMatrix, EdgeMatrix]:
     """Mass and stiffness matrix for the squared lengths of the triangles' edges, (3, m)."""
+    tuned = parameters()
     element = area_elements(squares)
-    mass = pattern.summed(np.tile((1 - LUMPED_PART) / 24 * element, (3, 1)))
+    mass = pattern.summed(np.tile((1 - tuned.lumped_fraction) / 24 * element, (3, 1)))
     stiffness = pattern.summed(-half_cotangents(squares, element))
     # A third of a triangle belongs to each corner; rows of L add up to 0.
-    on_diagonal = (1 + LUMPED_PART) / (1 - LUMPED_PART) * mass.row_sums()
+    on_diagonal = (1 + tuned.lumped_fraction) / (1 - tuned.lumped_fraction) * mass.row_sums()
     return mass.with_diagonal(on_diagonal), stiffness.with_diagonal(-stiffness.row_sums())
 
 

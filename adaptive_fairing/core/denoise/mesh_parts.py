@@ -11,18 +11,12 @@ from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from .local_frame import LocalFrame
 from .noise.clean_detail import NOISE, CleanDetail
-from .noise.level import CLEAN_ROUGHNESS, beyond_clean, noise_model
+from .noise.level import beyond_clean, noise_model
 from .noise.order_decay import Fading
 from .noise.roughness import Roughness
-from .noise.spikes import impulsive_share
-from .unbiased_risk import density_classes, least_risk_shares
-
-# What is rough and has fewer vertices may be noise or shape; with fewer still nothing can be told.
-FEWEST_TO_TELL, FEWEST_VERTICES = 300, 50
-# Connected parts with as many vertices are judged by themselves, smaller ones together.
-OWN_ESTIMATE = 400
-# Passes of averaging over the neighbours for densities.
-DENSITY_PASSES = 3
+from .noise.spikes import impulsive_certainty
+from .parameters import parameters
+from .unbiased_risk import density_classes, least_risk_coefficients
 
 
 class NoiseFound(NamedTuple):
@@ -56,12 +50,13 @@ class MeshParts:
     """
 
     def __init__(self, topology: TriangleTopology, frame: LocalFrame, is_still: BoolArray) -> None:
+        tuned = parameters()
         self.is_counted = ~(is_still | topology.is_loose | topology.on_boundary)
         self._topology, self._frame = topology, frame
-        self._size = frame.spread(np.log(frame.spacing), DENSITY_PASSES)
+        self._size = frame.spread(np.log(frame.spacing), tuned.density_passes)
         _, label = csgraph.connected_components(topology.adjacency(), directed=False)
         n_counted = np.bincount(label, self.is_counted)
-        own = n_counted >= OWN_ESTIMATE
+        own = n_counted >= tuned.own_estimate
         order = np.argsort(label, kind="stable")
         each = np.split(order, np.cumsum(np.bincount(label))[:-1])
         self._members = [each[index] for index in np.flatnonzero(own)]
@@ -83,13 +78,15 @@ class MeshParts:
         keeps_clean : bool
             Whether what looks like a clean mesh has no noise. Or else all roughness is noise.
         """
+        tuned = parameters()
+        clean = tuned.clean_roughness
         n_counted = int(np.count_nonzero(self.is_counted))
         noise, impulsive = np.zeros((2, len(positions)))
         too_few = (
             f"only {n_counted} vertices inside the surface: too few to tell noise from shape; "
             "nothing was changed"
         )
-        if n_counted < FEWEST_VERTICES:
+        if n_counted < tuned.fewest_vertices:
             return NoiseFound(noise, impulsive, noise, (too_few,))
         rough = Roughness.of(positions, self._frame)
         detail = CleanDetail(self._topology, positions, self._frame, fading, self.is_counted)
@@ -102,31 +99,31 @@ class MeshParts:
                 continue
             model = noise_model(rough, self._frame.spacing, counted, self._averaged)
             level[counted] = model.level(self._frame.spacing[counted])
-            relative = rough.value / np.maximum(model.expected(rough), CLEAN_ROUGHNESS)
+            relative = rough.value / np.maximum(model.expected(rough), clean)
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
-            may_be_spiky = np.median(level[counted]) > CLEAN_ROUGHNESS and not fading.fades(counted)
-            spiky = impulsive_share(relative, self._frame, counted) if may_be_spiky else 0.0
+            may_be_spiky = np.median(level[counted]) > clean and not fading.fades(counted)
+            spiky = impulsive_certainty(relative, self._frame, counted) if may_be_spiky else 0.0
             if keeps_clean:
                 found = detail.found(level, counted, spiky > 0)
             else:
                 # What is taken off for clean meshes is added first.
-                level[counted] = (level[counted] ** 4 + CLEAN_ROUGHNESS**4) ** 0.25
+                level[counted] = (level[counted] ** 4 + clean**4) ** 0.25
                 found = NOISE
             if found.is_model:
                 models.append(found.reason)
             elif found.is_noise:
                 noise[counted], impulsive[counted] = level[counted], spiky
             else:
-                noise[counted] = np.minimum(level[counted], CLEAN_ROUGHNESS)
+                noise[counted] = np.minimum(level[counted], clean)
         if beyond_clean(strength * noise).any():
-            if n_counted < FEWEST_TO_TELL and keeps_clean:
+            if n_counted < tuned.fewest_to_tell and keeps_clean:
                 return NoiseFound(0 * noise, 0 * noise, level, (too_few,))
             return NoiseFound(noise, impulsive, level)
         if models:
             note = f"looks like a clean low-poly model: {models[0]}; nothing was changed"
             return NoiseFound(noise, impulsive, level, (note,))
         typical = float(np.median(level[self.is_counted]))
-        what = "clean meshes are" if typical <= CLEAN_ROUGHNESS else "the detail of clean meshes is"
+        what = "clean meshes are" if typical <= clean else "the detail of clean meshes is"
         note = (
             f"no noise found: the surface is rough by {typical:.2g} of the local edge length, as "
             f"{what}; nothing was changed"
@@ -134,29 +131,29 @@ class MeshParts:
         return NoiseFound(noise, impulsive, level, (note,))
 
     def _averaged(self, values: FloatArray) -> FloatArray:
-        return self._frame.spread(values, DENSITY_PASSES)
+        return self._frame.spread(values, parameters().density_passes)
 
-    def best_shares(
+    def best_coefficients(
         self, removed: FloatArray, divergence: FloatArray, variances: FloatArray
     ) -> RealArray:
-        """Choose the shares of the filters with the least risk in every part, (s, k, n).
+        """Choose the filters' coefficients of least risk in every part, (s, k, n).
 
         From what the filters remove and its divergence, (k, n), for several variances of the
         noise, (s, n).
         """
         # In single precision: these are the largest arrays of a run.
-        shares = np.zeros((len(variances), *removed.shape), dtype=np.float32)
+        coefficients = np.zeros((len(variances), *removed.shape), dtype=np.float32)
         for members in self._members:
             is_counted = self.is_counted[members]
             if not is_counted.any():
                 continue
             counted = members[is_counted]
             classes = density_classes(self._size[members], is_counted)
-            chosen = least_risk_shares(
+            chosen = least_risk_coefficients(
                 removed[:, counted],
                 divergence[:, counted],
                 variances[:, counted],
                 classes[:, is_counted],
             )
-            shares[:, :, members] = np.einsum("sck,cn->skn", chosen, classes)
-        return shares
+            coefficients[:, :, members] = np.einsum("sck,cn->skn", chosen, classes)
+        return coefficients

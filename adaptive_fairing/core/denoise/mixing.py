@@ -1,14 +1,14 @@
 """The automatic method: estimate the noise, filter in rounds, mix the filters for the least risk.
 
-1.  Noise level of each connected part, by density (`noise_level`).
-2.  Filters in metrics of the slightly smoothed surface (`filter_bank`), and the mixture of them
-    with the least estimated distance to the surface without noise (`unbiased_risk`).
-3.  The same again with metrics of that mixture, which knows the creases, once more with a
-    smaller angle, and fits of the mixture of all that to its smoothed normals; the last mixture is
-    of all filters of all rounds.
+1.  Estimate the noise level of each connected part, by density (`mesh_parts`).
+2.  Filter in the metrics of the slightly smoothed surface (`filter_bank`).  Mix the filters so that
+    the estimated distance to the surface without noise is least (`unbiased_risk`).
+3.  Filter in the metrics of that mixture, which shows the creases, and mix all filters so far.
+    Repeat this in a metric of a smaller angle, and last by fits to smoothed normals
+    (`filter_rounds`).
 
 How much of the noise a filter removes is measured by filtering a second time with a little noise
-of our own added: the metrics follow the noise too, which no formula for a linear filter sees.
+added: the metrics depend on the noise too, so a formula for linear filters would not do.
 """
 
 from __future__ import annotations
@@ -21,30 +21,20 @@ import numpy as np
 from ..fem.loop_space import LoopSpace
 from ..linalg.conjugate_gradients import SolveReport
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
-from .filter_bank import FilterBank, FilterFamily, NormalFamily
-from .filter_rounds import FAMILIES, USABLE, rounds_for
+from .filter_bank import FilterBank
+from .filter_family import Filter
+from .filter_rounds import Round, all_families, rounds_for
 from .local_frame import LocalFrame
 from .mesh_parts import MeshParts, NoiseFound
-from .noise.correlation import LEAST_ROUGHNESS, NoiseCorrelation, noise_correlation
+from .noise.correlation import NoiseCorrelation, noise_correlation
 from .noise.level import beyond_clean
 from .noise.order_decay import Fading
 from .noise.own_numbers import own_signs
 from .noise.smooth_noise import smooth_noise
 from .noise.spikes import without_spikes
+from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
 from .tangential_limit import Sliding
-
-# Least risk at the estimated noise leaves a little more of it than looks and measures best, because
-# the estimate is a lower bound; found on meshes with known noise.
-NOISE_FACTOR = 1.1
-
-# Solves for all filters, as far as the progress goes.
-EXPECTED_SOLVES = sum(family.n_solves for family in FAMILIES)
-
-PROBE_SIZE = 0.02  # in local edge lengths: small against any noise, large against rounding
-# A probe that folds a triangle over changes the filtered surface by leaps; such outliers of its
-# response, which is about 1 at most, are cut off.
-LARGEST_RESPONSE = 3.0
 
 SMOOTH = (
     "the surface is evenly uneven over several edges, by {:.2g} of an edge: fine detail, which was "
@@ -104,7 +94,8 @@ def mixed_surfaces(
     progress : callable, optional
         Called with the part of the work that is done; may raise to end it.
     """
-    solves = _Solves(EXPECTED_SOLVES * (2 if plan is None else 1), progress)
+    n_expected = sum(family.n_solves for family in all_families())
+    solves = _Solves(n_expected * (2 if plan is None else 1), progress)
     stage = _Stage(space, positions, is_still, solves.count)
     notes: tuple[str, ...] = ()
     if plan is None:
@@ -117,7 +108,7 @@ def mixed_surfaces(
         level, counted = found.level, stage.parts.is_counted
         plan, correlation = DenoisePlan.idle(level), None
         # White noise that is stronger hides the smooth kind.
-        if counted.any() and np.median(found.roughness[counted]) < LEAST_ROUGHNESS:
+        if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:
             smooth = smooth_noise(stage.track.positions, stage.frame, fading, counted)
             if smooth.may_be_noise and not keeps_clean:
                 level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
@@ -136,7 +127,7 @@ def mixed_surfaces(
     if plan.is_idle:
         results = [stage.track.positions] * len(STRENGTHS)
     else:
-        results = [stage.track.mixed(shares) for shares in plan.mixtures]
+        results = [stage.track.mixed(coefficients) for coefficients in plan.mixtures]
         sliding = Sliding(space.topology, stage.track.positions, stage.frame)
         results = [sliding.limited(result) for result in results]
     return MixedSurfaces(results, plan, solves.report(), notes)
@@ -149,43 +140,47 @@ def _planned(
     strength: float,
     features: str,
 ) -> DenoisePlan:
-    """Filter in all rounds, and choose the shares in each."""
+    """Filter in all rounds, and choose the coefficients of the filters after each."""
+    tuned = parameters()
     bank, track, frame, parts = stage.bank, stage.track, stage.frame, stage.parts
     seen, noise = noise, noise / correlation.seen * correlation.deviation
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
     sign = own_signs(track.positions, frame)
-    probe = PROBE_SIZE * correlation.applied(sign, frame)
+    probe = tuned.probe_size * correlation.applied(sign, frame)
     shadow = _Track(bank, track.positions + frame.raised(probe))
 
     def measured() -> tuple[FloatArray, FloatArray]:
         removed = track.removed(frame)
-        return removed, _divergence(removed, shadow.removed(frame), probe)
+        return removed, filter_divergence(removed, shadow.removed(frame), probe)
 
     def variance(factor: float) -> FloatArray:
-        return np.square(NOISE_FACTOR * beyond_clean(factor * strength * seen) / correlation.seen)
+        return np.square(
+            tuned.noise_factor * beyond_clean(factor * strength * seen) / correlation.seen
+        )
 
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
     first, *others = rounds_for(noise)
-    pilot_variance = np.square(NOISE_FACTOR * seen / correlation.seen)
+    pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen)
     pilots: list[RealArray] = []
     for one in (track, shadow):
         one.filter(first)
     for families in others:
-        pilots.extend(parts.best_shares(*measured(), pilot_variance[None]))
+        pilots.extend(parts.best_coefficients(*measured(), pilot_variance[None]))
         for one in (track, shadow):
             one.surface = one.mixed(pilots[-1])
             one.filter(families)
     removed, divergence = measured()
-    usable = USABLE[features]
+    filters = tuple(track.taken)
+    usable = [each.serves(features) for each in filters]
     mixtures = np.zeros((len(STRENGTHS), *removed.shape), dtype=np.float32)
     variances = np.stack([variance(factor) for factor in STRENGTHS])
-    mixtures[:, usable] = parts.best_shares(removed[usable], divergence[usable], variances)
+    mixtures[:, usable] = parts.best_coefficients(removed[usable], divergence[usable], variances)
     removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
     kept = 1 - removed_noise.mean(axis=1) / correlation.deviation**2
-    return DenoisePlan(noise, tuple(pilots), mixtures, kept, np.zeros(len(noise)))
+    return DenoisePlan(filters, noise, tuple(pilots), mixtures, kept, np.zeros(len(noise)))
 
 
-def _divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
+def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
     """How much of its own noise each filter removes at each vertex, (k, n); for white noise 0 to 1.
 
     From what the filters remove of the positions, and of them with the probes (n,) added.  The
@@ -193,9 +188,12 @@ def _divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> F
 
     Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
     """
+    tuned = parameters()
     divergence = shadow - removed
-    divergence *= probe / PROBE_SIZE**2
-    return np.clip(divergence, 1 - LARGEST_RESPONSE, 1 + LARGEST_RESPONSE, out=divergence)
+    divergence *= probe / tuned.probe_size**2
+    return np.clip(
+        divergence, 1 - tuned.largest_response, 1 + tuned.largest_response, out=divergence
+    )
 
 
 class _Stage:
@@ -246,26 +244,28 @@ class _Track:
         self.positions = positions
         self._bank = bank
         self.surface, filtered = bank.started(positions)
-        self.taken = [(positions - each).astype(np.float32) for each in filtered]
+        self.taken: dict[Filter, RealArray] = {
+            each: (positions - result).astype(np.float32) for each, result in filtered.items()
+        }
 
-    def filter(self, families: list[FilterFamily | NormalFamily]) -> None:
+    def filter(self, families: Round) -> None:
         """Add filters in metrics of the present surface, or fits to its normals."""
-        for filtered in self._bank.filtered(self.positions, self.surface, families):
-            self.taken.append((self.positions - filtered).astype(np.float32))
+        for each, filtered in self._bank.filtered(self.positions, self.surface, families):
+            self.taken[each] = (self.positions - filtered).astype(np.float32)
 
     def removed(self, frame: LocalFrame) -> FloatArray:
         """Measure the normal part of what each filter takes away, in local edge lengths, (k, n)."""
         removed = np.empty((len(self.taken), len(self.positions)))
-        for row, taken in zip(removed, self.taken, strict=True):
+        for row, taken in zip(removed, self.taken.values(), strict=True):
             row[:] = frame.along_normal(taken.astype(np.float64))
         return removed
 
-    def mixed(self, shares: RealArray) -> FloatArray:
-        """Mix the filters with shares (k, n) at each vertex."""
+    def mixed(self, coefficients: RealArray) -> FloatArray:
+        """Mix the filters with coefficients (k, n) at each vertex."""
         result = self.positions.copy()
-        for share, taken in zip(shares, self.taken, strict=True):
-            if share.any():
-                result -= share[:, None] * taken
+        for row, taken in zip(coefficients, self.taken.values(), strict=True):
+            if row.any():
+                result -= row[:, None] * taken
         return result
 
 

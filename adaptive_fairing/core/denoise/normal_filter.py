@@ -20,11 +20,9 @@ from ..mesh.normals import triangle_normals, unit_vectors
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, IndexArray, RealArray
 from ..runtime.threads import ordered_map
+from .parameters import parameters
 
 TRIANGLES_PER_PIECE = 16384
-
-# Turns by nearly half a circle have no shortest way: 1 + cos of the angle is at least this.
-LEAST_OPENING = 0.1
 
 
 class Smoothing(NamedTuple):
@@ -132,7 +130,7 @@ def turning_load(
     normals = unit_vectors(triangle_normals(positions, triangles))
     # A turn from n to n' takes a tangent v to v - (n' · v) (n + n') / (1 + n · n').
     opening = 1 + np.einsum("fd,fd->f", normals, turned)
-    middle = (normals + turned) / np.maximum(opening, LEAST_OPENING)[:, None]
+    middle = (normals + turned) / np.maximum(opening, parameters().least_opening)[:, None]
     change = np.zeros((3, len(triangles)))
     for column, along in zip(positions.T, turned.T, strict=True):
         corners = np.ascontiguousarray(column)[triangles.T]

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..runtime.arrays import FloatArray, RealArray
+from .filter_family import Filter
 
 # Strengths that every run computes, as factors of the estimated noise.
 STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)
@@ -18,6 +19,8 @@ class DenoisePlan:
 
     Attributes
     ----------
+    filters : tuple of Filter
+        What is mixed, in the order of the coefficients.
     noise : (n,)
         Standard deviation of the noise in local edge lengths; 0 where it was not judged.
     pilots : sequence of (k, n)
@@ -25,11 +28,12 @@ class DenoisePlan:
     mixtures : (s, k, n)
         Coefficients of all filters, for each of `STRENGTHS`.
     kept : (s,)
-        Part of the noise that each mixture keeps, 0 to 1.
+        Fraction of the noise that each mixture keeps, 0 to 1.
     impulsive : (n,)
-        By what part of their way vertices that stand out are put back before the filters.
+        Fraction of their way by which vertices that stand out are put back before the filters.
     """
 
+    filters: tuple[Filter, ...]
     noise: FloatArray
     pilots: tuple[RealArray, ...]
     mixtures: RealArray
@@ -40,7 +44,7 @@ class DenoisePlan:
     def idle(cls, noise: FloatArray) -> DenoisePlan:
         """Leave everything as it is."""
         nothing = np.zeros((len(STRENGTHS), 0, len(noise)))
-        return cls(noise, (), nothing, np.ones(len(STRENGTHS)), np.zeros(len(noise)))
+        return cls((), noise, (), nothing, np.ones(len(STRENGTHS)), np.zeros(len(noise)))
 
     @property
     def is_idle(self) -> bool:

@@ -1,9 +1,9 @@
 """How far auto moves vertices along the surface.
 
-Filters move vertices along the surface, too: towards the middle of their neighbours, and inwards at
-a rim.  That makes the surface smoother, but a large part of it is no noise, and where small
-triangles lie between larger ones it may turn them over.  So vertices go most of that way alone,
-and less where triangles would be turned over; they go all of the way along the normal.
+Filters also move vertices along the surface: towards the middle of their neighbours, and inwards at
+a rim.  A large part of that is no noise, and small triangles between larger ones may be turned
+over.  So vertices go only a fraction of their way along the surface, and less where a triangle
+would be turned over.  They go all of their way along the normal.
 """
 
 from __future__ import annotations
@@ -15,22 +15,7 @@ from ..mesh.normals import triangle_normals, unit_vectors, vertex_normals
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray
 from .local_frame import LocalFrame
-
-# The share of the way along the surface that vertices go; found on meshes with known noise.
-SLIDING_SHARE = 0.75
-
-# A triangle counts as turned over if the cosine of the angle to the surface around it was more than
-# the first of these before, and is less than the second one now.  If it stood across the surface,
-# with a cosine between the first one and minus that, its normal must point against its own, too.
-UPRIGHT, TURNED = 0.2, 0.1
-
-# Passes of averaging until noise and folds hardly disturb the normals.
-NORMAL_PASSES = 5
-
-# How often the ways of a turned triangle's vertices are cut in half until none is turned over; to
-# take one back may turn the next one over.  After so many rounds along the surface alone, those
-# along the normal are as well.
-SLIDING_ROUNDS, MOST_ROUNDS = 6, 32
+from .parameters import parameters
 
 
 class Sliding:
@@ -47,42 +32,44 @@ class Sliding:
     def __init__(
         self, topology: TriangleTopology, positions: FloatArray, frame: LocalFrame
     ) -> None:
+        tuned = parameters()
         self._positions, self._triangles = positions, topology.triangles
         normals = vertex_normals(topology, positions)
-        for _ in range(NORMAL_PASSES):
+        for _ in range(tuned.normal_passes):
             normals = unit_vectors(frame.spread(normals, 1))
         self._normals = normals
         self._upwards = unit_vectors(normals[topology.triangles].sum(axis=1))
         self._before = unit_vectors(triangle_normals(positions, topology.triangles))
         cosines = np.einsum("fd,fd->f", self._before, self._upwards)
-        self._was_upright = cosines > UPRIGHT
-        self._may_turn = cosines > -UPRIGHT
+        self._was_upright = cosines > tuned.upright_cosine
+        self._may_turn = cosines > -tuned.upright_cosine
 
     def limited(self, faired: FloatArray) -> FloatArray:
         """Return faired positions (n, 3) with less sliding, and no triangle turned if possible."""
+        tuned = parameters()
         move = faired - self._positions
         along = move - np.einsum("nd,nd->n", move, self._normals)[:, None] * self._normals
-        share, kept = np.full(len(faired), SLIDING_SHARE), np.ones(len(faired))
+        along_kept, kept = np.full(len(faired), tuned.sliding_fraction), np.ones(len(faired))
         judged = np.flatnonzero(self._may_turn)
-        for done in range(MOST_ROUNDS):
-            slower = move - (1 - share)[:, None] * along
+        for done in range(tuned.most_sliding_rounds):
+            slower = move - (1 - along_kept)[:, None] * along
             result: FloatArray = self._positions + kept[:, None] * slower
             turned = judged[self._is_turned(result, judged)]
             if not len(turned):
                 break
             vertices = np.unique(self._triangles[turned])
-            share[vertices] /= 2
-            if done >= SLIDING_ROUNDS:
+            along_kept[vertices] /= 2
+            if done >= tuned.sliding_rounds:
                 kept[vertices] /= 2
             # Elsewhere nothing has changed.
-            is_near = (share[self._triangles] < SLIDING_SHARE).any(axis=1)
+            is_near = (along_kept[self._triangles] < tuned.sliding_fraction).any(axis=1)
             judged = np.flatnonzero(self._may_turn & is_near)
         return result
 
     def _is_turned(self, positions: FloatArray, faces: NDArray[np.intp]) -> BoolArray:
         """Which of some triangles are turned over."""
         normal = unit_vectors(triangle_normals(positions, self._triangles[faces]))
-        is_down = np.einsum("fd,fd->f", normal, self._upwards[faces]) < TURNED
+        is_down = np.einsum("fd,fd->f", normal, self._upwards[faces]) < parameters().turned_cosine
         is_against = np.einsum("fd,fd->f", normal, self._before[faces]) < 0
         turned: BoolArray = is_down & (self._was_upright[faces] | is_against)
         return turned

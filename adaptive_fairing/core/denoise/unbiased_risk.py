@@ -18,40 +18,39 @@ import numpy as np
 from scipy.optimize import nnls
 
 from ..runtime.arrays import BoolArray, FloatArray
+from .parameters import parameters
 
-# Vertices per group of their own in the density classes below, and classes at most.
-VERTICES_PER_CLASS = 200
-MOST_CLASSES = 3
-
-# Sums over the vertices are taken in pieces of so many, which bounds the memory.
+# Sums over the vertices are taken over this many at once, which bounds the memory.
 VERTICES_AT_ONCE = 16384
 
-# Relative sizes of the terms that keep the least squares definite, and the shares at most 1.
+# Relative weights of two terms of the least squares: the first keeps them definite, the second
+# keeps the sum of the coefficients at most 1.
 RIDGE = 1e-6
 CONSTRAINT = 100.0
 
 
-def least_risk_shares(
+def least_risk_coefficients(
     removed: FloatArray, divergence: FloatArray, variances: FloatArray, classes: FloatArray
 ) -> FloatArray:
-    """Shares of the filters in the best mixture.
+    """Find the coefficients of the filters in the best mixture.
 
     Parameters
     ----------
     removed : (k, n)
         Normal part of what each filter removes.
     divergence : (k, n)
-        Its derivative by the same vertex's noise: 1 where all noise goes, 0 where all stays.
+        Its derivative with respect to the same vertex's noise: 1 where all noise is removed, 0
+        where none is.
     variances : (s, n)
         Of the noise, in the squared unit of `removed`; a mixture is found for each.
     classes : (c, n)
-        Weights of the vertices in each density class, adding up to 1: the shares are mixed from
-        the shares of the classes with them.
+        Weights of the vertices in each density class, adding up to 1.  The coefficients at a
+        vertex are the mean of those of the classes, with these weights.
 
     Returns
     -------
     (s, c, k)
-        Shares a ≥ 0 with a sum of at most 1 in each class; the rest of the sum is left unfiltered.
+        Coefficients a ≥ 0 with a sum of at most 1 in each class; the rest is left unfiltered.
     """
     n_classes, n_filters = len(classes), len(removed)
     n = n_classes * n_filters
@@ -78,11 +77,11 @@ def least_risk_shares(
     for index in range(n_classes):
         system[n + index, index * n_filters : (index + 1) * n_filters] = weight
         system[n + index, n + index] = weight
-    for shares, gain in zip(result, gains.T, strict=True):
+    for coefficients, gain in zip(result, gains.T, strict=True):
         if gain.any():
             target = np.concatenate([np.linalg.solve(factor, gain), np.full(n_classes, weight)])
             found, _ = nnls(system, target, maxiter=100 * len(target))
-            shares[:] = found[:n].reshape(n_classes, n_filters)
+            coefficients[:] = found[:n].reshape(n_classes, n_filters)
     return result
 
 
@@ -96,10 +95,12 @@ def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:
     is_counted : (n,) bool
         Vertices whose distribution decides.
     """
+    tuned = parameters()
     n_counted = int(np.count_nonzero(is_counted))
-    n_classes = int(np.clip(n_counted // VERTICES_PER_CLASS, 1, MOST_CLASSES))
-    knots = np.quantile(size[is_counted], np.linspace(0.05, 0.95, n_classes)) if n_counted else []
+    n_classes = int(np.clip(n_counted // tuned.vertices_per_class, 1, tuned.most_classes))
+    parts = np.linspace(tuned.class_margin, 1 - tuned.class_margin, n_classes)
+    knots = np.quantile(size[is_counted], parts) if n_counted else []
     # On an even mesh there is nothing to tell apart.
-    if n_classes == 1 or not np.all(np.diff(knots) > 0.02):
+    if n_classes == 1 or not np.all(np.diff(knots) > tuned.least_class_distance):
         return np.ones((1, len(size)))
     return np.stack([np.interp(size, knots, unit) for unit in np.eye(n_classes)])

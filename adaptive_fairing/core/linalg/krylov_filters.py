@@ -1,10 +1,12 @@
 """All diffusions in one metric from one small space.
 
-Every diffusion in a metric is a function of the same M and L: it removes a share r(λ) of each
-eigenvector of M⁻¹L, with its eigenvalue λ.  The solves (M + t L)⁻¹ M for one time t,
-applied again and again to what they removed at first, span a space in which all those functions are
-found by Rayleigh and Ritz, accurate to a hundredth after eight or so; to carry out the steps of six
-diffusions one by one takes seventy-two.
+Every diffusion in a metric is a function of the same M and L: it multiplies each
+eigenvector of M⁻¹L, of eigenvalue λ, by 1 - r(λ), and so removes the fraction r(λ) of it.
+
+One solve with M + t L gives what a step of time t removes.  The operator (M + t L)⁻¹ M, applied to
+that again and again, spans a space.  In this space the Rayleigh-Ritz method finds what all
+diffusions remove.  About eight solves give an accuracy of a hundredth; the steps of six diffusions
+would take seventy-two, one by one.
 
 Source: shift-and-invert Krylov spaces for functions of matrices, J. van den Eshof and M. Hochbruck,
 Preconditioning Lanczos approximations to the matrix exponential, 2006; I. Moret and P. Novati,
@@ -24,18 +26,19 @@ from .conjugate_gradients import SolveReport, conjugate_gradients
 from .edge_matrix import EdgeMatrix
 
 # Time t of the solves that span the space, in squared edge lengths; between those of the filters.
-SHARED_TIME = 1.0
+COMMON_TIME = 1.0
 
 # The first solve is more accurate by this factor: all results inherit its error.
 FIRST_FACTOR = 0.5
 MAX_ITERATIONS = 5000
 MOST_DIRECTIONS = 24
 
-# Of smaller eigenvalues nothing is removed; their ratio to what is removed already would be 0 / 0.
+# Eigenvalues count as at least this: at 0 nothing is removed, and a ratio would be 0 / 0.
 LEAST_EIGENVALUE = 1e-9
 
-# Of a vector of which no larger part lies outside the space, rounding is all that is left.
-LEAST_SHARE = {np.float64: 1e-9, np.float32: 1e-5}
+# A vector lies in the space, up to rounding, if the length of its part outside is at most this
+# fraction of the part inside.
+LEAST_OUTSIDE = {np.float64: 1e-9, np.float32: 1e-5}
 
 
 class Diffusion(NamedTuple):
@@ -56,11 +59,11 @@ class Diffusion(NamedTuple):
     steps: int
 
     def removed(self, eigenvalues: FloatArray) -> FloatArray:
-        """Share of the eigenvectors of M⁻¹L that is removed, for eigenvalues > 0."""
+        """Fraction of the eigenvectors of M⁻¹L that is removed, for eigenvalues > 0."""
         missing = (self.time * eigenvalues / (1 + self.time * eigenvalues)) ** self.order
         # 1 - (1 - missing)ᵏ without loss of digits where little is missing.
-        share: FloatArray = -np.expm1(self.steps * np.log1p(-missing))
-        return share
+        fraction: FloatArray = -np.expm1(self.steps * np.log1p(-missing))
+        return fraction
 
 
 def removed_by(
@@ -96,9 +99,9 @@ def removed_by(
     -------
     list of (n, 3)
     """
-    columns = np.ascontiguousarray(SHARED_TIME * bending.T, dtype=precision)
+    columns = np.ascontiguousarray(COMMON_TIME * bending.T, dtype=precision)
     mass, stiffness = mass.in_precision(precision), stiffness.in_precision(precision)
-    system = mass.plus(SHARED_TIME, stiffness)
+    system = mass.plus(COMMON_TIME, stiffness)
 
     def solved(right_side: RealArray, start: RealArray, residual: float) -> RealArray:
         result, report = conjugate_gradients(
@@ -115,14 +118,15 @@ def removed_by(
     space = _Space(mass, stiffness, precision)
     direction = solved(columns, np.zeros_like(columns), FIRST_FACTOR * tolerance)
     while space.add(direction):
-        shares = space.shares(diffusions)
-        size = np.linalg.norm(shares, axis=0)
-        if space.n_directions == MOST_DIRECTIONS or (np.abs(shares[-1]) <= tolerance * size).all():
+        coefficients = space.coefficients(diffusions)
+        size = np.linalg.norm(coefficients, axis=0)
+        is_accurate = (np.abs(coefficients[-1]) <= tolerance * size).all()
+        if is_accurate or space.n_directions == MOST_DIRECTIONS:
             break
         direction = solved(space.last_image, space.last, tolerance)
     if not space.n_directions:
         return [np.zeros_like(bending) for _ in diffusions]
-    return [combined.T for combined in space.combined(shares)]
+    return [combined.T for combined in space.combined(coefficients)]
 
 
 class _Space:
@@ -137,7 +141,7 @@ class _Space:
         shape = MOST_DIRECTIONS, 3, mass.n
         # Only what is used of these becomes memory.
         self._directions, self._images = np.empty(shape, precision), np.empty(shape, precision)
-        self._least_share = LEAST_SHARE[precision]
+        self._least_outside = LEAST_OUTSIDE[precision]
         self._bending = np.zeros((MOST_DIRECTIONS, MOST_DIRECTIONS))
         self._first_length = 0.0
         self.n_directions = 0
@@ -168,7 +172,7 @@ class _Space:
         vector = rest.reshape(vector.shape)
         image = self._mass.product(vector)
         square = float(np.vdot(vector, image))
-        if not square > self._least_share**2 * within:
+        if not square > self._least_outside**2 * within:
             return False
         length = float(np.sqrt(square))
         np.divide(vector, length, out=self._directions[done])
@@ -181,20 +185,20 @@ class _Space:
         self.n_directions += 1
         return True
 
-    def shares(self, diffusions: Sequence[Diffusion]) -> FloatArray:
-        """Shares of the directions in what each diffusion removes, (n_directions, k)."""
+    def coefficients(self, diffusions: Sequence[Diffusion]) -> FloatArray:
+        """Coefficients of the directions in what each diffusion removes, (n_directions, k)."""
         n = self.n_directions
         eigenvalues, vectors = np.linalg.eigh(self._bending[:n, :n])
         eigenvalues = np.maximum(eigenvalues, LEAST_EIGENVALUE)
-        # The first direction is what one solve for the shared time removed.
-        already = Diffusion(SHARED_TIME, 1, 1).removed(eigenvalues)
+        # What one solve with the common time removed is the first direction.
+        already = Diffusion(COMMON_TIME, 1, 1).removed(eigenvalues)
         ratios = np.stack([d.removed(eigenvalues) / already for d in diffusions], axis=1)
-        shares: FloatArray = self._first_length * (vectors @ (vectors[0][:, None] * ratios))
-        return shares
+        coefficients: FloatArray = self._first_length * (vectors @ (vectors[0][:, None] * ratios))
+        return coefficients
 
-    def combined(self, shares: FloatArray) -> RealArray:
-        """Combine the directions with shares (n_directions, k), to (k, 3, n)."""
+    def combined(self, coefficients: FloatArray) -> RealArray:
+        """Combine the directions with coefficients (n_directions, k), to (k, 3, n)."""
         directions = self._directions[: self.n_directions].reshape(self.n_directions, -1)
-        return (shares.T.astype(directions.dtype) @ directions).reshape(
+        return (coefficients.T.astype(directions.dtype) @ directions).reshape(
             -1, *self._directions.shape[1:]
         )

@@ -33,7 +33,7 @@ def area(vertices, faces):
 
 def test_mass_adds_up_to_the_area_and_its_rows_to_a_third_of_the_triangles_around():
     vertices, faces = BUMPY
-    mass, _ = matrices(LiftedMetric(surface_share=1), vertices, faces)
+    mass, _ = matrices(LiftedMetric(surface_fraction=1), vertices, faces)
     assert mass.sum() == pytest.approx(area(vertices, faces), rel=1e-12)
     for vertex, row in enumerate(mass.sum(axis=1)):
         around = faces[(faces == vertex).any(axis=1)]
@@ -44,7 +44,7 @@ def test_the_energy_of_a_linear_function_is_its_slope_times_the_area():
     vertices, faces = meshes.flat_grid(7, 5)
     rng = np.random.default_rng(0)
     vertices[:, :2] += rng.uniform(-0.2, 0.2, (len(vertices), 2))
-    _, stiffness = matrices(LiftedMetric(surface_share=1), vertices, faces)
+    _, stiffness = matrices(LiftedMetric(surface_fraction=1), vertices, faces)
     slope = np.array([0.3, -2.0])
     values = vertices[:, :2] @ slope
     assert values @ (stiffness @ values) == pytest.approx(slope @ slope * area(vertices, faces))
@@ -53,7 +53,7 @@ def test_the_energy_of_a_linear_function_is_its_slope_times_the_area():
 def test_the_area_has_the_gradient_that_the_stiffness_matrix_gives():
     """∂A / ∂x = L x, for a closed surface: the cotangent formula."""
     vertices, faces = BUMPY
-    _, stiffness = matrices(LiftedMetric(surface_share=1), vertices, faces)
+    _, stiffness = matrices(LiftedMetric(surface_fraction=1), vertices, faces)
     move = np.random.default_rng(3).normal(size=vertices.shape)
     step = 1e-5
     change = area(vertices + step * move, faces) - area(vertices - step * move, faces)

@@ -5,7 +5,8 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
-from adaptive_fairing.core.denoise.tangential_limit import SLIDING_SHARE, Sliding
+from adaptive_fairing.core.denoise.parameters import PARAMETERS
+from adaptive_fairing.core.denoise.tangential_limit import Sliding
 
 SPHERE = meshes.icosphere(3)
 
@@ -52,12 +53,14 @@ def test_moves_along_the_normal_are_kept():
     assert np.isin(np.flatnonzero(changed), near).all()
 
 
-def test_vertices_go_a_share_of_their_way_along_the_surface():
+def test_vertices_go_a_fraction_of_their_way_along_the_surface():
     vertices, _ = SPHERE
     axis, angle = np.array([0, 0, 1.0]), 0.02
     along = angle * np.cross(axis, vertices)
     result = sliding(*SPHERE).limited(0.97 * vertices + along)
-    np.testing.assert_allclose(result, 0.97 * vertices + SLIDING_SHARE * along, atol=3e-4)
+    np.testing.assert_allclose(
+        result, 0.97 * vertices + PARAMETERS.sliding_fraction * along, atol=3e-4
+    )
 
 
 def test_what_was_folded_before_is_not_judged():
@@ -69,7 +72,9 @@ def test_what_was_folded_before_is_not_judged():
     moved[corner] += along
     assert n_turned(folded, moved, faces) == 0
     went = sliding(folded, faces).limited(moved)[corner] - folded[corner]
-    np.testing.assert_allclose(went, SLIDING_SHARE * along, atol=0.1 * np.linalg.norm(along))
+    np.testing.assert_allclose(
+        went, PARAMETERS.sliding_fraction * along, atol=0.1 * np.linalg.norm(along)
+    )
 
 
 def test_no_triangle_of_an_uneven_rim_is_turned_over():

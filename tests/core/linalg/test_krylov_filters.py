@@ -5,11 +5,12 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoise.filter_bank import STEEP
+from adaptive_fairing.core.denoise.filter_rounds import all_diffusions
 from adaptive_fairing.core.denoise.lifted_metric import LiftedMetric
 from adaptive_fairing.core.linalg.edge_matrix import EdgePattern
 from adaptive_fairing.core.linalg.krylov_filters import Diffusion, removed_by
 
+STEEP = all_diffusions()
 METRICS = [LiftedMetric(), LiftedMetric(1), LiftedMetric(1, 0.3), LiftedMetric(0, 0.05)]
 MILD = Diffusion(0.5, 1, 1)
 

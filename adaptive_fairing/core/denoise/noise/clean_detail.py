@@ -10,30 +10,10 @@ import numpy as np
 from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
-from .correlation import LEAST_ROUGHNESS
-from .level import CLEAN_ROUGHNESS
+from ..parameters import parameters
 from .line_roughness import LineRoughness
 from .order_decay import Fading
 from .repeats import repetition
-
-# A mesh with creases everywhere is clean if along them it is no rougher than clean meshes are, and
-# this share of its vertices no rougher than this, in local edge lengths of noise.
-SMOOTH_SHARE, CORNER_ROUGHNESS = 0.9, 0.3
-
-# Up to so many vertices a shape may be bent as sharply as its edges allow. It is taken for a model
-# if neighbours share this part of how they stand out: white noise shares none, smooth shapes all.
-# Decimated and modelled shapes of 400 to 3000 vertices share 0.65 to 0.95 and are rough by up to
-# 0.25 of an edge; with noise of 0.2 of an edge they share at most 0.58, unless they are slivers
-# that seem rough by 0.8. What fades more than to 0.7 is smoother than the edges allow.
-LOW_POLY, SHARED_BEND, ROUGHEST_MODEL, LEAST_KEPT = 3000, 0.6, 0.4, 0.75
-SMALL = 300
-
-# Spikes at every fifth vertex leave half of the triangles of a model as they were.
-LEFT_BY_SPIKES = 0.6
-
-# Levels of a clean mesh may lie above what clean meshes have at this part of its vertices: those
-# with much shorter edges than others.
-FEW = 0.1
 
 
 class Found(NamedTuple):
@@ -89,12 +69,13 @@ class CleanDetail:
         is_impulsive : bool
             Whether the roughness is that of single vertices.
         """
-        if np.quantile(level[is_counted], 1 - FEW) <= CLEAN_ROUGHNESS:
+        tuned = parameters()
+        if np.quantile(level[is_counted], 1 - tuned.rough_fraction) <= tuned.clean_roughness:
             return DETAIL
         of_part = is_counted[self._topology.triangles].any(axis=1)
         repeated = repetition(self._topology.triangles[of_part], self._positions)
         # Spikes leave the triangles between them as they were.
-        is_model = repeated.part > (LEFT_BY_SPIKES if is_impulsive else 0)
+        is_model = repeated.part > (tuned.left_by_spikes if is_impulsive else 0)
         if is_model and not repeated.is_contour:
             return Found(
                 is_model=True,
@@ -102,16 +83,17 @@ class CleanDetail:
             )
         # Creases everywhere look like noise to the level; along them all may be smooth, but for the
         # few places where they meet.  Contoured voxels have more of these.
-        is_smooth = self._lines.level(is_counted) <= CLEAN_ROUGHNESS
-        if is_smooth and self._lines.level(is_counted, SMOOTH_SHARE) <= CORNER_ROUGHNESS:
+        is_smooth = self._lines.level(is_counted) <= tuned.clean_roughness
+        corners = self._lines.level(is_counted, tuned.smooth_fraction)
+        if is_smooth and corners <= tuned.corner_roughness:
             return DETAIL
         # Detail as fine as the mesh fades, while white noise does not.
         rough, kept = self._fading.of_mesh(is_counted)
-        if self._fading.fades(is_counted) and rough < LEAST_ROUGHNESS:
+        if self._fading.fades(is_counted) and rough < tuned.least_roughness:
             return DETAIL
         # Small parts, such as the eyes of a head, go with the whole.
-        is_small = np.count_nonzero(is_counted) < SMALL
-        is_mild = kept > LEAST_KEPT and np.median(level[is_counted]) < ROUGHEST_MODEL
+        is_small = np.count_nonzero(is_counted) < tuned.small_part
+        is_mild = kept > tuned.least_kept and np.median(level[is_counted]) < tuned.roughest_model
         may_be_model = is_small or is_mild
         if may_be_model and not repeated.is_contour and self._bends:
             return Found(is_model=True, reason=self._bends)
@@ -121,20 +103,22 @@ class CleanDetail:
     def _bends(self) -> str:
         """What tells that the whole mesh is a low-poly shape that bends; empty if it is none.
 
-        Of what makes a vertex stand out from its neighbours' mean, noise shares nothing with the
-        same at the neighbours, and a smooth shape nearly all.
+        Measured is how far a vertex stands out from the mean of its neighbours.  In white noise
+        this is independent of how far the neighbours stand out; on a smooth shape it is nearly the
+        same.
         """
-        if np.count_nonzero(self._all_counted) > LOW_POLY:
+        tuned = parameters()
+        if np.count_nonzero(self._all_counted) > tuned.low_poly:
             return ""
         of_mesh, of_noise = (
             self._alikeness(values)
             for values in (self._positions, self._frame.raised(self._fading.white))
         )
-        shared = (of_mesh - of_noise) / max(1 - of_noise, 1e-9)
-        if shared < SHARED_BEND:
+        alike = (of_mesh - of_noise) / max(1 - of_noise, 1e-9)
+        if alike < tuned.least_bend_correlation:
             return ""
         return (
-            f"neighbouring vertices stand out alike by {100 * shared:.0f} %, as where a shape bends"
+            f"neighbouring vertices stand out alike by {100 * alike:.0f} %, as where a shape bends"
         )
 
     def _alikeness(self, values: FloatArray) -> float:

@@ -1,7 +1,7 @@
-"""How much the noise of neighbouring vertices is alike, told from the mesh alone.
+"""The correlation of the noise at neighbouring vertices, estimated from the mesh alone.
 
-Staircases fade in differences of higher order (`fading`) as white noise does of which a share was
-replaced by the mean of the neighbours'.  Noise that is smooth over several edges cannot be told
+Staircases fade in differences of higher order (`order_decay`) as white noise does that was mixed
+with the mean of the neighbours' noise.  Noise that is smooth over several edges cannot be told
 from shape, and is not sought.
 """
 
@@ -13,24 +13,20 @@ import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
+from ..parameters import parameters
 from .order_decay import Fading
 
-# Roughness of less than so many edge lengths that fades is shape, which fades as well.  Contoured
-# voxels measure 0.13 to 0.18.
-LEAST_ROUGHNESS = 0.11
-
-# Shares of the neighbours' mean that are tried; the first is white noise.  Contoured voxels fade as
-# with 0.55 to 0.63, but the shape's own fading is in it: more than the last share is not believed.
-SHARES = np.linspace(0, 0.56, 8)
+# Number of coefficients of the neighbours' mean that are tried; the first is 0, for white noise.
+N_TRIED = 8
 
 
 class NoiseCorrelation(NamedTuple):
-    """Noise as white noise of which a share was replaced by the mean of the neighbours' noise.
+    """White noise that was mixed with the mean of the neighbours' noise.
 
     Attributes
     ----------
-    share : float
-        0 for white noise.
+    coefficient : float
+        c of the neighbours' mean in (1 - c) w + c mean(w), with white noise w; 0 for white noise.
     seen : float
         How strong differences of second order are, relative to those of the white noise.
     deviation : float
@@ -39,7 +35,7 @@ class NoiseCorrelation(NamedTuple):
         Of averaging half with the neighbours' mean, for noise that is smooth over several edges.
     """
 
-    share: float = 0.0
+    coefficient: float = 0.0
     seen: float = 1.0
     deviation: float = 1.0
     passes: int = 0
@@ -48,10 +44,10 @@ class NoiseCorrelation(NamedTuple):
         """Give white noise (n,), in local edge lengths, this correlation."""
         if self.passes:
             return frame.spread(values * frame.spacing, self.passes) / frame.spacing
-        if self.share == 0:
+        if self.coefficient == 0:
             return values
         mean: FloatArray = (frame.mean @ (values * frame.spacing)) / frame.spacing
-        return (1 - self.share) * values + self.share * mean
+        return (1 - self.coefficient) * values + self.coefficient * mean
 
 
 def noise_correlation(fading: Fading, frame: LocalFrame, is_counted: BoolArray) -> NoiseCorrelation:
@@ -65,15 +61,19 @@ def noise_correlation(fading: Fading, frame: LocalFrame, is_counted: BoolArray) 
     is_counted : (n,) bool
         Vertices to judge from, at least one.
     """
+    tuned = parameters()
     rough, kept = fading.of_mesh(is_counted)
-    if rough < LEAST_ROUGHNESS or not fading.fades(is_counted):
+    if rough < tuned.least_roughness or not fading.fades(is_counted):
         return NoiseCorrelation()
+    coefficients = np.linspace(0, tuned.most_correlation, N_TRIED)
     rows = [(1.0, 1.0, np.std(fading.white[is_counted]))]
-    for share in SHARES[1:]:
-        noise = NoiseCorrelation(share).applied(fading.white, frame)
+    for coefficient in coefficients[1:]:
+        noise = NoiseCorrelation(coefficient).applied(fading.white, frame)
         rows.append((*fading.of_noise(noise, is_counted), np.std(noise[is_counted])))
-    seen, kept_by_share, deviation = np.array(rows).T
-    share = float(np.interp(-kept, -np.minimum.accumulate(kept_by_share), SHARES))
+    seen, kept_of_noise, deviation = np.array(rows).T
+    found = float(np.interp(-kept, -np.minimum.accumulate(kept_of_noise), coefficients))
     return NoiseCorrelation(
-        share, float(np.interp(share, SHARES, seen)), float(np.interp(share, SHARES, deviation))
+        found,
+        float(np.interp(found, coefficients, seen)),
+        float(np.interp(found, coefficients, deviation)),
     )

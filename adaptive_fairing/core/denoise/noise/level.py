@@ -10,41 +10,19 @@ from scipy.optimize import linprog
 from scipy.special import expit
 
 from ...runtime.arrays import BoolArray, FloatArray, IndexArray
+from ..parameters import parameters
 from .roughness import Roughness
 
 Smoother = Callable[[FloatArray], FloatArray]
 
-# Roughness of this size, in local edge lengths, is what clean meshes have.
-CLEAN_ROUGHNESS = 0.04
-
 # The median of |x| for a normal distribution of unit variance.
 NORMAL_MEDIAN = 0.6744897501960817
 
-MOST_BINS = 5
-VERTICES_PER_BIN = 400
-
-# Features raise the level of some bins, and a flat part or a rim may lower one: the noise is taken
-# to be above this share of the bins.
-SHARE_BELOW = 0.3
-
-# The lowest of up to three estimates with a standard error of 1, and the second lowest of four or
-# five, is on average so much too low; and the standard error of the median absolute deviation of n
-# values, times √n and relative.
+# Entry k is by how much an order statistic of k estimates with a standard error of 1 is too low on
+# average: the lowest of two or three, the second lowest of four or five.
 LEAST_OF = (0.0, 0.0, 0.564, 0.846, 0.297, 0.495)
+# Relative standard error of the median absolute deviation of n values, times √n.
 MEDIAN_ERROR = 1.167
-
-# Differences of neighbouring vertices share noise: so many vertices say as much as one would alone.
-SHARED = 3.0
-
-# Minus the logarithm of the likelihood of one vertex is at most so much: what lies further out than
-# 2.4 standard deviations is a feature, whatever the noise.
-MOST_UNLIKELY = 3.0
-
-
-# Gain of the logarithm of the likelihood within bins at which either model is as good, and how
-# sharply it decides. Noise that grows with the edges reached 2 on 22 shapes, mostly less than 0.5;
-# noise of one amplitude 3 to 170, except on spheres of even rings, where it was 1 to 5.
-LEAST_WITHIN, WITHIN = 1.5, 2.0
 
 
 class NoiseModel(NamedTuple):
@@ -96,13 +74,15 @@ def noise_model(
     (constant,) = _quantile_fit(np.ones((1, len(variance))), variance)
     least = float(variance.min())
     # Noise is everywhere: where a part is clean, the others have features.
-    alone = least if least <= CLEAN_ROUGHNESS**2 else float(constant)
+    alone = least if least <= parameters().clean_roughness ** 2 else float(constant)
     bins = _bins(is_counted, smoothed(np.log(rough.fineness)))
     fineness = np.exp([np.median(np.log(rough.fineness[members])) for members in bins])
     terms = np.stack([np.ones_like(fineness), fineness])
     both = NoiseModel(*_quantile_fit(terms, _variances(rough, bins)))
-    share = _evidence(rough, bins, both)
-    return NoiseModel(share * both.per_edge + (1 - share) * alone, share * both.per_length)
+    certainty = _evidence(rough, bins, both)
+    return NoiseModel(
+        certainty * both.per_edge + (1 - certainty) * alone, certainty * both.per_length
+    )
 
 
 def _variances(rough: Roughness, bins: list[IndexArray]) -> FloatArray:
@@ -114,18 +94,20 @@ def _variances(rough: Roughness, bins: list[IndexArray]) -> FloatArray:
 
 def _bins(is_counted: BoolArray, size: FloatArray) -> list[IndexArray]:
     """Sort the counted vertices into bins of density."""
+    tuned = parameters()
     chosen = np.flatnonzero(is_counted)
-    n_bins = int(np.clip(len(chosen) // VERTICES_PER_BIN, 1, MOST_BINS))
+    n_bins = int(np.clip(len(chosen) // tuned.vertices_per_bin, 1, len(LEAST_OF) - 1))
     return np.array_split(chosen[np.argsort(size[chosen], kind="stable")], n_bins)
 
 
 def _evidence(rough: Roughness, bins: list[IndexArray], both: NoiseModel) -> float:
     """Probability, 0 to 1, that the noise has one amplitude in part, and not only grows with edges.
 
-    By the likelihood of every vertex: it decides the more clearly the more vertices there are.
+    It compares the likelihoods of both models, summed over the vertices.
     Features may be denser than the rest of a mesh and make the whole of it look so; but not within
     each bin as well, so both must agree.
     """
+    tuned = parameters()
     everywhere = np.concatenate(bins)
     expected = both.expected(rough)
     if not expected[everywhere].all():
@@ -134,28 +116,30 @@ def _evidence(rough: Roughness, bins: list[IndexArray], both: NoiseModel) -> flo
     def gain(members: IndexArray) -> float:
         value = rough.value[members]
         per_edge = _unlikelihood(value, np.ones_like(value))
-        return (per_edge - _unlikelihood(value, expected[members])) / SHARED
+        return (per_edge - _unlikelihood(value, expected[members])) / tuned.dependent_vertices
 
     overall = gain(everywhere) - np.log(len(everywhere)) / 2
     within = sum(gain(members) for members in bins)
-    return float(expit(min(overall, WITHIN * (within - LEAST_WITHIN))))
+    return float(expit(min(overall, tuned.gain_factor * (within - tuned.least_gain))))
 
 
 def _unlikelihood(value: FloatArray, expected: FloatArray) -> float:
     """Minus the logarithm of the likelihood, of the model with these deviations times the best."""
+    tuned = parameters()
     ratio = value / expected
-    scale = max(float(np.median(ratio)) / NORMAL_MEDIAN, CLEAN_ROUGHNESS**2)
-    each = np.minimum(np.square(ratio / scale) / 2, MOST_UNLIKELY) + np.log(scale * expected)
+    scale = max(float(np.median(ratio)) / NORMAL_MEDIAN, tuned.clean_roughness**2)
+    each = np.minimum(np.square(ratio / scale) / 2, tuned.most_unlikely) + np.log(scale * expected)
     return float(each.sum())
 
 
 def _quantile_fit(terms: FloatArray, variance: FloatArray) -> FloatArray:
-    """Factors ≥ 0 of terms (k, n) for which `SHARE_BELOW` of the values lie below, (k,)."""
+    """Factors ≥ 0 of terms (k, n) for which `fraction_below` of the values lie below, (k,)."""
+    tuned = parameters()
     # Flat meshes have no variance at all, or that of rounding: no scale for a linear program.
-    typical = max(float(np.median(variance)), CLEAN_ROUGHNESS**2)
+    typical = max(float(np.median(variance)), tuned.clean_roughness**2)
     largest = terms.max(axis=1)
     n_terms, n = terms.shape
-    above, below = np.full(n, SHARE_BELOW), np.full(n, 1 - SHARE_BELOW)
+    above, below = np.full(n, tuned.fraction_below), np.full(n, 1 - tuned.fraction_below)
     solution = linprog(
         np.concatenate([np.zeros(n_terms), above, below]),
         A_eq=np.hstack([(terms / largest[:, None]).T, np.eye(n), -np.eye(n)]),
@@ -167,4 +151,4 @@ def _quantile_fit(terms: FloatArray, variance: FloatArray) -> FloatArray:
 
 def beyond_clean(level: FloatArray) -> FloatArray:
     """Take off what clean meshes have: what remains is to be removed."""
-    return np.maximum(level**4 - CLEAN_ROUGHNESS**4, 0) ** 0.25
+    return np.maximum(level**4 - parameters().clean_roughness ** 4, 0) ** 0.25

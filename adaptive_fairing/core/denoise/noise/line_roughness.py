@@ -11,10 +11,8 @@ import numpy as np
 from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
+from ..parameters import parameters
 from .own_numbers import LINE_NOISE, own_noise
-
-# A line from one neighbour to the opposite one passes a vertex at a share between these.
-SHARES = (0.2, 0.8)
 
 
 class OppositeLines:
@@ -41,8 +39,10 @@ class OppositeLines:
         normal = self._frame.normals[self._middle]
         along = positions[self._end] - positions[self._start]
         along -= np.einsum("ed,ed->e", along, normal)[:, None] * normal
+        margin = parameters().line_margin
         reach = np.einsum("ed,ed->e", positions[self._middle] - positions[self._start], along)
-        return np.clip(reach / np.maximum(np.einsum("ed,ed->e", along, along), 1e-300), *SHARES)
+        place = reach / np.maximum(np.einsum("ed,ed->e", along, along), 1e-300)
+        return np.clip(place, margin, 1 - margin)
 
     def least_deviation(self, positions: FloatArray, passing: FloatArray) -> FloatArray:
         """Height of each vertex over the line that it deviates least from, (n,).

@@ -13,15 +13,11 @@ import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
+from ..parameters import parameters
 from .own_numbers import WHITE_NOISE, own_noise
 
 # Orders of the differences that are compared.
 LOW, HIGH = 2, 5
-
-# What keeps less than the first of these from the low to the high order fades; white noise on many
-# shapes keeps 0.92 to 1.05, staircases 0.71 to 0.85.  Of few vertices chance alone makes it less:
-# by as many of its standard deviations, about 1 / √n, it must be below the second one.
-FADED, WHITE, DEVIATIONS = 0.9, 0.97, 2.0
 
 
 class Fading:
@@ -43,10 +39,11 @@ class Fading:
         self._positions, self._frame = positions, frame
 
     def fades(self, is_counted: BoolArray) -> bool:
-        """Tell if the roughness of vertices, (n,) bool, fades more than white noise may."""
+        """Tell if the roughness of vertices, (n,) bool, fades more than that of white noise."""
+        tuned = parameters()
         _, kept = self.of_mesh(is_counted)
-        chance = DEVIATIONS / np.sqrt(np.count_nonzero(is_counted))
-        return kept < min(FADED, WHITE - chance)
+        chance = tuned.fading_deviations / np.sqrt(np.count_nonzero(is_counted))
+        return kept < min(tuned.fading_kept, tuned.white_kept - chance)
 
     def of_mesh(self, is_counted: BoolArray) -> tuple[float, float]:
         """Return the roughness in low order, over the white noise's, and what high orders keep."""

@@ -14,22 +14,14 @@ import numpy as np
 
 from ...mesh.normals import triangle_normals, unit_vectors
 from ...runtime.arrays import FloatArray, IndexArray, IntArray
+from ..parameters import parameters
 
-# Lengths agree within so many units of single precision of the mesh's half size, and compared with
-# pairs that agree so many times less well.
+# Lengths agree if they differ by at most this times the mesh's half size: eight units of single
+# precision.  Chance is measured with a tolerance that is wider by the second number.
 TOLERANCE = 8 * 2.0**-23
 WIDER = 64
 
-# A modelled mesh has a twin for such a part of its triangles; at least so many times more pairs
-# than chance explains.  Meshes with noise of 0.05 of an edge and more have 0.000 to 0.001.
-LEAST_PART, LEAST_OVER_CHANCE = 0.1, 20.0
-
-# Contoured voxels repeat as well. They are made of few kinds of edges (27 of marching cubes), put
-# together to many more kinds of vertices, while models have fewer kinds of vertices than of edges;
-# and unlike boxes they face in many directions.
-MOST_KINDS_OF_EDGES = 100
-LEAST_KINDS_OF_VERTICES = 3  # for each kind of edges
-LEAST_DIRECTIONS = 9
+# Directions and edges are of one kind if they differ by at most this, relative to the longest edge.
 COARSE = 1e-3
 
 
@@ -57,6 +49,7 @@ def repetition(triangles: IntArray, positions: FloatArray) -> Repetition:
     positions : (n, 3)
         Centred: the tolerance follows the size of the numbers.
     """
+    tuned = parameters()
     if len(triangles) == 0:
         return Repetition()
     corners = positions[triangles]
@@ -64,10 +57,10 @@ def repetition(triangles: IntArray, positions: FloatArray) -> Repetition:
     tolerance = TOLERANCE * float(np.abs(corners).max())
     pairs = _others_alike(lengths, tolerance)
     part = float(np.mean(pairs > 0))
-    if part < LEAST_PART:
+    if part < tuned.least_repeated:
         return Repetition()
     by_chance = np.mean(_others_alike(lengths, WIDER * tolerance)) / WIDER**2
-    if np.mean(pairs) <= LEAST_OVER_CHANCE * by_chance:
+    if np.mean(pairs) <= tuned.least_over_chance * by_chance:
         return Repetition()
     return Repetition(part, _is_contour(triangles, positions))
 
@@ -81,20 +74,21 @@ def _others_alike(values: FloatArray, tolerance: float) -> IndexArray:
 
 def _is_contour(triangles: IntArray, positions: FloatArray) -> bool:
     """Tell if a mesh is the contour of a volume of whole voxels."""
+    tuned = parameters()
     corners = positions[triangles]
     edges = (corners - np.roll(corners, 1, axis=1)).reshape(-1, 3)
     longest = float(np.linalg.norm(edges, axis=1).max())
     n_edges = _n_kinds(edges / longest) if longest > 0 else 0
-    if not 0 < n_edges <= MOST_KINDS_OF_EDGES:
+    if not 0 < n_edges <= tuned.most_kinds_of_edges:
         return False
-    if _n_kinds(unit_vectors(triangle_normals(positions, triangles))) < LEAST_DIRECTIONS:
+    if _n_kinds(unit_vectors(triangle_normals(positions, triangles))) < tuned.least_directions:
         return False
     # Every triangle adds its two edges at a corner.
     opened = 2 * corners - np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)
     stands_out = np.zeros_like(positions)
     np.add.at(stands_out, triangles, opened / longest)
     used = np.unique(triangles)
-    return _n_kinds(stands_out[used]) >= LEAST_KINDS_OF_VERTICES * n_edges
+    return _n_kinds(stands_out[used]) >= tuned.least_kinds_of_vertices * n_edges
 
 
 def _n_kinds(vectors: FloatArray) -> int:

@@ -15,19 +15,14 @@ import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
+from ..parameters import parameters
 from .correlation import NoiseCorrelation
 from .order_decay import Fading
 
 # Passes of averaging that bound the bands, from narrow to wide.
 BANDS = ((0, 1), (1, 3), (3, 8))
-# Neighbourhoods whose band levels are compared, and the part of the surface that is quiet.
-AROUND, QUIET_PART = 30, 0.1
 # Passes of averaging of white noise that are tried.
 PASSES = (2, 4, 8, 16, 32)
-# Noise of 0.2 of an edge that is alike over two to three edges had an evenness of 0.62 to 0.93 on
-# 21 of 22 shapes, the clean shapes less than 0.6 on 19.  None of these was above the second limit
-# and the least level.  Coarse round shapes are as even: fewer vertices are no scan.
-MAY_BE_NOISE, LIKELY, LEAST_LEVEL, LEAST_VERTICES = 0.6, 0.75, 0.09, 4500
 
 
 class SmoothNoise(NamedTuple):
@@ -52,13 +47,14 @@ class SmoothNoise(NamedTuple):
     @property
     def may_be_noise(self) -> bool:
         """Whether it is as even as noise."""
-        return self.evenness >= MAY_BE_NOISE
+        return self.evenness >= parameters().least_evenness
 
     @property
     def is_likely(self) -> bool:
         """Whether it is more even, and stronger, than clean shapes are."""
-        is_strong = self.evenness >= LIKELY and self.level >= LEAST_LEVEL
-        return is_strong and self.n_counted >= LEAST_VERTICES
+        tuned = parameters()
+        is_strong = self.evenness >= tuned.likely_evenness and self.level >= tuned.likely_level
+        return is_strong and self.n_counted >= tuned.fewest_of_scan
 
 
 def smooth_noise(
@@ -75,10 +71,13 @@ def smooth_noise(
     is_counted : (n,) bool
         Vertices to judge from, at least one.
     """
+    tuned = parameters()
     white = _bands(frame.raised(fading.white), frame, is_counted)
     own = _bands(positions, frame, is_counted)
-    quiet, typical = (np.quantile(own, part, axis=1) for part in (QUIET_PART, 0.5))
-    white_quiet, white_typical = (np.quantile(white, part, axis=1) for part in (QUIET_PART, 0.5))
+    quiet, typical = (np.quantile(own, part, axis=1) for part in (tuned.quiet_fraction, 0.5))
+    white_quiet, white_typical = (
+        np.quantile(white, part, axis=1) for part in (tuned.quiet_fraction, 0.5)
+    )
     evenness = float(np.min((quiet / typical / (white_quiet / white_typical))[1:]))
     best = None
     for passes in PASSES:
@@ -98,12 +97,13 @@ def smooth_noise(
 
 def _bands(positions: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> FloatArray:
     """Local strength of the bands along the normals at the counted vertices, (k, m)."""
+    tuned = parameters()
     found = []
-    weight = np.maximum(frame.spread(is_counted.astype(float), AROUND), 1e-9)
+    weight = np.maximum(frame.spread(is_counted.astype(float), tuned.band_passes), 1e-9)
     for low, high in BANDS:
         near = frame.spread(positions, low)
         band = near - frame.spread(near, high - low)
         band = band - frame.spread(band, high)
         root = np.where(is_counted, np.sqrt(np.abs(frame.along_normal(band))), 0)
-        found.append(np.square(frame.spread(root, AROUND) / weight)[is_counted])
+        found.append(np.square(frame.spread(root, tuned.band_passes) / weight)[is_counted])
     return np.maximum(np.stack(found), 1e-12)

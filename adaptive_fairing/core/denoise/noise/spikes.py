@@ -14,23 +14,12 @@ from scipy.special import ndtri
 from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
-from .level import CLEAN_ROUGHNESS
+from ..parameters import parameters
 from .line_roughness import OppositeLines
 from .own_numbers import LINE_NOISE, own_noise
 
-# The noise is impulsive if the largest roughness is more, relative to the median, than normal
-# distributed noise explains.  Judged at the quietest places, where there are no features, at this
-# quantile.  Normal noise has a ratio of 1.04 to 1.12 on seven shapes, impulsive noise 1.7 to 2.3.
-# By chance it is uncertain by about 1.5 / √n for n values; more than twice that is allowed.
-QUIET_PART, QUIET_PASSES, TAIL = 0.3, 12, 0.95
-NORMAL_RATIO, IMPULSIVE_RATIO, CHANCE = 1.2, 1.5, 4.0
 
-# A spike stands out by so many times the median, and so many rounds take off one spike beside
-# another.
-STANDS_OUT, MOST_ROUNDS = 3.0, 40
-
-
-def impulsive_share(rough: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> float:
+def impulsive_certainty(rough: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> float:
     """Tell how surely noise is impulsive, from 0 to 1.
 
     Parameters
@@ -41,17 +30,18 @@ def impulsive_share(rough: FloatArray, frame: LocalFrame, is_counted: BoolArray)
     is_counted : (n,) bool
         Vertices to judge from.
     """
+    tuned = parameters()
     if not is_counted.any():
         return 0.0
-    root = frame.spread(np.where(is_counted, np.sqrt(rough), 0), QUIET_PASSES)
-    around = root / np.maximum(frame.spread(is_counted.astype(float), QUIET_PASSES), 1e-9)
-    is_quiet = is_counted & (around <= np.quantile(around[is_counted], QUIET_PART))
-    median, tail = np.quantile(rough[is_quiet], (0.5, TAIL))
+    root = frame.spread(np.where(is_counted, np.sqrt(rough), 0), tuned.calm_passes)
+    around = root / np.maximum(frame.spread(is_counted.astype(float), tuned.calm_passes), 1e-9)
+    is_quiet = is_counted & (around <= np.quantile(around[is_counted], tuned.calm_fraction))
+    median, tail = np.quantile(rough[is_quiet], (0.5, tuned.tail_quantile))
     if median <= 0:
         return 0.0
-    ratio = tail / median * ndtri(0.75) / ndtri((1 + TAIL) / 2)
-    least = NORMAL_RATIO + CHANCE / np.sqrt(np.count_nonzero(is_quiet))
-    return float(np.clip((ratio - least) / (IMPULSIVE_RATIO - NORMAL_RATIO), 0, 1))
+    ratio = tail / median * ndtri(0.75) / ndtri((1 + tuned.tail_quantile) / 2)
+    least = tuned.normal_ratio + tuned.ratio_chance / np.sqrt(np.count_nonzero(is_quiet))
+    return float(np.clip((ratio - least) / (tuned.impulsive_ratio - tuned.normal_ratio), 0, 1))
 
 
 def without_spikes(
@@ -67,16 +57,17 @@ def without_spikes(
     is_counted : (n,) bool
         Vertices that may be spikes.
     """
+    tuned = parameters()
     lines = OppositeLines(topology, frame)
     noise = frame.raised(own_noise(positions, frame, LINE_NOISE))
     unit = np.median(np.abs(lines.least_deviation(noise, lines.passing(positions)))[is_counted])
     result = positions.copy()
     centre = np.repeat(np.arange(topology.n_vertices), topology.ring_size)
-    for _ in range(MOST_ROUNDS):
+    for _ in range(tuned.most_spike_rounds):
         height = lines.least_deviation(result, lines.passing(result))
         size = np.where(is_counted, np.abs(height), 0)
-        level = max(float(np.median(size[is_counted])), CLEAN_ROUGHNESS * unit)
-        limit = STANDS_OUT * level / unit
+        level = max(float(np.median(size[is_counted])), tuned.clean_roughness * unit)
+        limit = tuned.spike_factor * level / unit
         around = np.zeros(len(result))
         np.maximum.at(around, centre, size[topology.ring])
         is_spike = (size > limit) & (size >= around)

@@ -8,8 +8,9 @@ from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.mesh_parts import MeshParts
 from adaptive_fairing.core.denoise.noise.level import beyond_clean, noise_model
-from adaptive_fairing.core.denoise.noise.order_decay import FADED, Fading
+from adaptive_fairing.core.denoise.noise.order_decay import Fading
 from adaptive_fairing.core.denoise.noise.roughness import Roughness
+from adaptive_fairing.core.denoise.parameters import PARAMETERS
 
 SHAPES = {"graded": meshes.graded_sphere(4), "torus": meshes.torus(48, 24)}
 EVERY_SHAPE = pytest.mark.parametrize("shape", SHAPES)
@@ -90,5 +91,5 @@ def test_few_vertices_of_white_noise_seem_to_fade_by_chance_and_are_not_taken_fo
     parts = np.array_split(np.arange(len(frame.spacing)), 40)
     counted = [np.isin(np.arange(len(frame.spacing)), part) for part in parts]
     kept = np.array([fading.of_mesh(part)[1] for part in counted])
-    assert np.count_nonzero(kept < FADED) >= 5
+    assert np.count_nonzero(kept < PARAMETERS.fading_kept) >= 5
     assert sum(fading.fades(part) for part in counted) <= 2

@@ -6,12 +6,9 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
-from adaptive_fairing.core.denoise.noise.correlation import (
-    SHARES,
-    NoiseCorrelation,
-    noise_correlation,
-)
+from adaptive_fairing.core.denoise.noise.correlation import NoiseCorrelation, noise_correlation
 from adaptive_fairing.core.denoise.noise.order_decay import Fading
+from adaptive_fairing.core.denoise.parameters import PARAMETERS
 
 SHAPES = {
     "sphere": meshes.icosphere(5),
@@ -24,11 +21,11 @@ def frame_of(vertices, faces):
     return LocalFrame.of(TriangleTopology(faces, len(vertices)), vertices, vertices)
 
 
-def noisy(vertices, faces, share, amplitude):
+def noisy(vertices, faces, coefficient, amplitude):
     """Positions, and the noise along the normals in local edge lengths."""
     frame = frame_of(vertices, faces)
     white = np.random.default_rng(4).normal(size=len(vertices))
-    noise = NoiseCorrelation(share).applied(white, frame)
+    noise = NoiseCorrelation(coefficient).applied(white, frame)
     noise *= amplitude / noise.std()
     return vertices + (noise * frame.spacing)[:, None] * frame.normals, noise
 
@@ -47,24 +44,24 @@ def test_white_noise_is_found_white(shape, amplitude):
     assert found(points, vertices, faces) == NoiseCorrelation()
 
 
-@pytest.mark.parametrize("share", [0.53, 0.55])
+@pytest.mark.parametrize("coefficient", [0.53, 0.55])
 @pytest.mark.parametrize("shape", SHAPES)
-def test_a_known_correlation_is_found(shape, share):
+def test_a_known_correlation_is_found(shape, coefficient):
     vertices, faces = SHAPES[shape]
-    points, _ = noisy(vertices, faces, share, 0.4)
+    points, _ = noisy(vertices, faces, coefficient, 0.4)
     correlation = found(points, vertices, faces)
     # Both noises are drawn, so what higher orders keep is uncertain by √2 / √n = 0.02 here, and the
-    # share by about twice that.
-    assert correlation.share == pytest.approx(share, abs=0.08)
+    # coefficient by about twice that.
+    assert correlation.coefficient == pytest.approx(coefficient, abs=0.08)
     white = np.random.default_rng(9).normal(size=len(vertices))
-    like_it = NoiseCorrelation(share).applied(white, frame_of(vertices, faces))
+    like_it = NoiseCorrelation(coefficient).applied(white, frame_of(vertices, faces))
     assert correlation.deviation == pytest.approx(like_it.std(), rel=0.08)
 
 
 def test_more_fading_than_that_of_staircases_is_that_of_the_shape():
     vertices, faces = SHAPES["sphere"]
     points, _ = noisy(vertices, faces, 0.7, 0.6)
-    assert found(points, vertices, faces).share == SHARES[-1]
+    assert found(points, vertices, faces).coefficient == PARAMETERS.most_correlation
 
 
 def test_correlation_keeps_a_constant():

@@ -6,8 +6,9 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoise.local_frame import LocalFrame, spacing_of
-from adaptive_fairing.core.denoise.noise.level import CLEAN_ROUGHNESS, beyond_clean, noise_model
+from adaptive_fairing.core.denoise.noise.level import beyond_clean, noise_model
 from adaptive_fairing.core.denoise.noise.roughness import Roughness
+from adaptive_fairing.core.denoise.parameters import PARAMETERS
 
 SPHERE = meshes.graded_sphere(4)
 
@@ -50,7 +51,7 @@ def test_known_noise_is_found(amplitude, per_edge):
 
 def test_a_clean_surface_has_none_beyond_what_clean_meshes_have():
     found = estimated(*SPHERE, SPHERE[0])
-    assert found.max() < CLEAN_ROUGHNESS
+    assert found.max() < PARAMETERS.clean_roughness
     assert not beyond_clean(found).any()
 
 
@@ -61,7 +62,7 @@ def test_a_feature_is_no_noise():
     wrinkled = vertices.copy()
     rough = densest[: len(vertices) // 4]
     wrinkled[rough] *= 1 + 0.01 * np.random.default_rng(3).normal(size=(len(rough), 1))
-    assert estimated(wrinkled, faces, vertices).max() < CLEAN_ROUGHNESS
+    assert estimated(wrinkled, faces, vertices).max() < PARAMETERS.clean_roughness
 
 
 def test_one_quiet_part_does_not_hide_the_noise_of_the_others():

@@ -6,9 +6,10 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame, spacing_of
-from adaptive_fairing.core.denoise.noise.level import CLEAN_ROUGHNESS, noise_model
+from adaptive_fairing.core.denoise.noise.level import noise_model
 from adaptive_fairing.core.denoise.noise.line_roughness import LineRoughness
 from adaptive_fairing.core.denoise.noise.roughness import Roughness
+from adaptive_fairing.core.denoise.parameters import PARAMETERS
 
 
 def plane(n=48):
@@ -51,8 +52,8 @@ def test_known_noise_is_found(amplitude):
 def test_a_grating_is_smooth_along_its_folds():
     points, flat, faces = grating()
     level, along_lines = levels(points, flat, faces)
-    assert level > 2 * CLEAN_ROUGHNESS
-    assert along_lines < CLEAN_ROUGHNESS / 4
+    assert level > 2 * PARAMETERS.clean_roughness
+    assert along_lines < PARAMETERS.clean_roughness / 4
 
 
 def test_noise_on_a_grating_is_noise():
@@ -79,6 +80,6 @@ def test_rough_corners_all_over_a_smooth_grating_are_no_clean_shape():
     steps = np.where(is_corner, 0.5 * spacing, 0)
     stepped = points + steps[:, None] * [0, 0, 1]
     _, along_lines = levels(stepped, flat, faces)
-    assert along_lines < CLEAN_ROUGHNESS
+    assert along_lines < PARAMETERS.clean_roughness
     result = denoise(stepped, faces, DenoiseSettings(boundary="free"))
     assert not np.array_equal(result.positions, stepped)

@@ -6,7 +6,7 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
-from adaptive_fairing.core.denoise.noise.spikes import impulsive_share, without_spikes
+from adaptive_fairing.core.denoise.noise.spikes import impulsive_certainty, without_spikes
 
 SHAPES = {"sphere": meshes.icosphere(4), "graded": meshes.graded_sphere(4)}
 
@@ -31,7 +31,7 @@ def with_spikes(shape, below=0.0, seed=0):
 def test_normal_noise_is_not_impulsive(shape, seed):
     _, frame = frame_of(shape)
     rough = np.abs(np.random.default_rng(seed).normal(size=len(frame.spacing)))
-    assert impulsive_share(rough, frame, np.ones(len(rough), dtype=bool)) == 0
+    assert impulsive_certainty(rough, frame, np.ones(len(rough), dtype=bool)) == 0
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -1,0 +1,96 @@
+"""Filters with names, and families of them that are computed together."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..linalg.krylov_filters import Diffusion
+from .lifted_metric import LiftedMetric
+from .normal_filter import Smoothing
+
+# What a filter does at creases. Those that see creases keep what stands out of the noise.
+KEEPS, SEES, ROUNDS = "keeps", "sees", "rounds"
+
+# Linear solves for the filters of one metric, about; for the progress alone.
+SOLVES_PER_METRIC = 9
+
+
+class Filter(NamedTuple):
+    """One filter of the bank.
+
+    Attributes
+    ----------
+    name : str
+        Its own among all filters of a run.
+    creases : str
+        `KEEPS`, `SEES` or `ROUNDS`.
+    """
+
+    name: str
+    creases: str
+
+    def serves(self, features: str) -> bool:
+        """Whether the setting "auto", "sharp" or "smooth" allows this filter."""
+        return features == "auto" or self.creases == {"sharp": KEEPS, "smooth": ROUNDS}[features]
+
+
+class FilterFamily(NamedTuple):
+    """Several diffusions in one metric.
+
+    Attributes
+    ----------
+    name : str
+    creases : str
+        As in `Filter`.
+    metric : LiftedMetric
+    diffusions : tuple of Diffusion
+    """
+
+    name: str
+    creases: str
+    metric: LiftedMetric
+    diffusions: tuple[Diffusion, ...]
+
+    @property
+    def filters(self) -> tuple[Filter, ...]:
+        """The filters, in the order of the diffusions."""
+        return tuple(
+            Filter(f"{self.name}: time {each.time:g}, order {each.order}", self.creases)
+            for each in self.diffusions
+        )
+
+    @property
+    def n_solves(self) -> int:
+        """Number of linear solves, about."""
+        return SOLVES_PER_METRIC
+
+    def scaled(self, factor: float) -> FilterFamily:
+        """Return the same diffusions with the metric's angle times a factor."""
+        if self.metric.angle is None:
+            return self
+        return self._replace(metric=self.metric._replace(angle=factor * self.metric.angle))
+
+
+class NormalFamily(NamedTuple):
+    """Fits to the normals of triangles, smoothed in several ways but not across creases."""
+
+    smoothings: tuple[Smoothing, ...]
+
+    @property
+    def filters(self) -> tuple[Filter, ...]:
+        """The filters, in the order of the smoothings and their passes."""
+        return tuple(
+            Filter(f"normals within {math.degrees(each.angle):g}°: {passes} passes", KEEPS)
+            for each in self.smoothings
+            for passes in each.passes
+        )
+
+    @property
+    def n_solves(self) -> int:
+        """Number of linear solves, about."""
+        return len(self.filters)
+
+    def scaled(self, factor: float) -> NormalFamily:
+        """Return itself: the angles of normals do not follow the noise."""
+        return self

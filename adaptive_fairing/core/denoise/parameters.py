@@ -1,0 +1,277 @@
+"""Every tuned number of the automatic method, and how a tool varies one of them.
+
+Functions read `parameters()` where they need a number.  `using` replaces the numbers for the code
+inside its block, in the calling thread only: tasks of a thread pool must get them as arguments.
+`python -m benchmarks.denoising.sensitivity` shows how the benchmark answers to each.
+
+Lengths are in local edge lengths, times in squared edge lengths, angles in radians.  All numbers
+together were chosen on the tuning shapes of `benchmarks/denoising`, for the most part with normal
+noise of 0.2.  A comment says what a number means and what it was found on; "by hand" if no
+measurement of it alone is recorded.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class DenoiseParameters:
+    """Tuned numbers, grouped by the module that reads them."""
+
+    # denoise: what the result says about creases. It does not change the positions.
+    # Normals beside a crease differ by at least this angle. By hand.
+    crease_angle: float = 0.6
+    # Smooth meshes have less than this fraction of creases among their edges. By hand.
+    smooth_crease_fraction: float = 0.02
+
+    # filter_bank: times, orders and steps of the diffusions.
+    # Times of the filters that every metric has; creases need these gentle ones. By hand.
+    gentle_times: tuple[float, ...] = (0.25, 1.0, 4.0)
+    # Order of accuracy of the gentle filters. By hand.
+    gentle_order: int = 2
+    # Times of the steep filters, for smooth shapes, whose waves end somewhere. By hand.
+    steep_times: tuple[float, ...] = (0.5, 1.2, 3.0)
+    # Order of accuracy of the steep filters. By hand.
+    steep_order: int = 4
+    # Steps of each gentle or steep filter. By hand.
+    diffusion_steps: int = 4
+    # Time, order and steps of the smoothing before the first metric of a surface. By hand.
+    first_time: float = 0.5
+    first_order: int = 2
+    first_steps: int = 2
+    # Relative residual of the filters' solves. A filter need not be exactly that of its formula,
+    # because what it removes is measured. With 0.01 the results were no better.
+    filter_tolerance: float = 0.05
+    # Time of the step that fits a surface to normals. By hand.
+    fit_time: float = 4.0
+    # Relative residual of that step's solve. By hand.
+    fit_tolerance: float = 1e-2
+    # Fraction of the flux through the rims that is not taken for bending. With 0 rims are drawn
+    # inwards, with 1 their noise stays. Found on an open mesh with slivers at its rims, where 0
+    # had an error larger by half.
+    rim_fraction: float = 0.5
+    # A vertex counts for at most this many times the others around it, and at least for one over
+    # this. By hand.
+    largest_weight: float = 8.0
+    # Passes of (3.6) over the edge length that is the unit in a metric. By hand.
+    spacing_passes: int = 3
+
+    # filter_rounds: metrics and normals of the rounds.
+    # Angle of the metrics of the second round, which see creases. By hand.
+    wide_angle: float = 0.3
+    # Angle of the metric of the third round, which keeps creases. By hand.
+    narrow_angle: float = 0.035
+    # Normals that turn further than this do not count, in the short smoothing. By hand.
+    short_fit_angle: float = math.radians(30)
+    # Passes of the short smoothing of normals, ascending. By hand.
+    short_fit_passes: tuple[int, ...] = (2, 8)
+    # Normals that turn further than this do not count, in the long smoothing. By hand.
+    long_fit_angle: float = math.radians(60)
+    # Passes of the long smoothing of normals, ascending. By hand.
+    long_fit_passes: tuple[int, ...] = (1, 3, 8, 20)
+    # The angles of the metrics are for this much noise or more. Less noise disturbs the normals
+    # less, and smaller angles tell creases from it. By hand.
+    coarse_noise: float = 0.2
+    # Little noise makes the angles smaller by this factor at most. By hand.
+    least_angle_factor: float = 0.1
+
+    # lifted_metric
+    # Fraction of the mass of linear elements that is moved to the diagonal. With 0 filters are
+    # unstable at rims of slivers; with 1 the error was 4 % larger.
+    lumped_fraction: float = 0.3
+
+    # mesh_parts
+    # In a mesh of fewer vertices that is rough, noise cannot be told from shape. By hand.
+    fewest_to_tell: int = 300
+    # In a mesh of fewer vertices nothing can be told. By hand.
+    fewest_vertices: int = 50
+    # Connected parts of as many vertices are judged each by itself, others together. By hand.
+    own_estimate: int = 400
+    # Passes of averaging over the neighbours for densities. By hand.
+    density_passes: int = 3
+
+    # mixing
+    # The risk is minimised for this multiple of the estimated noise. With 1 a little more noise is
+    # left than looks and measures best, because the estimate is a lower bound. Found on meshes with
+    # known noise.
+    noise_factor: float = 1.1
+    # Size of the probes: small against any noise, large against rounding. By hand.
+    probe_size: float = 0.02
+    # Responses to a probe are cut off this far from 1. They are about 1 at most, but leap where a
+    # probe folds a triangle over. By hand.
+    largest_response: float = 3.0
+
+    # normal_filter
+    # 1 + cos of the angle of a turn is at least this: turns by nearly half a circle have no
+    # shortest way. By hand.
+    least_opening: float = 0.1
+
+    # tangential_limit
+    # Vertices go this fraction of their way along the surface. Found on meshes with known noise: it
+    # was worth 4 % of the error and 7 % of the normals with noise of 0.05, 0 and 4 % with 0.2.
+    sliding_fraction: float = 0.75
+    # A triangle is upright if the cosine of its angle to the surface is more than this. By hand.
+    upright_cosine: float = 0.2
+    # An upright triangle is turned over if its cosine becomes less than this. By hand.
+    turned_cosine: float = 0.1
+    # Passes of averaging until noise and folds hardly disturb the normals. By hand.
+    normal_passes: int = 5
+    # Rounds in which the ways of a turned triangle's vertices are halved along the surface alone;
+    # later they are along the normal too. By hand.
+    sliding_rounds: int = 6
+    # Rounds of halving at most. By hand.
+    most_sliding_rounds: int = 32
+
+    # unbiased_risk: density classes.
+    # A class has at least this many vertices. By hand.
+    vertices_per_class: int = 200
+    # Classes at most. By hand.
+    most_classes: int = 3
+    # This fraction of the vertices lies beyond the first and the last class's middle. By hand.
+    class_margin: float = 0.05
+    # Middles of classes differ by more than this in the logarithm of the edge length; a mesh where
+    # they do not is even. By hand.
+    least_class_distance: float = 0.02
+
+    # noise/clean_detail: what looks like noise on a clean mesh.
+    # A mesh with creases everywhere is clean if this fraction of its vertices is no rougher along
+    # its lines than `corner_roughness`. Contoured voxels measure 0.65 or more there.
+    smooth_fraction: float = 0.9
+    corner_roughness: float = 0.3
+    # A shape of more vertices is not taken for a low-poly model. Decimated and modelled shapes of
+    # 400 to 3000 vertices were measured.
+    low_poly: int = 3000
+    # Neighbours in a model stand out alike by this correlation: white noise has 0, smooth shapes 1.
+    # Models measured 0.65 to 0.95; with noise of 0.2 at most 0.58, but for slivers.
+    least_bend_correlation: float = 0.6
+    # Models are less rough. They measured up to 0.25; slivers with noise seem rough by 0.8.
+    roughest_model: float = 0.4
+    # What keeps less in differences of high order is smoother than the edges of a model allow.
+    # By hand.
+    least_kept: float = 0.75
+    # Parts of fewer vertices, such as the eyes of a head, go with the whole. By hand.
+    small_part: int = 300
+    # Spikes leave at most this fraction of a model's triangles as they were; spikes at every fifth
+    # vertex leave half.
+    left_by_spikes: float = 0.6
+    # This fraction of a clean mesh's vertices may be rougher than clean meshes are: those with much
+    # shorter edges than others. By hand.
+    rough_fraction: float = 0.1
+
+    # noise/correlation
+    # Less roughness that fades is shape, which fades as well. Contoured voxels measure 0.13 to
+    # 0.18.
+    least_roughness: float = 0.11
+    # Largest coefficient of the neighbours' mean in noise. Contoured voxels fade as with 0.55 to
+    # 0.63, but the shape's own fading is in it.
+    most_correlation: float = 0.56
+
+    # noise/level
+    # Roughness that clean meshes have: they measure up to this in their quietest bin.
+    clean_roughness: float = 0.04
+    # Least number of vertices in a bin of density. By hand.
+    vertices_per_bin: int = 400
+    # The noise is taken to be above this fraction of the bins: features raise the level of some,
+    # a flat part or a rim may lower one. By hand.
+    fraction_below: float = 0.3
+    # This many vertices say as much as one would alone, because differences of neighbours have
+    # noise in common. By hand.
+    dependent_vertices: float = 3.0
+    # Minus the logarithm of the likelihood of one vertex is at most this: what lies further out
+    # than 2.4 standard deviations is a feature, whatever the noise. By hand.
+    most_unlikely: float = 3.0
+    # Gain of the logarithm of the likelihood within bins at which both noise models are as good.
+    # Noise that grows with the edges reached 2 on 22 shapes, mostly less than 0.5; noise of one
+    # amplitude 3 to 170, except on spheres of even rings, where it was 1 to 5.
+    least_gain: float = 1.5
+    # How sharply that gain decides. By hand.
+    gain_factor: float = 2.0
+
+    # noise/line_roughness
+    # A line from one neighbour to the opposite one passes its vertex at least this fraction of its
+    # length from either end. By hand.
+    line_margin: float = 0.2
+
+    # noise/order_decay
+    # What keeps less in differences of high order fades. White noise on many shapes keeps 0.92 to
+    # 1.05, staircases 0.71 to 0.85.
+    fading_kept: float = 0.9
+    # Few vertices may keep less by chance, 1 / √n. They fade if they keep less than `white_kept`
+    # minus `fading_deviations` / √n. By hand.
+    white_kept: float = 0.97
+    fading_deviations: float = 2.0
+
+    # noise/repeats: exact twins among triangles.
+    # A model has a twin for this fraction of its triangles. Meshes with noise of 0.05 and more have
+    # 0.000 to 0.001.
+    least_repeated: float = 0.1
+    # A model has this many times the pairs that chance explains. By hand.
+    least_over_chance: float = 20.0
+    # Contoured voxels have at most this many kinds of edges; marching cubes have 27.
+    most_kinds_of_edges: int = 100
+    # Contoured voxels have this many kinds of vertices for each kind of edges; models have fewer
+    # kinds of vertices than of edges. By hand.
+    least_kinds_of_vertices: float = 3.0
+    # Contoured voxels face in this many directions, unlike boxes. By hand.
+    least_directions: int = 9
+
+    # noise/smooth_noise
+    # Passes of averaging over the neighbourhoods whose bands are compared. By hand.
+    band_passes: int = 30
+    # This fraction of the surface is quiet. By hand.
+    quiet_fraction: float = 0.1
+    # Evenness from which a surface may have smooth noise. Noise of 0.2 that is alike over two to
+    # three edges had 0.62 to 0.93 on 21 of 22 shapes, clean shapes less than 0.6 on 19.
+    least_evenness: float = 0.6
+    # Evenness and level from which smooth noise is likely. No clean shape had both.
+    likely_evenness: float = 0.75
+    likely_level: float = 0.09
+    # Coarse round shapes are as even as noise: a mesh of fewer vertices is no scan. By hand.
+    fewest_of_scan: int = 4500
+
+    # noise/spikes
+    # Impulsive noise is judged at this quietest fraction of the vertices, without features. By
+    # hand.
+    calm_fraction: float = 0.3
+    # Passes of averaging that tell the quiet places. By hand.
+    calm_passes: int = 12
+    # Quantile of the roughness that is compared with its median. By hand.
+    tail_quantile: float = 0.95
+    # That ratio, over the one of a normal distribution, at which noise begins to count as
+    # impulsive, and at which it surely is. Normal noise has 1.04 to 1.12 on seven shapes, impulsive
+    # noise 1.7 to 2.3.
+    normal_ratio: float = 1.2
+    impulsive_ratio: float = 1.5
+    # The ratio of n values may be larger by this over √n. By chance it is uncertain by about 1.5
+    # over √n; more than twice that is allowed.
+    ratio_chance: float = 4.0
+    # A spike stands out by this many times the median. By hand.
+    spike_factor: float = 3.0
+    # Rounds that take off one spike beside another, at most. By hand.
+    most_spike_rounds: int = 40
+
+
+PARAMETERS = DenoiseParameters()
+"""What every run uses."""
+
+_current: ContextVar[DenoiseParameters] = ContextVar("denoise_parameters", default=PARAMETERS)
+
+
+def parameters() -> DenoiseParameters:
+    """Return the parameters of the present context: `PARAMETERS` outside of `using`."""
+    return _current.get()
+
+
+@contextmanager
+def using(replacement: DenoiseParameters) -> Iterator[None]:
+    """Run the block with other parameters, for experiments; other threads do not see them."""
+    token = _current.set(replacement)
+    try:
+        yield
+    finally:
+        _current.reset(token)

@@ -1,0 +1,91 @@
+"""Filters have names, and those of a later round follow what the rounds before it made."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import DenoiseSettings, PreparedMesh, denoise
+from adaptive_fairing.core.denoise.filter_bank import FilterBank
+from adaptive_fairing.core.denoise.filter_family import FilterFamily
+from adaptive_fairing.core.denoise.filter_rounds import all_families, rounds, rounds_for
+from adaptive_fairing.core.denoise.plan import STRENGTHS
+
+POINTS, FACES = meshes.noisy_ball(3, 0.03)
+
+
+@pytest.fixture(scope="module")
+def prepared():
+    return PreparedMesh(POINTS, FACES)
+
+
+def test_every_filter_has_a_name_of_its_own():
+    filters = [each for family in all_families() for each in family.filters]
+    assert len({each.name for each in filters}) == len(filters)
+
+
+@pytest.mark.parametrize("features, kind", [("sharp", "keeps"), ("smooth", "rounds")])
+def test_features_decide_which_filters_are_mixed(prepared, features, kind):
+    plan = denoise(POINTS, FACES, DenoiseSettings(features=features), prepared=prepared).plan
+    expected = tuple(each for family in all_families() for each in family.filters)
+    assert plan.filters == expected
+    used = {
+        each.creases for each, row in zip(plan.filters, plan.mixtures[2], strict=True) if row.any()
+    }
+    assert used == {kind}
+
+
+def test_a_metric_that_does_not_bend_rounds_creases_and_the_narrowest_keeps_them():
+    """What the families say of themselves agrees with the angles of their metrics."""
+    families = [family for family in all_families() if isinstance(family, FilterFamily)]
+    angles = {
+        kind: [family.metric.angle for family in families if family.creases == kind]
+        for kind in ("rounds", "sees", "keeps")
+    }
+    assert set(angles["rounds"]) == {None}
+    assert max(angles["keeps"]) < min(angles["sees"])
+
+
+def test_less_noise_makes_the_angles_smaller_in_proportion():
+    half, full = (rounds_for(np.full(5, level)) for level in (0.1, 0.2))
+    assert full == list(rounds())
+    for some, others in zip(half, full, strict=True):
+        for one, other in zip(some, others, strict=True):
+            assert one.filters == other.filters
+            if isinstance(one, FilterFamily) and other.metric.angle is not None:
+                assert one.metric.angle == pytest.approx(other.metric.angle / 2)
+
+
+def test_a_later_round_takes_its_metric_from_the_mixture_of_the_rounds_before(
+    prepared, monkeypatch
+):
+    """Each surface that a round's metrics are taken from, rebuilt from the filters before it."""
+    calls = []
+    filtered = FilterBank.filtered
+
+    def recorded(self, positions, surface, families):
+        found = list(filtered(self, positions, surface, families))
+        calls.append((positions, surface, [result for _, result in found]))
+        return iter(found)
+
+    monkeypatch.setattr(FilterBank, "filtered", recorded)
+    plan = denoise(POINTS, FACES, prepared=prepared).plan
+    surfaces = [surface for _, surface, _ in calls[::2]]  # the others are of the probes
+    calls.clear()
+    denoise(POINTS, FACES, prepared=prepared, plan=plan)
+    assert len(calls) == len(rounds()) == len(plan.pilots) + 1
+    for surface, (_, again, _) in zip(surfaces, calls, strict=True):
+        assert np.array_equal(surface, again)
+    positions = calls[0][0]
+    bank = FilterBank(prepared.surface.topology, positions, lambda report: None)
+    start, of_mesh = bank.started(positions)
+    np.testing.assert_allclose(calls[0][1], start, rtol=0, atol=1e-12)
+    so_far = [*of_mesh.values(), *calls[0][2]]
+    for pilot, (_, surface, results) in zip(plan.pilots, calls[1:], strict=True):
+        mixture = positions - sum(
+            row[:, None] * (positions - each) for row, each in zip(pilot, so_far, strict=True)
+        )
+        moved = np.linalg.norm(mixture - positions)
+        assert moved > 0
+        assert np.linalg.norm(surface - mixture) < 1e-6 * moved  # kept in single precision
+        so_far += results
+    assert plan.mixtures.shape[:2] == (len(STRENGTHS), len(so_far))

@@ -1,0 +1,83 @@
+"""Connected parts of a mesh have noise estimates of their own; small ones are judged together."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import TriangleTopology, denoise
+from adaptive_fairing.core.denoise.local_frame import LocalFrame
+from adaptive_fairing.core.denoise.mesh_parts import MeshParts
+from adaptive_fairing.core.denoise.noise.order_decay import Fading
+from adaptive_fairing.core.denoise.parameters import PARAMETERS, using
+
+BALL, FACES = meshes.icosphere(3)
+SMALL_BALL, SMALL_FACES = meshes.icosphere(2)
+
+
+def noisy(clean, faces, level, seed=0):
+    """Noise along the normals of a ball about the origin, in local edge lengths."""
+    spacing = LocalFrame.of(TriangleTopology(faces, len(clean)), clean, clean).spacing
+    heights = level * spacing * np.random.default_rng(seed).normal(size=len(clean))
+    return clean * (1 + heights[:, None])
+
+
+def side_by_side(*parts):
+    return meshes.merged(*((points + 9 * k, faces) for k, (points, faces) in enumerate(parts)))
+
+
+def levels_of(points, faces):
+    """Noise that is found, and the vertices of each part."""
+    topology = TriangleTopology(faces, len(points))
+    frame = LocalFrame.of(topology, points, points)
+    parts = MeshParts(topology, frame, np.zeros(len(points), dtype=bool))
+    return parts.noise(points, Fading(points, frame), 1.0).level
+
+
+def test_large_parts_have_estimates_of_their_own():
+    parts = [(noisy(BALL, FACES, level, seed), FACES) for seed, level in enumerate((0.1, 0.3))]
+    level = levels_of(*side_by_side(*parts))
+    first, second = level[: len(BALL)], level[len(BALL) :]
+    assert np.median(first) == pytest.approx(0.1, rel=0.2)
+    assert np.median(second) == pytest.approx(0.3, rel=0.2)
+
+
+def test_a_clean_part_stays_clean_beside_a_noisy_one():
+    points, faces = side_by_side((BALL, FACES), (noisy(BALL, FACES, 0.2), FACES))
+    moves = np.linalg.norm(denoise(points, faces).positions - points, axis=1)
+    assert moves[: len(BALL)].max() < 1e-3 * moves[len(BALL) :].max()
+    assert moves[len(BALL) :].max() > 0
+
+
+def test_small_parts_are_judged_together():
+    """One level for all of them, where each alone would be judged by its own."""
+    parts = [
+        (noisy(SMALL_BALL, SMALL_FACES, level, seed), SMALL_FACES)
+        for seed, level in enumerate((0.15, 0.4, 0.15, 0.4))
+    ]
+    n = len(SMALL_BALL)
+    assert n < PARAMETERS.own_estimate <= len(BALL)
+    points, faces = side_by_side(*parts)
+
+    def contrast():
+        level = levels_of(points, faces).reshape(-1, n)
+        of_part = np.median(level, axis=1)
+        return of_part[[1, 3]].mean() / of_part[[0, 2]].mean()
+
+    assert contrast() == pytest.approx(1, abs=0.1)
+    with using(replace(PARAMETERS, own_estimate=n)):
+        assert contrast() > 1.8
+
+
+def test_filters_are_chosen_in_every_part_by_its_noise():
+    """What a filter removes is the noise itself: its coefficient is 1 where there is noise."""
+    points, faces = side_by_side((BALL, FACES), (BALL, FACES))
+    topology = TriangleTopology(faces, len(points))
+    frame = LocalFrame.of(topology, points, points)
+    parts = MeshParts(topology, frame, np.zeros(len(points), dtype=bool))
+    removed = np.random.default_rng(0).normal(size=(1, len(points)))
+    variances = np.where(np.arange(len(points)) < len(BALL), 1.0, 0.0)[None]
+    (chosen,) = parts.best_coefficients(removed, np.ones_like(removed), variances)[0]
+    assert chosen[: len(BALL)].mean() == pytest.approx(1, abs=0.1)
+    assert not chosen[len(BALL) :].any()
