@@ -19,6 +19,7 @@ from adaptive_fairing.blender.files.mesh_files import (
     save_blend,
 )
 from adaptive_fairing.cli import main as cli
+from adaptive_fairing.cli import options
 from adaptive_fairing.core import DenoiseSettings, FairingSettings
 from adaptive_fairing.version import program_version
 
@@ -46,7 +47,7 @@ def run(*arguments, **options):
 
 
 def settings_for(*arguments):
-    return cli.settings_of(cli.parse(["in.ply", *arguments]))
+    return options.settings_of(options.parse(["in.ply", *arguments]))
 
 
 def error_of(capsys, *arguments, status):
@@ -151,7 +152,7 @@ def test_defaults_are_those_of_the_core():
 @pytest.mark.parametrize("name", ["tau", "steps", "density_passes"])
 def test_help_tells_the_defaults_of_the_core(name):
     option = f"--{name.replace('_', '-')}"
-    actions = cli.build_parser()._actions
+    actions = options.build_parser()._actions
     told = next(action.help for action in actions if option in action.option_strings)
     assert told.endswith(f"(default: {getattr(FairingSettings(), name)})")
 

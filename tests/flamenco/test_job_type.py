@@ -8,7 +8,7 @@ import pytest
 from support.flamenco import CompileError, JobType, check_definition
 
 from adaptive_fairing.batch.inputs import parse_frames
-from adaptive_fairing.cli import main as cli
+from adaptive_fairing.cli.options import DENSITIES, build_parser, parse
 from adaptive_fairing.core import DenoiseSettings, FairingSettings
 
 SCRIPT = Path(__file__).resolve().parents[2] / "flamenco" / "adaptive_fairing.js"
@@ -31,7 +31,7 @@ def program_arguments(task):
 
 def parsed(task):
     """What the program's own parser makes of a task; it must not refuse it."""
-    return cli.build_parser().parse_args(program_arguments(task))
+    return build_parser().parse_args(program_arguments(task))
 
 
 def test_the_definition_is_one_that_a_manager_takes(job_type):
@@ -81,10 +81,10 @@ def test_paths_may_start_at_the_blend_file(job_type):
 def test_choices_and_defaults_are_the_programs(job_type):
     by_key = {setting["key"]: setting for setting in job_type.definition["settings"]}
     options = {
-        option: action for action in cli.build_parser()._actions for option in action.option_strings
+        option: action for action in build_parser()._actions for option in action.option_strings
     }
     paper, denoise = FairingSettings(), DenoiseSettings()
-    density = next(name for name, value in cli.DENSITIES.items() if value == paper.density)
+    density = next(name for name, value in DENSITIES.items() if value == paper.density)
     defaults = {
         "method": options["--method"].default, "strength": denoise.strength, "tau": paper.tau,
         "steps": paper.steps, "density": density, "boundary": denoise.boundary,
@@ -162,7 +162,7 @@ def test_the_program_accepts_what_it_is_given(job_type, tmp_path, monkeypatch):
         {**here, "method": "uniform", "more_arguments": "--stop-curvature 0.5 --density-passes 2"},
     ):
         for task in job_type.submit(**{"mesh_count": 1, **settings}):
-            assert cli.parse(program_arguments(task)).plan is not None
+            assert parse(program_arguments(task)).plan is not None
 
 
 def test_the_extension_is_enabled_before_the_command(job_type):

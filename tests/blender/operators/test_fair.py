@@ -16,7 +16,7 @@ from adaptive_fairing.blender.properties import (
     fairing_settings,
     solver_settings,
 )
-from adaptive_fairing.cli import main as cli
+from adaptive_fairing.cli.options import parse, settings_of
 from adaptive_fairing.core import DenoiseSettings, FairingSettings, fair
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -51,7 +51,7 @@ class TestSettings:
 
     def test_panel_command_line_and_python_start_with_denoise(self):
         assert solver_settings(bpy.context.scene.adaptive_fairing) == DenoiseSettings()
-        assert cli.settings_of(cli.parse(["in.ply"])) == DenoiseSettings()
+        assert settings_of(parse(["in.ply"])) == DenoiseSettings()
 
     def test_the_papers_defaults_are_the_cores(self):
         bpy.context.scene.adaptive_fairing.method = "adaptive_timestep"
