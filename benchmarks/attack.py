@@ -1,6 +1,6 @@
 """Run the command line on malformed files of every format, and print what became of them.
 
-    python benchmarks/attack.py [--count 500] [--seed 0] [--alone 40]
+    python -m benchmarks.attack [--count 500] [--seed 0] [--alone 40]
 
 The files are made from one mesh: cut, with changed bytes or bits, with other numbers in their text,
 with pieces taken out, doubled or filled with zeros. All of them are a batch; those that ended a
@@ -22,7 +22,8 @@ from collections import Counter, defaultdict
 from pathlib import Path
 
 import numpy as np
-from mesh_files import read_mesh_file
+
+from .corpus import read_mesh_file
 
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = [sys.executable, "-m", "adaptive_fairing"]

@@ -8,13 +8,13 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).resolve().parents[2] / "benchmarks" / "attack.py"
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("seed", [0, 1])
 def test_no_malformed_file_does_harm(seed):
-    command = [sys.executable, SCRIPT, "--count", "500", "--seed", str(seed)]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    command = [sys.executable, "-m", "benchmarks.attack", "--count", "500", "--seed", str(seed)]
+    result = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
     assert result.returncode == 0, result.stdout
     assert "0 problems" in result.stdout

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ...core import InputError
 from . import modifier
 from .mesh_arrays import read_key, read_mesh_coordinates, write_positions
+from .run_record import remember_coordinates, set_strengths
 from .shape_keys import (
     animate_evolution,
     animated_frames,
@@ -130,12 +131,12 @@ def store_strengths(
     write_stored(obj.data, stored, with_original=way == "LIVE")
     record = obj.adaptive_fairing
     record.result = way
-    record.set_strengths(strengths, strength)
+    set_strengths(record, strengths, strength)
     if way == "MODIFIER":
         if obj.data.shape_keys is None:
             write_shown(obj, original)
         else:
-            record.remember_coordinates()
+            remember_coordinates(record)
         modifier.add(obj, stored.strengths, strength)
     else:
         write_shown(obj, shown_by(obj))

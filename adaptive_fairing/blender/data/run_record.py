@@ -88,9 +88,11 @@ def _strength(record: FairingRecord) -> float:
 def _set_strength(record: FairingRecord, value: float) -> None:
     if is_current(record.id_data):
         record.held = NOT_HELD
-        record.show_strength(value)
+        show_strength(record, value)
 
 
+# No methods: the bpy module of Blender 4.2 crashes at its end after a group of properties that has
+# some was unregistered.
 class FairingRecord(bpy.types.PropertyGroup):
     """The runs on an object that still count, and the measures of the last one.
 
@@ -153,56 +155,63 @@ class FairingRecord(bpy.types.PropertyGroup):
         options=set(),
     )
 
-    def set_strengths(self, strengths: Sequence[float], shown: float) -> None:
-        """Note the strengths of the stored offsets, and which one is shown."""
-        self.n_strengths = len(strengths)
-        self.strengths = [*strengths, *[0.0] * (N_STRENGTHS - len(strengths))]
-        self.stored_strength = shown
 
-    def show_strength(self, strength: float) -> None:
-        """Show a stored result at a strength. It must be current."""
-        obj = self.id_data
-        self.stored_strength = strength
-        if self.result == "MODIFIER":
-            modifier.set_strength(obj, strength)
-        else:
-            write_shown(obj, shown_by(obj))
-        if self.view in COMPARED_FIELDS:
-            from ...core import FairingSettings
-            from .coloring import color_by_field
+def set_strengths(record: FairingRecord, strengths: Sequence[float], shown: float) -> None:
+    """Note the strengths of the stored offsets, and which one is shown."""
+    record.n_strengths = len(strengths)
+    record.strengths = [*strengths, *[0.0] * (N_STRENGTHS - len(strengths))]
+    record.stored_strength = shown
 
-            color_by_field(obj, self.view, FairingSettings())
 
-    def has_slider(self) -> bool:
-        """Whether a slider runs from the original to the result."""
-        return self.result in ("LIVE", "MODIFIER") or evolution_keys(self.id_data) is not None
+def show_strength(record: FairingRecord, strength: float) -> None:
+    """Show a stored result at a strength. It must be current."""
+    obj = record.id_data
+    record.stored_strength = strength
+    if record.result == "MODIFIER":
+        modifier.set_strength(obj, strength)
+    else:
+        write_shown(obj, shown_by(obj))
+    if record.view in COMPARED_FIELDS:
+        from ...core import FairingSettings
+        from .coloring import color_by_field
 
-    def toggle_before(self) -> None:
-        """Show the original, or the result again."""
-        name = "evolution" if self.result == "KEYS" else "strength"
-        if self.held != NOT_HELD:
-            self.end_comparison()
-            return
-        held = getattr(self, name)
-        setattr(self, name, 0.0)
-        self.held = held
+        color_by_field(obj, record.view, FairingSettings())
 
-    def split_along(self, normal: Sequence[float], point: Sequence[float]) -> None:
-        """Show the original behind a plane, given in object space."""
-        self.is_split, self.split_normal, self.split_point = True, normal, point
-        update_shown(self.id_data)
 
-    def end_comparison(self) -> None:
-        """Show the whole result again."""
-        if self.held != NOT_HELD:
-            setattr(self, "evolution" if self.result == "KEYS" else "strength", self.held)
-        if self.is_split:
-            self.is_split = False
-            update_shown(self.id_data)
+def has_slider(record: FairingRecord) -> bool:
+    """Whether a slider runs from the original to the result."""
+    return record.result in ("LIVE", "MODIFIER") or evolution_keys(record.id_data) is not None
 
-    def remember_coordinates(self) -> None:
-        """Note that the coordinates of the mesh belong to the stored result."""
-        self.checksum = checksum(read_mesh_coordinates(self.id_data.data))
+
+def toggle_before(record: FairingRecord) -> None:
+    """Show the original, or the result again."""
+    name = "evolution" if record.result == "KEYS" else "strength"
+    if record.held != NOT_HELD:
+        end_comparison(record)
+        return
+    held = getattr(record, name)
+    setattr(record, name, 0.0)
+    record.held = held
+
+
+def split_along(record: FairingRecord, normal: Sequence[float], point: Sequence[float]) -> None:
+    """Show the original behind a plane, given in object space."""
+    record.is_split, record.split_normal, record.split_point = True, normal, point
+    update_shown(record.id_data)
+
+
+def end_comparison(record: FairingRecord) -> None:
+    """Show the whole result again."""
+    if record.held != NOT_HELD:
+        setattr(record, "evolution" if record.result == "KEYS" else "strength", record.held)
+    if record.is_split:
+        record.is_split = False
+        update_shown(record.id_data)
+
+
+def remember_coordinates(record: FairingRecord) -> None:
+    """Note that the coordinates of the mesh belong to the stored result."""
+    record.checksum = checksum(read_mesh_coordinates(record.id_data.data))
 
 
 def is_of_strengths(record: FairingRecord) -> bool:

@@ -10,6 +10,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
 from ..data.regions import refusal
+from ..data.run_record import end_comparison
 from ..properties import AUTO, SolverProperties, solver_settings
 from ..requirements import scipy_problem
 from .modal_run import ModalRun
@@ -81,7 +82,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
             settings = beside = replace(beside, method="adaptive_timestep")
         obj = context.active_object
         with object_mode(context):
-            obj.adaptive_fairing.end_comparison()
+            end_comparison(obj.adaptive_fairing)
             start = start_positions(obj, from_original=True).astype(float)
             data = MeshData(start, read_triangles(obj.data))
         tau = self.uniform_tau or equivalent_uniform_tau(data.vertices, data.triangles, beside)

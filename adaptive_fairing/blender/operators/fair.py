@@ -7,6 +7,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 
 from ..data.regions import refusal, target_objects, vertex_weights
+from ..data.run_record import end_comparison
 from ..properties import AUTO, OutputProperties, SolverProperties, solver_settings
 from ..requirements import scipy_problem
 from .modal_run import ModalRun, progress, stop_run
@@ -49,7 +50,7 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
         mode = objects[0].mode
         with object_mode(context):
             for obj in objects:
-                obj.adaptive_fairing.end_comparison()
+                end_comparison(obj.adaptive_fairing)
             return [self._solve(obj, mode, settings) for obj in objects]
 
     def conclude(self, context, solves, *, is_stopped):

@@ -7,6 +7,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
 from ..compatibility import weight_paint_settings
+from ..data.run_record import end_comparison, has_slider, split_along, toggle_before
 from ..data.stored_result import PAINT_GROUP, forget_weights, is_current
 from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
@@ -45,7 +46,7 @@ class _OnResult:
         obj = context.active_object
         prepare_undo(context)
         with object_mode(context):
-            obj.adaptive_fairing.end_comparison()
+            end_comparison(obj.adaptive_fairing)
             try:
                 end_view(obj)
                 action(obj)
@@ -93,12 +94,12 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
     def poll(cls, context):
         obj = context.active_object
         refusal = result_refusal(context)
-        if refusal is None and (obj.mode == "EDIT" or not obj.adaptive_fairing.has_slider()):
+        if refusal is None and (obj.mode == "EDIT" or not has_slider(obj.adaptive_fairing)):
             refusal = NO_SLIDER
         return is_allowed(cls, refusal, busy_refusal())
 
     def execute(self, context):
-        context.active_object.adaptive_fairing.toggle_before()
+        toggle_before(context.active_object.adaptive_fairing)
         return {"FINISHED"}
 
     def invoke(self, context, event):
@@ -112,11 +113,11 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
     def modal(self, context, event):
         if event.type != self._key or event.value != "RELEASE":
             return {"RUNNING_MODAL"}
-        context.active_object.adaptive_fairing.end_comparison()
+        end_comparison(context.active_object.adaptive_fairing)
         return {"FINISHED"}
 
     def cancel(self, context):
-        context.active_object.adaptive_fairing.end_comparison()
+        end_comparison(context.active_object.adaptive_fairing)
 
 
 class OBJECT_OT_adaptive_fairing_split(bpy.types.Operator):
@@ -139,7 +140,7 @@ class OBJECT_OT_adaptive_fairing_split(bpy.types.Operator):
         obj = context.active_object
         record = obj.adaptive_fairing
         if record.is_split:
-            record.end_comparison()
+            end_comparison(record)
             return {"FINISHED"}
         to_right = Vector((1.0, 0.0, 0.0))
         if context.region_data is not None:
@@ -147,7 +148,7 @@ class OBJECT_OT_adaptive_fairing_split(bpy.types.Operator):
         # A plane's normal goes from the world into the object by the transposed matrix.
         normal = (obj.matrix_world.to_3x3().transposed() @ to_right).normalized()
         corners = [Vector(corner) for corner in obj.bound_box]
-        record.split_along(normal, sum(corners, Vector()) / len(corners))
+        split_along(record, normal, sum(corners, Vector()) / len(corners))
         return {"FINISHED"}
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..data.run_record import is_of_strengths, result_measures
+from ..data.run_record import has_slider, is_of_strengths, result_measures
 from ..data.stored_result import is_current
 from ..operators.results import (
     OBJECT_OT_adaptive_fairing_apply,
@@ -61,7 +61,7 @@ def draw_result(context: bpy.types.Context, layout) -> None:
 
 def _draw_slider(column, record) -> None:
     """Draw the slider where the main one is not that of the result."""
-    if not record.has_slider():
+    if not has_slider(record):
         return
     is_keys = record.result == "KEYS"
     row = column.row()

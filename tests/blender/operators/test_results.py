@@ -7,6 +7,7 @@ from support.meshes import noisy_ball
 from support.objects import add_object, key_positions, select, shown_positions
 
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
+from adaptive_fairing.blender.data.run_record import end_comparison
 from adaptive_fairing.blender.data.shape_keys import animated_frames
 from adaptive_fairing.blender.data.stored_result import PAINT_GROUP
 from adaptive_fairing.blender.operators import following
@@ -403,7 +404,7 @@ class TestComparing:
         bpy.ops.object.adaptive_fairing_before()
         noisy.adaptive_fairing.strength = 0.5
         shown = coordinates(noisy)
-        noisy.adaptive_fairing.end_comparison()
+        end_comparison(noisy.adaptive_fairing)
         assert np.array_equal(coordinates(noisy), shown)
 
     def test_a_split_shows_both_and_a_run_ends_it(self, noisy):
