@@ -12,9 +12,8 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", [0, 1])
-def test_no_malformed_file_does_harm(seed):
-    command = [sys.executable, "-m", "benchmarks.attack", "--count", "500", "--seed", str(seed)]
+def test_no_malformed_file_does_harm():
+    command = [sys.executable, "-m", "benchmarks.attack", "--count", "500", "--seed", "0"]
     result = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=False)
     assert result.returncode == 0, result.stdout
     assert "0 problems" in result.stdout
