@@ -39,6 +39,34 @@ def known_options(operator: Callable[..., set[str]], options: dict[str, Any]) ->
     return {name: value for name, value in options.items() if name in properties}
 
 
+def modifier_input(modifier: bpy.types.NodesModifier, identifier: str) -> float:
+    """Read a number that a Geometry Nodes modifier hands to its nodes.
+
+    The inputs are custom properties until Blender 5.1, and properties of their own in 5.2.
+    """
+    if hasattr(modifier, "properties"):
+        return getattr(modifier.properties.inputs, identifier).value
+    return modifier[identifier]
+
+
+def set_modifier_input(modifier: bpy.types.NodesModifier, identifier: str, value: float) -> None:
+    """Set a number that a Geometry Nodes modifier hands to its nodes."""
+    if hasattr(modifier, "properties"):
+        getattr(modifier.properties.inputs, identifier).value = value
+    else:
+        modifier[identifier] = value
+
+
+def set_modifier_attribute(modifier: bpy.types.NodesModifier, identifier: str, name: str) -> None:
+    """Let an attribute or a vertex group stand for an input of a Geometry Nodes modifier."""
+    if hasattr(modifier, "properties"):
+        socket = getattr(modifier.properties.inputs, identifier)
+        socket.type, socket.attribute_name = "ATTRIBUTE", name
+    else:
+        modifier[f"{identifier}_use_attribute"] = True
+        modifier[f"{identifier}_attribute_name"] = name
+
+
 def weight_paint_settings(context: bpy.types.Context) -> bpy.types.UnifiedPaintSettings:
     """Give the settings of the brush in Weight Paint; since Blender 5.0 every mode has its own."""
     tools = context.tool_settings

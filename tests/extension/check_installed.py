@@ -253,8 +253,9 @@ def check_message(options: argparse.Namespace) -> str:
     else:
         raise AssertionError("the operator ran without scipy")
     assert "scipy" in message, message
-    command = importlib.import_module(f"{MODULE}.{EXTENSION}.blender.command")
-    status = command.run([str(options.work / "noisy.ply"), "-o", str(options.work / "none.ply")])
+    # In this process: another one, which the command would start, could have a scipy of its own.
+    program = importlib.import_module(f"{MODULE}.{EXTENSION}.cli.main")
+    status = program.main([str(options.work / "noisy.ply"), "-o", str(options.work / "none.ply")])
     assert status == 1, f"exit code {status}"
     return message.splitlines()[0]
 

@@ -10,6 +10,8 @@ from collections.abc import Sequence
 
 import bpy
 
+from .. import compatibility
+
 NAME = "Adaptive Fairing"
 STRENGTH, GROUP = "Strength", "Vertex Group"
 _KNOTS = "fairing_strengths"
@@ -59,22 +61,22 @@ def remove(obj: bpy.types.Object) -> None:
 def strength_of(obj: bpy.types.Object) -> float:
     """Read the strength of the modifier; 0 without one."""
     modifier = find(obj)
-    return 0.0 if modifier is None else modifier[_identifier(modifier, STRENGTH)]
+    if modifier is None:
+        return 0.0
+    return compatibility.modifier_input(modifier, _identifier(modifier, STRENGTH))
 
 
 def set_strength(obj: bpy.types.Object, strength: float) -> None:
     """Set the strength of the modifier."""
     modifier = find(obj)
-    modifier[_identifier(modifier, STRENGTH)] = strength
+    compatibility.set_modifier_input(modifier, _identifier(modifier, STRENGTH), strength)
     obj.update_tag()
 
 
 def set_group(obj: bpy.types.Object, name: str) -> None:
     """Let the weights of a vertex group scale the offset."""
     modifier = find(obj)
-    identifier = _identifier(modifier, GROUP)
-    modifier[f"{identifier}_use_attribute"] = True
-    modifier[f"{identifier}_attribute_name"] = name
+    compatibility.set_modifier_attribute(modifier, _identifier(modifier, GROUP), name)
     obj.update_tag()
 
 

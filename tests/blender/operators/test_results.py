@@ -6,6 +6,7 @@ import pytest
 from support.meshes import noisy_ball
 from support.objects import add_object, key_positions, select, shown_positions
 
+from adaptive_fairing.blender.compatibility import set_modifier_input
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
 from adaptive_fairing.blender.data.run_record import end_comparison
 from adaptive_fairing.blender.data.shape_keys import animated_frames
@@ -349,7 +350,7 @@ class TestModifier:
         sockets = modifier.node_group.interface.items_tree
         inputs = [each.name for each in sockets if each.in_out == "INPUT"]
         assert inputs == ["Geometry", "Strength", "Vertex Group"]
-        modifier[sockets["Strength"].identifier] = 0.5
+        set_modifier_input(modifier, sockets["Strength"].identifier, 0.5)
         noisy.update_tag()
         assert noisy.adaptive_fairing.strength == 0.5
         assert near(shown_positions(noisy), expected.at(0.5))
