@@ -1,4 +1,4 @@
-"""Compare method "auto" with the smoothers in use, on meshes whose clean surface is known.
+"""Compare `denoise` with the smoothers in use, on meshes whose clean surface is known.
 
     python -m benchmarks.denoising                             the held-out shapes, main noise
     python -m benchmarks.denoising --shapes gear foot --noise normal:0.1 correlated:0.2

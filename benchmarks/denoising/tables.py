@@ -113,7 +113,7 @@ def by_noise(standings: dict[str, tuple[int, Standing]]) -> str:
 
 
 def of_clean(entries: Sequence[Entry]) -> str:
-    """How far auto moves meshes without noise."""
+    """How far `denoise` moves meshes without noise."""
     rows = [
         [entry.pair.name, f"{entry.auto['moved']:.4f}", f"{entry.auto['mean']:.4f}"]
         for entry in entries

@@ -1,4 +1,4 @@
-"""Clean meshes of the benchmark, by name: what `method="auto"` was tuned on, and what was held out.
+"""Clean meshes of the benchmark, by name: what `denoise` was tuned on, and what was held out.
 
 All are made here, the same on every run with the same versions of pymeshlab and Blender.
 """
@@ -75,7 +75,7 @@ TUNING: Mapping[str, Shape] = {
     "gear_even": Shape("cad, even", lambda: machined.even(machined.gear, 0.06)),
     "steps_even": Shape("cad, even", lambda: machined.even(machined.steps, 0.08)),
 }
-"""What the parameters of method "auto" may be tuned on; from the foot on only since it had been
+"""What the parameters of `denoise` may be tuned on; from the foot on only since it had been
 measured on them without."""
 
 HELD_OUT: Mapping[str, Shape] = {
