@@ -1,5 +1,6 @@
 """Other processors have other BLAS kernels and numbers of threads; results are the same."""
 
+import os
 import subprocess
 import sys
 from functools import cache
@@ -8,8 +9,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support import meshes
-
-ROOT = Path(__file__).resolve().parents[2]
 
 # In units of an edge: far below what anybody sees, far above what sums in another order change.
 BOUND = 1e-6
@@ -45,7 +44,8 @@ SETTINGS = [
 def results(settings: tuple[tuple[str, str], ...]) -> np.ndarray:
     finished = subprocess.run(
         [sys.executable, "-c", PROGRAM],
-        env={"PATH": "", "PYTHONPATH": f"{ROOT}:{ROOT / 'tests'}", **dict(settings)},
+        # The search path of this process: beside a bpy module, numpy and scipy come by PYTHONPATH.
+        env={"PATH": "", "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), **dict(settings)},
         capture_output=True,
         check=False,
     )
