@@ -21,12 +21,8 @@ GERMAN = {
     "Suggest τ": "τ vorschlagen",
     "Select Problem Vertices": "Problempunkte auswählen",
     "Show Fairing Field": "Feld der Glättung zeigen",
-    "Back to Shading": "Zurück zur Schattierung",
     "Density": "Dichte",
-    "Region and Boundary": "Bereich und Rand",
     "Result": "Ergebnis",
-    "Results": "Ergebnisse",
-    "Stopping and Accuracy": "Abbruch und Genauigkeit",
     "Fairing Presets": "Glättungsvorgaben",
     "Colors": "Farben",
     "Comparison": "Vergleich",
@@ -60,10 +56,6 @@ GERMAN = {
     "triangles without area: what a run refuses, holds still or bounds": "Im Bearbeitungsmodus die "
     "Punkte des aktiven Netzes auswählen, die nicht endlich, nicht mannigfaltig oder an Dreiecken "
     "ohne Fläche sind: was ein Lauf ablehnt, festhält oder begrenzt",
-    "Smooth the noise out of the selected meshes by geometric diffusion that follows the density "
-    "of the mesh, and keep every step or strength": "Rauschen der gewählten Netze durch "
-    "geometrische Diffusion glätten, die der Dichte des Netzes folgt, und jeden Schritt oder jede "
-    "Stärke behalten",
     "Let the timeline run through the evolution of the active object": "Die Zeitleiste durch den "
     "Verlauf des aktiven Objekts laufen lassen",
     "Take the evolution of the active object off the timeline": "Den Verlauf des aktiven Objekts "
@@ -84,7 +76,6 @@ GERMAN = {
     "Netzes über den gewünschten Radius glätten",
     "Colour the selected meshes, as they are shown now, by a field": "Die gewählten Netze, wie "
     "sie gerade gezeigt werden, nach einem Feld einfärben",
-    "Show the 3D view as it was before the colours": "Die 3D-Ansicht zeigen wie vor den Farben",
     # Settings of the solver
     "Method": "Verfahren",
     "How the smoothing follows the density of the mesh": "Wie die Glättung der Dichte des Netzes "
@@ -172,11 +163,7 @@ GERMAN = {
     "Gewichte der Gruppe klein sind",
     "What the object gets": "Was das Objekt bekommt",
     "Evolution": "Verlauf",
-    "Every step, or strength, as an absolute shape key: one slider runs through them": "Jeder "
-    "Schritt oder jede Stärke als absolute Form: ein Regler läuft durch sie",
     "Relative Shape Keys": "Relative Formen",
-    "Every step, or strength, as a relative shape key, which exporters understand": "Jeder "
-    "Schritt oder jede Stärke als relative Form, die Exporter verstehen",
     "Final Shape Only": "Nur Endform",
     "Move the vertices; no shape keys": "Die Punkte bewegen; keine Formen",
     "Other Shape Keys": "Andere Formen",
@@ -188,8 +175,6 @@ GERMAN = {
     "Refuse": "Ablehnen",
     "Leave the object as it is and say so": "Das Objekt lassen, wie es ist, und das sagen",
     "Density Attribute": "Dichte-Attribut",
-    "Store the density of the last step as fairing_density and fairing_density_color": "Die "
-    "Dichte des letzten Schritts als fairing_density und fairing_density_color speichern",
     "From Frame": "Von Bild",
     "Frame that shows the mesh before the first step": "Bild, das das Netz vor dem ersten Schritt "
     "zeigt",
@@ -200,9 +185,6 @@ GERMAN = {
     "3 and more takes shapes of that size as well": "Gewünschter Glättungsradius in örtlichen "
     "Kantenlängen, alle Schritte zusammen: etwa 1 nimmt nur Rauschen, ab 3 gehen auch Formen "
     "dieser Größe",
-    "Run through the smoothing: from the mesh before (0) to the last step, or to the largest "
-    "strength (1)": "Durch die Glättung laufen: vom Netz davor (0) bis zum letzten Schritt oder "
-    "zur größten Stärke (1)",
     "Uniform τ": "Gleichmäßiges τ",
     "τ of the uniform copy; 0 takes the mean of τ times density of the other": "τ der "
     "gleichmäßigen Kopie; 0 nimmt das Mittel von τ mal Dichte der anderen",
@@ -255,8 +237,6 @@ GERMAN = {
     "Run": "Lauf",
     "Measuring…": "Wird gemessen …",
     "Not measured yet": "Noch nicht gemessen",
-    "Fair": "Glätten",
-    "Fair {:d} Objects": "{:d} Objekte glätten",
     "Stop at Curvature": "Enden bei Krümmung",
     "Stop at Rate": "Enden bei Rate",
     "Iterations": "Iterationen",
@@ -265,7 +245,9 @@ GERMAN = {
     "Stop, Keep Steps": "Anhalten, Schritte behalten",
     "Step {:d} of {:d}": "Schritt {:d} von {:d}",
     "Measuring the noise": "Rauschen wird gemessen",
-    "Removing noise: {:.0f} %": "Rauschen entfernen: {:.0f} %",
+    "Filtering {:d} of {:d}": "Filter {:d} von {:d}",
+    "Mixing the filters": "Filter werden gemischt",
+    "Measuring the result": "Ergebnis wird gemessen",
     "{:d} solver iterations  ·  H at {:.1f} %": "{:d} Iterationen  ·  H bei {:.1f} %",
     "stopping": "hält an",
     "Esc: stop": "Esc: anhalten",
@@ -273,10 +255,7 @@ GERMAN = {
     "Esc: stop, keep the finished steps": "Esc: anhalten, fertige Schritte behalten",
     "Step {:.1f} of {:d}": "Schritt {:.1f} von {:d}",
     "Strength {:.2f}": "Stärke {:.2f}",
-    "Chosen": "Gewählt",
-    "{:d} of {:d}, strength {:.4g}": "{:d} von {:d}, Stärke {:.4g}",
     "Noise": "Rauschen",
-    "Noise found": "Rauschen",
     "{:.3g} edges  ·  {:s}": "{:.3g} Kanten  ·  {:s}",
     "Radius used": "Radius",
     "{:.2f} edges": "{:.2f} Kanten",
@@ -286,10 +265,6 @@ GERMAN = {
     "Start": "Start",
     "End": "Ende",
     "Animate over Frames": "Über Bilder animieren",
-    "Curvature H": "Krümmung H",
-    "Before  {:.4g}": "Davor  {:.4g}",
-    "After  {:.4g}": "Danach  {:.4g}",
-    "{:.1f} % left": "noch {:.1f} %",
     "{:.2f} s, {:d} iterations": "{:.2f} s, {:d} Iterationen",
     "Ended by": "Ende",
     "Volume": "Volumen",
@@ -476,9 +451,6 @@ GERMAN = {
     "the object was deleted during the run": "das Objekt wurde während des Laufs gelöscht",
     "the mesh was changed during the run; nothing was written": "das Netz wurde während des Laufs "
     "geändert; nichts wurde geschrieben",
-    "the shape before the smoothing was not kept: choose another Result than Final Shape Only to "
-    "see this": "die Form vor dem Glätten wurde nicht aufgehoben: um dies zu sehen, ein anderes "
-    "Ergebnis als Nur Endform wählen",
     "the mesh is linked from another file: make it local to colour it": "das Netz ist aus einer "
     "anderen Datei verknüpft: zum Einfärben lokal machen",
     "Denoised {:d} vertices, {:.1f} s": "{:d} Punkte entrauscht, {:.1f} s",
