@@ -54,6 +54,7 @@ def test_disabling_takes_everything_back_twice():
             drawn = [getattr(getattr(bpy.types, m).draw, "_draw_funcs", []) for m in menus]
             return (
                 {n for n in dir(bpy.types) if "fairing" in n.lower()},
+                [h for h in handlers.load_post if "fairing" in h.__module__],
                 [h for h in handlers.load_pre if "fairing" in h.__module__],
                 [f for fs in drawn for f in fs if "fairing" in f.__module__],
                 hasattr(bpy.types.Scene, "adaptive_fairing"),
@@ -68,7 +69,7 @@ def test_disabling_takes_everything_back_twice():
             print(footprint())
         """
     )
-    assert printed[-2:] == [str((set(), [], [], False, False, []))] * 2
+    assert printed[-2:] == [str((set(), [], [], [], False, False, []))] * 2
 
 
 def test_without_scipy_it_registers_and_the_operator_says_what_to_do():

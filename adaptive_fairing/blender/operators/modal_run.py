@@ -16,6 +16,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..jobs.worker_thread import Worker
+from ..preferences import preferences
 
 if TYPE_CHECKING:
     from ...core import DenoiseProgress
@@ -230,7 +231,11 @@ class ModalRun:
 
     def _prepared(self, context: bpy.types.Context) -> list[Solve] | None:
         from ...core import FairingError
+        from ...core.runtime.threads import limit_threads
 
+        wanted = preferences()
+        if wanted is not None:
+            limit_threads(wanted.threads)
         try:
             return self.prepare(context)
         except FairingError as error:

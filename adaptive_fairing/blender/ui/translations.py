@@ -429,6 +429,17 @@ GERMAN = {
     "Take all that is rough for noise": "Alles Raue für Rauschen nehmen",
     "The animation of the evolution is removed with its shape keys": "Die Animation des Verlaufs "
     "entfällt mit seinen Formen",
+    # Preferences
+    "Threads": "Threads",
+    "What the panel of a new file is set to, and now that of this one": (
+        "Worauf das Bedienfeld einer neuen Datei steht, und jetzt das dieser Datei"
+    ),
+    "What Denoise gives an object in a new file, and now in this one": (
+        "Was Entrauschen einem Objekt in einer neuen Datei gibt, und jetzt in dieser"
+    ),
+    "Processors that a run may use; 0 takes all, but at most 8": (
+        "Prozessoren, die ein Lauf benutzen darf; 0 nimmt alle, aber höchstens 8"
+    ),
     # Messages
     "Change to Object Mode, Edit Mode or Sculpt Mode": "In den Objekt-, Bearbeitungs- oder "
     "Bildhauermodus wechseln",
