@@ -301,6 +301,8 @@ def _set_tau(settings: FairingSceneSettings, context: bpy.types.Context) -> None
 class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.PropertyGroup):
     """What the panel shows, one set per scene."""
 
+    __slots__ = ()  # Blender 5.2 warns of groups without
+
     radius: FloatProperty(
         name="Radius",
         description=(

@@ -42,6 +42,17 @@ def test_enabling_imports_neither_scipy_nor_the_core():
     assert printed[-1] == "[]"
 
 
+def test_blender_has_nothing_to_warn_of_even_in_debug_mode():
+    """Blender 5.2 wants groups of properties to have no attributes of their own."""
+    script = "import bpy; bpy.app.debug = bpy.app.debug_python = True\n"
+    script += "import adaptive_fairing.blender as addon\naddon.register()\naddon.unregister()"
+    done = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, cwd=ROOT, check=True
+    )
+    warnings = [line for line in done.stderr.splitlines() if "warning" in line.lower()]
+    assert warnings == []
+
+
 def test_disabling_takes_everything_back_twice():
     printed = in_a_fresh_blender(
         """

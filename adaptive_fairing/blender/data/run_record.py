@@ -49,6 +49,8 @@ class FairingShapeMeasures(bpy.types.PropertyGroup):
     `strength` is 0 for the steps of the paper's methods.
     """
 
+    __slots__ = ()  # Blender 5.2 warns of groups without
+
     strength: FloatProperty()
     curvature_energy: FloatProperty()
     area: FloatProperty()
@@ -99,6 +101,8 @@ class FairingRecord(bpy.types.PropertyGroup):
     `result` is described in `results`. `shown` is the number of the shape that is the result of
     the last run. From `noise` to `is_sharp` all is known of `denoise` only, see `DenoiseResult`.
     """
+
+    __slots__ = ()
 
     result: StringProperty()
     checksum: StringProperty(description="Of the coordinates that belong to the stored result")
