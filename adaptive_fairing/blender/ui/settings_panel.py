@@ -152,7 +152,10 @@ def hints(obj: bpy.types.Object, settings) -> list[str]:
         found.append("The animation of the evolution is removed with its shape keys")
     if any(each.type == "MULTIRES" for each in obj.modifiers):
         found.append("Multiresolution: the base mesh is smoothed, not the sculpted levels")
-    elif any(each.name != "Adaptive Fairing" and each.show_viewport for each in obj.modifiers):
+    elif any(
+        not each.name.startswith("Adaptive Fairing") and each.show_viewport
+        for each in obj.modifiers
+    ):
         found.append("Modifiers stay above: the mesh below them is smoothed")
     low, high = min(obj.scale), max(obj.scale)
     if high - low > 0.01 * max(abs(low), abs(high)):

@@ -296,9 +296,11 @@ GERMAN = {
         "Das Netz genau auf den Stand vor den Läufen zurückbringen"
     ),
     "Change to Weight Paint with the vertex group Fairing: weight 0 brings the original "
-    "back, 1 shows the result; once more leaves it": (
+    "back, 1 shows the result; once more leaves it. In Sculpt Mode bring the original back where "
+    "the mask is": (
         "In die Gewichtsmalerei mit der Scheitelpunktgruppe Fairing wechseln: Gewicht 0 bringt "
-        "das Original zurück, 1 zeigt das Ergebnis; noch einmal verlässt sie"
+        "das Original zurück, 1 zeigt das Ergebnis; noch einmal verlässt sie. Im Bildhauermodus "
+        "das Original zurückbringen, wo die Maske ist"
     ),
     "Curvature Energy H": "Krümmungsenergie H",
     "Every step as a relative shape key": "Jeder Schritt als relative Form",
@@ -310,8 +312,8 @@ GERMAN = {
         "Die gezeigte Form behalten und alles andere entfernen, was die Läufe hinterlassen "
         "haben: gespeicherte Formen, Formschlüssel, Modifikator, Farben"
     ),
-    "Leave Edit Mode to change the strength": (
-        "Den Bearbeitungsmodus verlassen, um die Stärke zu ändern"
+    "Leave Edit Mode to move the slider": (
+        "Den Bearbeitungsmodus verlassen, um den Regler zu bewegen"
     ),
     "Noise {:s}": "Rauschen {:s}",
     "Paint with weight 0 to bring the original back": (
@@ -343,7 +345,11 @@ GERMAN = {
         "Auf der linken Hälfte des Objekts, wie es jetzt zu sehen ist, das Original zeigen und "
         "rechts das Ergebnis; noch einmal zeigt das ganze Ergebnis"
     ),
-    "Split works with the result Live": "Teilen geht mit dem Ergebnis Direkt",
+    "Leave Edit Mode to compare with the original": (
+        "Den Bearbeitungsmodus verlassen, um mit dem Original zu vergleichen"
+    ),
+    "Mask Back": "Maske zurück",
+    "Mask where the original is to come back": "Maskieren, wo das Original zurückkommen soll",
     "Start from the shape before the first run, and discard what the runs have done since; "
     "otherwise start from the shape that is shown": (
         "Mit der Form vor dem ersten Lauf beginnen und verwerfen, was die Läufe seither getan "

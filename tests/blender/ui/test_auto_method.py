@@ -109,6 +109,18 @@ class TestPanel:
         names = [each["name"].removeprefix("object.adaptive_fairing") for each in drawn.operators]
         assert names == ["", "_before", "_split", "_paint", "_apply", "_discard"]
 
+    @pytest.mark.parametrize("method", ["auto", "uniform"])
+    def test_in_edit_mode_its_slider_is_there_but_stands_still(self, noisy, method):
+        run()
+        bpy.context.scene.adaptive_fairing.method = method
+        bpy.ops.object.mode_set(mode="EDIT")
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert drawn.properties.count("strength") == 1
+        assert drawn.disabled == ["strength"]
+        assert "Leave Edit Mode to move the slider" in " ".join(drawn.texts)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert draw(settings_panel.VIEW3D_PT_adaptive_fairing).disabled == []
+
     def test_a_mesh_that_was_changed_is_told_and_has_no_slider(self, noisy):
         run()
         noisy.data.vertices[0].co.x += 1.0
