@@ -20,7 +20,7 @@ from .results_panel import active_record, change_text
 
 
 def live_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:
-    """Give the record of the active object if its strength can be changed, if not now in Edit Mode."""
+    """Give the record of the active object if its strength is a slider; in Edit Mode it stands."""
     record = active_record(context)
     if record is None or record.result not in ("LIVE", "MODIFIER"):
         return None
