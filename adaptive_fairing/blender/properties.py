@@ -21,6 +21,9 @@ AUTO = "auto"
 FALLBACK_METHOD = "adaptive_timestep"
 """The method of the paper where one is needed beside `AUTO`."""
 
+CONTEXT = "Adaptive Fairing"
+"""Translation context of texts that Blender would translate by another meaning, or too long."""
+
 DENOISE_NAMES = ("strength", "features", "boundary", "clean")
 """Settings of `denoise`, by their names in `DenoiseSettings`."""
 
@@ -76,6 +79,7 @@ class SolverProperties:
     )
     features: EnumProperty(
         name="Edges",
+        translation_context=CONTEXT,
         description="Whether the smoothing keeps sharp edges",
         items=(
             ("auto", "Automatic", "Decide in every part of the mesh what fits better"),
@@ -108,6 +112,7 @@ class SolverProperties:
     )
     steps: IntProperty(
         name="Steps",
+        translation_context=CONTEXT,
         description="How many steps to take; each one is kept",
         default=4,
         min=1,
@@ -116,6 +121,7 @@ class SolverProperties:
     )
     density: EnumProperty(
         name="Measure",
+        translation_context=CONTEXT,
         description="What the density of the mesh is measured by",
         items=(
             ("edge_length", "Edge Length", "Mean length of the edges at a vertex"),
@@ -138,6 +144,7 @@ class SolverProperties:
     )
     boundary: EnumProperty(
         name="Boundary",
+        translation_context=CONTEXT,
         description="What happens to the rim of an open mesh",
         items=(
             ("fixed", "Fixed", "Boundary vertices stay exactly where they are"),
@@ -214,6 +221,7 @@ class OutputProperties:
     )
     vertex_group: StringProperty(
         name="Vertex Group",
+        translation_context=CONTEXT,
         description="Smooth by the weights of this group; empty for the whole mesh",
     )
     invert_vertex_group: BoolProperty(

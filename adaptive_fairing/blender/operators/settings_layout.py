@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..properties import AUTO
+from ..properties import AUTO, CONTEXT
 from .tau import OBJECT_OT_adaptive_fairing_suggest_tau
 
 
@@ -87,6 +87,6 @@ def draw_accuracy(layout, properties) -> None:
     column.prop(properties, "stop_rate", text=iface_("Stop at Rate"))
     column = layout.column(align=True)
     column.prop(properties, "cg_tolerance")
-    column.prop(properties, "cg_max_iterations", text=iface_("Iterations"))
+    column.prop(properties, "cg_max_iterations", text=iface_("Iterations", CONTEXT))
     column.prop(properties, "quadrature_tolerance", text=iface_("Integration"))
     layout.prop(properties, "normalize")

@@ -86,4 +86,5 @@ def result_text(context: bpy.types.Context, record: bpy.types.PropertyGroup) -> 
     volume = change_text(first.volume, last.volume)
     if volume != "–":
         parts.append(iface_("volume {:s}").format(volume))
-    return "  ·  ".join(parts)
+    # A line breaks between the parts only.
+    return " · ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in parts)
