@@ -55,6 +55,31 @@ GERMAN = {
     "Refined to {:d} triangles": "Verfeinert auf {:d} Dreiecke",
     "The object is linked from another file: make it local first": "Das Objekt ist aus einer "
     "anderen Datei verknüpft: erst lokal machen",
+    # Surface of a result
+    "Surface": "Fläche",
+    "Choose the mesh that shows the result. Strength, Evolution, painting and the animation work "
+    "on each of them, and Discard brings the original mesh back": "Das Netz wählen, das das "
+    "Ergebnis zeigt. Stärke, Verlauf, Malen und Animation gehen auf jedem, und Verwerfen bringt "
+    "das ursprüngliche Netz zurück",
+    "The mesh that shows the result": "Das Netz, das das Ergebnis zeigt",
+    "Control Mesh": "Kontrollnetz",
+    "The mesh itself, as it was denoised": "Das Netz selbst, wie es entrauscht wurde",
+    "Its vertices on the smooth surface that it stands for": "Seine Punkte auf der glatten "
+    "Fläche, für die es steht",
+    "Refined 1": "Verfeinert 1",
+    "Refined 2": "Verfeinert 2",
+    "Refined 3": "Verfeinert 3",
+    "Each triangle in 4, with all vertices on the smooth surface": "Jedes Dreieck in 4, alle "
+    "Punkte auf der glatten Fläche",
+    "Each triangle in 16, with all vertices on the smooth surface": "Jedes Dreieck in 16, alle "
+    "Punkte auf der glatten Fläche",
+    "Each triangle in 64, with all vertices on the smooth surface": "Jedes Dreieck in 64, alle "
+    "Punkte auf der glatten Fläche",
+    "The refined mesh was changed by hand: it stays in the file as {!r}": "Das verfeinerte Netz "
+    "wurde von Hand geändert: es bleibt als {!r} in der Datei",
+    "Hold Sharp Edges": "Scharfe Kanten halten",
+    "Vertices of edges that are marked sharp stay where they are": "Punkte von Kanten, die als "
+    "scharf markiert sind, bleiben, wo sie sind",
     # Tooltips of operators
     "Select, in Edit Mode, the vertices of the active mesh that are not finite, not manifold or at "
     "triangles without area: what a run refuses, holds still or bounds": "Im Bearbeitungsmodus die "
