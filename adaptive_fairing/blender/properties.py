@@ -229,6 +229,11 @@ class OutputProperties:
         description="Smooth where the weights of the group are small instead",
         default=False,
     )
+    hold_sharp: BoolProperty(
+        name="Hold Sharp Edges",
+        description="Vertices of edges that are marked sharp stay where they are",
+        default=False,
+    )
     from_original: BoolProperty(
         name="From Original",
         description=(

@@ -112,7 +112,15 @@ class TestPanel:
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
         assert any(text.endswith("+0.00\N{NO-BREAK SPACE}%") for text in drawn.texts)
         names = [each["name"].removeprefix("object.adaptive_fairing") for each in drawn.operators]
-        assert names == ["", "_before", "_split", "_paint", "_apply", "_discard"]
+        assert names == ["", "_before", "_split", "_paint", "_surface", "_apply", "_discard"]
+
+    def test_the_surface_that_is_shown(self, noisy):
+        run()
+        for surface, text in (("REFINED_2", "Refined 2"), ("CONTROL", "Control Mesh")):
+            bpy.ops.object.adaptive_fairing_surface(surface=surface)
+            drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+            (button,) = [each for each in drawn.operators if each["name"].endswith("_surface")]
+            assert button["text"] == text
 
     def test_a_mesh_that_was_changed_is_told_and_has_no_slider(self, noisy):
         run()
