@@ -50,6 +50,8 @@ class FairingShapeMeasures(bpy.types.PropertyGroup):
     `strength` is 0 for the steps of the paper's methods.
     """
 
+    __slots__ = ()  # Blender 5.2 warns of groups without
+
     strength: FloatProperty()
     curvature_energy: FloatProperty()
     area: FloatProperty()
@@ -100,6 +102,8 @@ class FairingRecord(bpy.types.PropertyGroup):
     `result` is described in `results`. `shown` is the number of the shape that is the result of
     the last run. From `noise` to `is_sharp` all is known of `denoise` only, see `DenoiseResult`.
     """
+
+    __slots__ = ()
 
     result: StringProperty()
     surface: StringProperty(description="Identifier of SURFACES in `shown_surface`, or empty")
