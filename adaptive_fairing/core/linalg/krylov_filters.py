@@ -163,7 +163,7 @@ class _Space:
         return newest
 
     def add(self, vector: RealArray) -> bool:
-        """Add the part of a vector (3, n) that is not in the space; False if there is hardly any."""
+        """Add what of a vector (3, n) is not in the space; False if there is hardly any."""
         done = self.n_directions
         rest = vector.reshape(1, -1).copy()
         within = 0.0
