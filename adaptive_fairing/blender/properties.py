@@ -21,6 +21,9 @@ AUTO = "auto"
 FALLBACK_METHOD = "adaptive_timestep"
 """The method of the paper where one is needed beside `AUTO`."""
 
+CONTEXT = "Adaptive Fairing"
+"""Translation context of texts that Blender would translate by another meaning, or too long."""
+
 LIVE = "LIVE"
 """The result of `denoise` as the mesh's own coordinates."""
 
@@ -95,6 +98,7 @@ class SolverProperties:
     )
     features: EnumProperty(
         name="Edges",
+        translation_context=CONTEXT,
         description="Whether the smoothing keeps sharp edges",
         items=(
             ("auto", "Automatic", "Decide in every part of the mesh what fits better"),
@@ -127,6 +131,7 @@ class SolverProperties:
     )
     steps: IntProperty(
         name="Steps",
+        translation_context=CONTEXT,
         description="How many steps to take; each one is kept",
         default=4,
         min=1,
@@ -135,6 +140,7 @@ class SolverProperties:
     )
     density: EnumProperty(
         name="Measure",
+        translation_context=CONTEXT,
         description="What the density of the mesh is measured by",
         items=(
             ("edge_length", "Edge Length", "Mean length of the edges at a vertex"),
@@ -157,6 +163,7 @@ class SolverProperties:
     )
     boundary: EnumProperty(
         name="Boundary",
+        translation_context=CONTEXT,
         description="What happens to the rim of an open mesh",
         items=(
             ("fixed", "Fixed", "Boundary vertices stay exactly where they are"),
@@ -233,11 +240,17 @@ class OutputProperties:
     )
     vertex_group: StringProperty(
         name="Vertex Group",
+        translation_context=CONTEXT,
         description="Smooth by the weights of this group; empty for the whole mesh",
     )
     invert_vertex_group: BoolProperty(
         name="Invert",
         description="Smooth where the weights of the group are small instead",
+        default=False,
+    )
+    hold_sharp: BoolProperty(
+        name="Hold Sharp Edges",
+        description="Vertices of edges that are marked sharp stay where they are",
         default=False,
     )
     from_original: BoolProperty(

@@ -20,6 +20,7 @@ from ...core import InputError
 from . import modifier, split
 from .attributes import remove_density
 from .mesh_arrays import read_key, read_mesh_coordinates, write_positions
+from .rollback import remove_mesh
 from .run_record import forget, remember_coordinates, set_strengths, split_along
 from .shape_keys import (
     animate_evolution,
@@ -231,12 +232,21 @@ def show_split(obj: bpy.types.Object, normal: Sequence[float], point: Sequence[f
     split.add(obj, original, (original - np.float32(point)) @ np.float32(normal) < 0)
 
 
+def drop_control(obj: bpy.types.Object) -> None:
+    """Forget the control mesh of a refined one."""
+    record = obj.adaptive_fairing
+    control, record.control = record.control, None
+    if control is not None and control.users == 0:
+        remove_mesh(control)
+
+
 def clear(obj: bpy.types.Object) -> None:
     """Remove everything that runs have left on an object; the coordinates stay, or the Basis.
 
     A colour view must be over, see `coloring.end_view`.
     """
     record = obj.adaptive_fairing
+    drop_control(obj)
     modifier.remove(obj)
     if record.result:
         group = obj.vertex_groups.get(PAINT_GROUP)

@@ -13,6 +13,7 @@ from bpy.props import (
     FloatProperty,
     FloatVectorProperty,
     IntProperty,
+    PointerProperty,
     StringProperty,
 )
 
@@ -105,6 +106,11 @@ class FairingRecord(bpy.types.PropertyGroup):
     __slots__ = ()
 
     result: StringProperty()
+    surface: StringProperty(description="Identifier of SURFACES in `shown_surface`, or empty")
+    control: PointerProperty(
+        type=bpy.types.Mesh, description="Control mesh, while the object has a refined one"
+    )
+    refined_print: StringProperty(description="Of the refined mesh as it was made")
     checksum: StringProperty(description="Of the coordinates that belong to the stored result")
     strengths: FloatVectorProperty(size=N_STRENGTHS)
     n_strengths: IntProperty()

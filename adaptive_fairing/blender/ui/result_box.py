@@ -13,6 +13,8 @@ from ..operators.results import (
     OBJECT_OT_adaptive_fairing_discard,
     OBJECT_OT_adaptive_fairing_paint,
     OBJECT_OT_adaptive_fairing_split,
+    OBJECT_OT_adaptive_fairing_surface,
+    surface_name,
 )
 from ..properties import AUTO
 from .layouts import draw_lines, world_length_text
@@ -56,6 +58,10 @@ def draw_result(context: bpy.types.Context, layout) -> None:
         is_painting = obj.mode == "WEIGHT_PAINT"
         paint = OBJECT_OT_adaptive_fairing_paint.bl_idname
         row.operator(paint, text=text, depress=is_painting)
+    split = column.split(factor=0.35)
+    split.label(text="Surface")
+    name = OBJECT_OT_adaptive_fairing_surface.bl_idname
+    split.operator_menu_enum(name, "surface", text=iface_(surface_name(record)))
     row = column.row(align=True)
     row.operator(OBJECT_OT_adaptive_fairing_apply.bl_idname, icon="CHECKMARK")
     row.operator(OBJECT_OT_adaptive_fairing_discard.bl_idname, icon="X")
@@ -89,4 +95,5 @@ def result_text(context: bpy.types.Context, record: bpy.types.PropertyGroup) -> 
     volume = change_text(first.volume, last.volume)
     if volume != "–":
         parts.append(iface_("volume {:s}").format(volume))
-    return "  ·  ".join(parts)
+    # A line breaks between the parts only.
+    return " · ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in parts)

@@ -15,7 +15,7 @@ from ..operators.settings_layout import (
     draw_options,
 )
 from ..operators.tau import OBJECT_OT_adaptive_fairing_measure
-from ..properties import AUTO, OUTPUT_NAMES, copy_settings, copy_solver
+from ..properties import AUTO, CONTEXT, OUTPUT_NAMES, copy_settings, copy_solver
 from ..requirements import scipy_problem
 from .layouts import FairingPanel, draw_lines
 from .presets import VIEW3D_PT_adaptive_fairing_presets
@@ -111,7 +111,7 @@ def _draw_radii(layout, scale, settings) -> None:
     total = scale.radii(settings.tau * settings.steps)
     titles = [iface_(text) for text in ("Densest", "Typical", "Coarsest")]
     rows = [("", titles)]
-    for name, radii in ((iface_("Step"), one), (iface_("Run"), total)):
+    for name, radii in ((iface_("Step", CONTEXT), one), (iface_("Run"), total)):
         rows.append((name, [f"{radius:.2f}" for radius in radii]))
     column = layout.column(align=True)
     for name, cells in rows:
@@ -127,7 +127,7 @@ def _draw_run(context, layout, settings) -> None:
     objects = target_objects(context) if message is None else []
     row = layout.row()
     row.scale_y = 1.6
-    text = iface_("Denoise") if settings.method == AUTO else iface_("Diffuse")
+    text = iface_("Denoise" if settings.method == AUTO else "Diffuse", CONTEXT)
     if len(objects) > 1:
         text = iface_("{:s} {:d} Objects").format(text, len(objects))
     draw_run_button(row, settings, text=text, icon="MOD_SMOOTH")

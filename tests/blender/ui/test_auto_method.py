@@ -101,13 +101,26 @@ class TestPanel:
         noise = f"{float(f'{2 * 100 * record.noise_length:.3g}'):g} cm"
         first, last = record.shapes[0], record.shapes[record.shown]
         volume = 100 * (last.volume / first.volume - 1)
-        line = f"Noise {noise}  ·  smoothed {record.radius:.2g} edges  ·  volume {volume:+.2f} %"
-        assert line in " ".join(drawn.texts).replace("   ", "  ")
+        parts = (
+            f"Noise {noise}",
+            f"smoothed {record.radius:.2g} edges",
+            f"volume {volume:+.2f} %",
+        )
+        text = " ".join(drawn.texts)
+        assert " · ".join(parts) in text.replace("\N{NO-BREAK SPACE}", " ")
         record.strength = 0.0
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-        assert "volume +0.00 %" in " ".join(drawn.texts)
+        assert any(text.endswith("+0.00\N{NO-BREAK SPACE}%") for text in drawn.texts)
         names = [each["name"].removeprefix("object.adaptive_fairing") for each in drawn.operators]
-        assert names == ["", "_before", "_split", "_paint", "_apply", "_discard"]
+        assert names == ["", "_before", "_split", "_paint", "_surface", "_apply", "_discard"]
+
+    def test_the_surface_that_is_shown(self, noisy):
+        run()
+        for surface, text in (("REFINED_2", "Refined 2"), ("CONTROL", "Control Mesh")):
+            bpy.ops.object.adaptive_fairing_surface(surface=surface)
+            drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+            (button,) = [each for each in drawn.operators if each["name"].endswith("_surface")]
+            assert button["text"] == text
 
     @pytest.mark.parametrize("method", ["auto", "uniform"])
     def test_in_edit_mode_its_slider_is_there_but_stands_still(self, noisy, method):
