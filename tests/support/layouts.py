@@ -52,7 +52,7 @@ class FakeLayout:
         getattr(search_data, search_name)
         self.prop(data, name)
 
-    def operator(self, name, *, text="", icon="NONE", depress=False, emboss=True):
+    def operator(self, name, *, text="", icon="NONE", depress=False, emboss=True, translate=True):
         known_icon(icon)
         category, _, function = name.partition(".")
         names = getattr(getattr(bpy.ops, category), function).get_rna_type().properties.keys()

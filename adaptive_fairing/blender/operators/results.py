@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
@@ -14,6 +15,7 @@ from ..data.vertex_groups import add_weights
 from ..requirements import scipy_problem
 from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
+from .questions import Asking
 
 SURFACES = (
     ("CONTROL", "Control Mesh", "The mesh itself, as it was denoised"),
@@ -66,7 +68,14 @@ class _OnResult:
         return {"FINISHED"}
 
 
-class OBJECT_OT_adaptive_fairing_apply(_OnResult, bpy.types.Operator):
+class _EndOfResult(Asking, _OnResult):
+    """Mix-in: after this the result is no more."""
+
+    def invoke(self, context, event):
+        return self.ask(context, iface_(self.bl_label)) or self.execute(context)
+
+
+class OBJECT_OT_adaptive_fairing_apply(_EndOfResult, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_apply"
     bl_label = "Apply"
     bl_description = (
@@ -85,7 +94,7 @@ class OBJECT_OT_adaptive_fairing_apply(_OnResult, bpy.types.Operator):
         return self.finish(context, keep)
 
 
-class OBJECT_OT_adaptive_fairing_discard(_OnResult, bpy.types.Operator):
+class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_discard"
     bl_label = "Discard"
     bl_description = "Bring the mesh back to exactly what it was before the runs"
