@@ -55,6 +55,9 @@ class FakeLayout:
         self.drawn.operators.append(chosen)
         return _OperatorProperties(set(names), chosen)
 
+    def operator_menu_enum(self, name, property_name, *, text="", icon="NONE"):
+        self.operator(name, text=text, icon=icon).__setattr__(property_name, None)
+
     def popover(self, *, panel, icon, text):
         getattr(bpy.types, panel)
 

@@ -6,6 +6,7 @@ if nothing else uses it.  That is what *Make Single User* does before a destruct
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 
 import bpy
@@ -17,9 +18,15 @@ from ...core.surface.cut_surface import CutSurface, cut_surface
 from ...core.surface.refined_mesh import edge_keys
 from ...core.surface.refined_net import RefinedNet
 from . import mesh_building
-from .attribute_arrays import AttributeArray, read_attributes, read_boolean, read_float
+from .attribute_arrays import (
+    AttributeArray,
+    read_attributes,
+    read_boolean,
+    read_float,
+    write_attribute,
+)
 from .key_copies import read_keys, write_keys
-from .mesh_arrays import flat_float32, read_positions
+from .mesh_arrays import flat_float32, read_positions, write_positions
 from .vertex_groups import read_groups, write_groups
 
 FloatArray = NDArray[np.float64]
@@ -54,7 +61,9 @@ class RefineOptions:
     exact_normals: bool = True
 
 
-def refine_object(obj: bpy.types.Object, options: RefineOptions) -> tuple[str, ...]:
+def refine_object(
+    obj: bpy.types.Object, options: RefineOptions, shapes: Collection[str] = ()
+) -> tuple[str, ...]:
     """Give an object a refined mesh.
 
     Parameters
@@ -62,6 +71,9 @@ def refine_object(obj: bpy.types.Object, options: RefineOptions) -> tuple[str, .
     obj
         Local mesh object in Object Mode.
     options
+    shapes
+        Names of vector attributes of the points that are places, or differences of places, and
+        are refined as the positions are.  Normals then follow motions.
 
     Returns
     -------
@@ -77,19 +89,23 @@ def refine_object(obj: bpy.types.Object, options: RefineOptions) -> tuple[str, .
     source = _Source(mesh, options.sharp_creases)
     net = RefinedNet(source.cut, options.levels)
     keys = read_keys(mesh)
-    shapes = keys.positions if keys is not None else [read_positions(mesh)]
-    refined = [_refined_positions(net, shape, options.on_limit) for shape in shapes]
-    normals = _normals(net, shapes[0]) if options.exact_normals else None
+    positions = keys.positions if keys is not None else [read_positions(mesh)]
+    refined = [_refined_positions(net, each, options.on_limit) for each in positions]
+    normals = _normals(net, positions[0]) if options.exact_normals else None
+    moves = bool(shapes) or keys is not None or len(obj.modifiers) > 0
+    attributes = [
+        array._replace(values=_refined_positions(net, array.values, options.on_limit))
+        if array.name in shapes
+        else array._replace(values=source.refined(net, array))
+        for array in read_attributes(mesh, RENEWED)
+        if options.levels or array.name in shapes
+    ]
     if options.levels == 0:
-        _move_vertices(obj, refined)
+        _move_vertices(obj, refined, attributes)
         if normals is not None and len(normals) == len(mesh.vertices):
-            mesh_building.write_normals(obj.data, normals, follow_motion=_moves(obj))
+            mesh_building.write_normals(obj.data, normals, follow_motion=moves)
         return source.cut.notes
     groups = read_groups(obj)
-    attributes = [
-        array._replace(values=source.refined(net, array))
-        for array in read_attributes(mesh, RENEWED)
-    ]
 
     new = mesh.copy()
     new.clear_geometry()
@@ -102,7 +118,7 @@ def refine_object(obj: bpy.types.Object, options: RefineOptions) -> tuple[str, .
     write_groups(obj, [group.with_weights(net.of_points) for group in groups])
     new.update()
     if normals is not None:
-        mesh_building.write_normals(new, normals, follow_motion=keys is not None or _moves(obj))
+        mesh_building.write_normals(new, normals, follow_motion=moves)
     if keys is not None:
         write_keys(obj, keys, refined)
     _retire(mesh, new)
@@ -159,16 +175,17 @@ class _Source:
         return np.concatenate([net.of_edges(values, self.ends, inside), values[self._is_loose]])
 
 
-def _refined_positions(
-    net: RefinedNet, positions: FloatArray, on_limit: bool
-) -> NDArray[np.float32]:
+def _refined_positions(net: RefinedNet, positions: NDArray, on_limit: bool) -> NDArray[np.float32]:
     levels = net.cut.levels
-    control = levels.control_points(positions[net.cut.vertex_of], net.levels)
+    start = positions[net.cut.vertex_of].astype(np.float64, copy=False)
+    control = levels.control_points(start, net.levels)
     refined = levels.limit_points(control) if on_limit else control[-1]
     return net.joined(refined).astype(np.float32)
 
 
-def _move_vertices(obj: bpy.types.Object, shapes: list[NDArray[np.float32]]) -> None:
+def _move_vertices(
+    obj: bpy.types.Object, shapes: list[NDArray[np.float32]], attributes: list[AttributeArray]
+) -> None:
     """Put the vertices of all shapes elsewhere, on a mesh that is the object's own."""
     if obj.data.users - obj.data.use_fake_user > 1:
         obj.data = obj.data.copy()
@@ -176,13 +193,9 @@ def _move_vertices(obj: bpy.types.Object, shapes: list[NDArray[np.float32]]) -> 
     if mesh.shape_keys is not None:
         for block, shape in zip(mesh.shape_keys.key_blocks, shapes, strict=True):
             block.points.foreach_set("co", flat_float32(shape, mesh))
-    mesh.attributes["position"].data.foreach_set("vector", flat_float32(shapes[0], mesh))
-    mesh.update()
-
-
-def _moves(obj: bpy.types.Object) -> bool:
-    """Whether keys or modifiers move the vertices after their normals are known."""
-    return obj.data.shape_keys is not None or len(obj.modifiers) > 0
+    for array in attributes:
+        write_attribute(mesh, array)
+    write_positions(mesh, shapes[0])
 
 
 def _normals(net: RefinedNet, positions: FloatArray) -> FloatArray:

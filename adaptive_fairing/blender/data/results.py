@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ...core import InputError
 from . import modifier
 from .mesh_arrays import read_key, read_mesh_coordinates, write_positions
+from .rollback import remove_mesh
 from .run_record import remember_coordinates, set_strengths
 from .shape_keys import (
     animate_evolution,
@@ -208,8 +209,17 @@ def discard(obj: bpy.types.Object) -> None:
         write_positions(obj.data, original)
 
 
+def drop_control(obj: bpy.types.Object) -> None:
+    """Forget the control mesh of a refined one."""
+    record = obj.adaptive_fairing
+    control, record.control = record.control, None
+    if control is not None and control.users == 0:
+        remove_mesh(control)
+
+
 def clear(obj: bpy.types.Object) -> None:
     """Remove everything that runs have left on an object; the coordinates stay, or the Basis."""
+    drop_control(obj)
     modifier.remove(obj)
     if obj.adaptive_fairing.result:
         group = obj.vertex_groups.get(PAINT_GROUP)

@@ -13,6 +13,7 @@ from bpy.props import (
     FloatProperty,
     FloatVectorProperty,
     IntProperty,
+    PointerProperty,
     StringProperty,
 )
 
@@ -48,6 +49,8 @@ class FairingShapeMeasures(bpy.types.PropertyGroup):
 
     `strength` is 0 for the steps of the paper's methods.
     """
+
+    __slots__ = ()  # Blender 5.2 warns of groups without
 
     strength: FloatProperty()
     curvature_energy: FloatProperty()
@@ -100,7 +103,14 @@ class FairingRecord(bpy.types.PropertyGroup):
     the last run. From `noise` to `is_sharp` all is known of `denoise` only, see `DenoiseResult`.
     """
 
+    __slots__ = ()
+
     result: StringProperty()
+    surface: StringProperty(description="Identifier of SURFACES in `shown_surface`, or empty")
+    control: PointerProperty(
+        type=bpy.types.Mesh, description="Control mesh, while the object has a refined one"
+    )
+    refined_print: StringProperty(description="Of the refined mesh as it was made")
     checksum: StringProperty(description="Of the coordinates that belong to the stored result")
     strengths: FloatVectorProperty(size=N_STRENGTHS)
     n_strengths: IntProperty()

@@ -53,6 +53,16 @@ def read_groups(obj: bpy.types.Object) -> list[GroupWeights]:
     ]
 
 
+def same_groups(first: Sequence[GroupWeights], second: Sequence[GroupWeights]) -> bool:
+    """Whether groups have the same names, locks, members and weights, in the same order."""
+    return len(first) == len(second) and all(
+        (a.name, a.is_locked) == (b.name, b.is_locked)
+        and np.array_equal(a.weights, b.weights)
+        and np.array_equal(a.is_member, b.is_member)
+        for a, b in zip(first, second, strict=True)
+    )
+
+
 def write_groups(obj: bpy.types.Object, groups: Sequence[GroupWeights]) -> None:
     """Give an object whose mesh has no groups these, the active one as it was."""
     active = obj.vertex_groups.active_index

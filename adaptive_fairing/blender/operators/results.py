@@ -9,8 +9,17 @@ from mathutils import Vector
 from ..compatibility import weight_paint_settings
 from ..data.run_record import end_comparison, has_slider, split_along, toggle_before
 from ..data.stored_result import PAINT_GROUP, forget_weights, is_current
+from ..requirements import scipy_problem
 from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
+
+SURFACES = (
+    ("CONTROL", "Control Mesh", "The mesh itself, as it was denoised"),
+    ("LIMIT", "Limit Points", "Its vertices on the smooth surface that it stands for"),
+    ("REFINED_1", "Refined 1", "Each triangle in 4, with all vertices on the smooth surface"),
+    ("REFINED_2", "Refined 2", "Each triangle in 16, with all vertices on the smooth surface"),
+    ("REFINED_3", "Refined 3", "Each triangle in 64, with all vertices on the smooth surface"),
+)
 
 NO_RESULT = "The active object has no result of Adaptive Fairing that can still be changed"
 NO_SLIDER = "Only a result with a slider can be compared with the original"
@@ -41,14 +50,12 @@ class _OnResult:
     def finish(self, context, action):
         """Do something with the result in Object Mode, and come back."""
         from ...core import FairingError
-        from ..data.coloring import end_view
 
         obj = context.active_object
         prepare_undo(context)
         with object_mode(context):
             end_comparison(obj.adaptive_fairing)
             try:
-                end_view(obj)
                 action(obj)
             except FairingError as error:
                 self.report({"ERROR"}, str(error))
@@ -65,9 +72,14 @@ class OBJECT_OT_adaptive_fairing_apply(_OnResult, bpy.types.Operator):
     )
 
     def execute(self, context):
+        from ..data.coloring import end_view
         from ..data.results import apply
 
-        return self.finish(context, apply)
+        def keep(obj):
+            end_view(obj)
+            apply(obj)
+
+        return self.finish(context, keep)
 
 
 class OBJECT_OT_adaptive_fairing_discard(_OnResult, bpy.types.Operator):
@@ -76,9 +88,61 @@ class OBJECT_OT_adaptive_fairing_discard(_OnResult, bpy.types.Operator):
     bl_description = "Bring the mesh back to exactly what it was before the runs"
 
     def execute(self, context):
+        from ..data.coloring import end_view
         from ..data.results import discard
+        from ..data.shown_surface import show_control
 
-        return self.finish(context, discard)
+        def undo(obj):
+            end_view(obj)
+            report_kept(self, show_control(obj))
+            discard(obj)
+
+        return self.finish(context, undo)
+
+
+class OBJECT_OT_adaptive_fairing_surface(_OnResult, bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_surface"
+    bl_label = "Surface"
+    bl_description = (
+        "Choose the mesh that shows the result. Strength, Evolution, painting and the animation "
+        "work on each of them, and Discard brings the original mesh back"
+    )
+
+    surface: bpy.props.EnumProperty(
+        name="Surface",
+        description="The mesh that shows the result",
+        items=SURFACES,
+        default="CONTROL",
+    )
+
+    @classmethod
+    def poll(cls, context):
+        problems = result_refusal(context), busy_refusal(), scipy_problem()
+        return is_allowed(cls, *problems)
+
+    def execute(self, context):
+        from ..data.shown_surface import show_surface
+
+        def show(obj):
+            notes, kept = show_surface(obj, self.surface)
+            report_kept(self, kept)
+            for note in notes:
+                self.report({"WARNING"}, f"{obj.name}: {note}")
+
+        return self.finish(context, show)
+
+
+def surface_name(record: bpy.types.PropertyGroup) -> str:
+    """Name the surface that shows a result."""
+    shown = "CONTROL" if record.control is None else record.surface
+    return next(name for identifier, name, *_ in SURFACES if identifier == shown)
+
+
+def report_kept(operator: bpy.types.Operator, name: str | None) -> None:
+    """Say that a refined mesh stays in the file, see `shown_surface.show_control`."""
+    if name is not None:
+        text = rpt_("The refined mesh was changed by hand: it stays in the file as {!r}")
+        operator.report({"WARNING"}, text.format(name))
 
 
 class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
@@ -196,6 +260,7 @@ _keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
 _CLASSES = (
     OBJECT_OT_adaptive_fairing_apply,
     OBJECT_OT_adaptive_fairing_discard,
+    OBJECT_OT_adaptive_fairing_surface,
     OBJECT_OT_adaptive_fairing_before,
     OBJECT_OT_adaptive_fairing_split,
     OBJECT_OT_adaptive_fairing_paint,

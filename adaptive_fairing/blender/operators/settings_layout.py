@@ -66,6 +66,7 @@ def draw_region(layout, properties, obj) -> None:
         row.prop(properties, "vertex_group")
     row.prop(properties, "invert_vertex_group", text="", icon="ARROW_LEFTRIGHT")
     layout.prop(properties, "boundary")
+    layout.prop(properties, "hold_sharp")
 
 
 def draw_output(layout, properties) -> None:

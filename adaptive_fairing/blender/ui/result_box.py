@@ -13,6 +13,8 @@ from ..operators.results import (
     OBJECT_OT_adaptive_fairing_discard,
     OBJECT_OT_adaptive_fairing_paint,
     OBJECT_OT_adaptive_fairing_split,
+    OBJECT_OT_adaptive_fairing_surface,
+    surface_name,
 )
 from ..properties import AUTO
 from .layouts import draw_lines, world_length_text
@@ -54,6 +56,10 @@ def draw_result(context: bpy.types.Context, layout) -> None:
     if not is_keys:
         is_painting = obj.mode == "WEIGHT_PAINT"
         row.operator(OBJECT_OT_adaptive_fairing_paint.bl_idname, depress=is_painting)
+    split = column.split(factor=0.35)
+    split.label(text="Surface")
+    name = OBJECT_OT_adaptive_fairing_surface.bl_idname
+    split.operator_menu_enum(name, "surface", text=iface_(surface_name(record)))
     row = column.row(align=True)
     row.operator(OBJECT_OT_adaptive_fairing_apply.bl_idname, icon="CHECKMARK")
     row.operator(OBJECT_OT_adaptive_fairing_discard.bl_idname, icon="X")

@@ -14,7 +14,7 @@ from adaptive_fairing.blender.jobs.frame_sequence import run_frames
 from adaptive_fairing.blender.jobs.solve import Solve, run_solves
 from adaptive_fairing.blender.operators import modal_run
 from adaptive_fairing.blender.ui import results_panel, sequence_panel, settings_panel
-from adaptive_fairing.core import DenoiseSettings, FairingSettings, denoise
+from adaptive_fairing.core import DenoiseProgress, DenoiseSettings, FairingSettings, denoise
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -112,7 +112,15 @@ class TestPanel:
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
         assert any(text.endswith("+0.00\N{NO-BREAK SPACE}%") for text in drawn.texts)
         names = [each["name"].removeprefix("object.adaptive_fairing") for each in drawn.operators]
-        assert names == ["", "_before", "_split", "_paint", "_apply", "_discard"]
+        assert names == ["", "_before", "_split", "_paint", "_surface", "_apply", "_discard"]
+
+    def test_the_surface_that_is_shown(self, noisy):
+        run()
+        for surface, text in (("REFINED_2", "Refined 2"), ("CONTROL", "Control Mesh")):
+            bpy.ops.object.adaptive_fairing_surface(surface=surface)
+            drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+            (button,) = [each for each in drawn.operators if each["name"].endswith("_surface")]
+            assert button["text"] == text
 
     def test_a_mesh_that_was_changed_is_told_and_has_no_slider(self, noisy):
         run()
@@ -160,10 +168,10 @@ class TestRun:
 
         until = 2.0
 
-        def note_progress(self, part):
-            self.parts = [*getattr(self, "parts", []), part]
-            self.is_cancelled = part >= self.until
-            super().note_progress(part)
+        def note_progress(self, progress):
+            self.parts = [*getattr(self, "parts", []), progress.done]
+            self.is_cancelled = progress.done >= self.until
+            super().note_progress(progress)
 
     @pytest.fixture
     def solve(self):
@@ -172,14 +180,14 @@ class TestRun:
     def test_it_tells_its_progress_and_comes_in_one_piece(self, solve):
         assert len(list(run_solves([solve]))) == 1
         assert len(solve.parts) > 20
-        assert solve.progress == 1.0
+        assert solve.progress.done == 1.0
         assert solve.denoised.strengths.tolist() == STRENGTHS
 
     def test_cancelling_ends_it_in_the_middle_without_a_result(self, solve):
         solve.until = 0.3
         other = Solve(solve.vertices, solve.triangles, solve.settings)
         assert list(run_solves([solve, other])) == []
-        assert 0.3 <= solve.progress < 0.5
+        assert 0.3 <= solve.progress.done < 0.5
         assert not (solve.has_result or solve.error or other.has_result)
 
     def test_cancelling_a_sequence_ends_it_and_starts_no_other_frame(self, solve):
@@ -195,7 +203,8 @@ class TestRun:
         next(run_solves([solve]))
         assert len(solve.steps) == 1
 
-    def test_bar_and_text_follow_the_progress(self, solve):
+    @pytest.fixture
+    def current(self, solve, monkeypatch):
         class Worker:
             is_stopping = False
 
@@ -205,20 +214,42 @@ class TestRun:
             def join(self, timeout):
                 pass
 
-        current = modal_run.Progress([solve], Worker())
+        monkeypatch.setattr(modal_run.time, "perf_counter", lambda: self.now)
+        self.now = 100.0
+        current = modal_run.Progress([solve], Worker(), last_news=self.now)
         modal_run._progress[:] = [current]
-        try:
-            solve.progress = 0.45
-            drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-            ((factor, text),) = drawn.progress
-            assert factor == 0.45
-            assert text.startswith("Removing noise: 45 %, ")
-            assert text.endswith(" s left")
-            draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
-            modal_run.stop_run()
-            assert solve.is_cancelled
-        finally:
-            modal_run.forget_run()
+        yield current
+        modal_run.forget_run()
+
+    @staticmethod
+    def bar():
+        ((factor, text),) = draw(settings_panel.VIEW3D_PT_adaptive_fairing).progress
+        return factor, text
+
+    def test_the_bar_moves_within_the_first_second_and_on_in_every_phase(self, solve, current):
+        assert self.bar() == (0.0, "Measuring the noise")
+        solve.progress = DenoiseProgress("noise", done=0.0, until=0.25)
+        self.bar()
+        self.now += 1
+        first, _ = self.bar()
+        assert 0.01 < first < 0.25
+        solve.progress = DenoiseProgress("filter", 3, 5, done=0.5, until=0.75)
+        self.now += 1
+        assert self.bar() == (0.5, "Filtering 3 of 5, 2 s left")
+        self.now += 1  # half of what this phase takes if it is as fast as those before it
+        factor, text = self.bar()
+        assert 0.6 < factor < 0.75
+        assert text == f"Filtering 3 of 5, {3 * (1 - factor) / factor:.0f} s left"
+        self.now += 1000
+        assert 0.7 < self.bar()[0] <= 0.75
+        for phase, name in (("mix", "Mixing the filters"), ("measure", "Measuring the result")):
+            solve.progress = DenoiseProgress(phase, done=0.9, until=1.0)
+            assert self.bar()[1].startswith(name)
+
+    def test_the_other_panel_shows_it_too_and_a_stop_reaches_the_solve(self, solve, current):
+        draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
+        modal_run.stop_run()
+        assert solve.is_cancelled
 
 
 def test_numbers_in_files_keep_their_meaning():

@@ -4,10 +4,12 @@ import ast
 import re
 import string
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import pytest
 
+from adaptive_fairing.blender.preferences import FairingPreferences
 from adaptive_fairing.blender.ui import translations
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -28,6 +30,7 @@ def texts_of_blenders_classes():
     names = [name for name in dir(bpy.ops.object) if name.startswith("adaptive_fairing")]
     kinds = [getattr(bpy.ops.object, name).get_rna_type() for name in names if "preset" not in name]
     kinds.append(bpy.types.Scene.bl_rna.properties["adaptive_fairing"].fixed_type)
+    kinds.append(SimpleNamespace(properties=own_properties(FairingPreferences)))
     for kind in kinds:
         for each in kind.properties:
             if each.identifier not in ("rna_type", "name"):
@@ -35,6 +38,11 @@ def texts_of_blenders_classes():
                 for item in getattr(each, "enum_items", ()):
                     texts |= {item.name, item.description}
     return texts
+
+
+def own_properties(kind):
+    """Properties of a class, without those that all of Blender's classes of its kind have."""
+    return [kind.bl_rna.properties[name] for name in kind.__annotations__]
 
 
 def texts_of_the_source():
