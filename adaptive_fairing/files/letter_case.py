@@ -26,7 +26,7 @@ def ignores_case(folder: Path) -> bool:
     """
     place = next(each for each in (folder.absolute(), *folder.absolute().parents) if each.is_dir())
     try:
-        with tempfile.NamedTemporaryFile(prefix="case", dir=place) as probe:
+        with tempfile.NamedTemporaryFile("w+b", prefix="case", dir=place) as probe:
             path = Path(probe.name)
             return path.with_name(path.name.swapcase()).exists()
     except OSError:

@@ -37,7 +37,7 @@ def test_the_probe_is_removed(tmp_path):
 
 
 def test_where_nothing_can_be_written_names_are_told_apart(tmp_path, monkeypatch):
-    def refuse(**options):
+    def refuse(*mode, **options):
         raise PermissionError(options["dir"])
 
     monkeypatch.setattr("tempfile.NamedTemporaryFile", refuse)

@@ -19,6 +19,7 @@ OPERATORS = {
     "_paint": "clean-a-scan/#bring-details-back",
     "_apply": "clean-a-scan/#keep-it-or-not",
     "_discard": "clean-a-scan/#keep-it-or-not",
+    "_surface": "clean-a-scan/#finer-triangles",
     "_loop_subdivide": "clean-a-scan/#finer-triangles",
     "_select_problems": "troubleshooting/#the-result",
     "_view": "colours/#what-the-colours-mean",
@@ -53,6 +54,7 @@ SETTINGS = {
     "use_region": "keep-a-region/#before-a-run",
     "vertex_group": "keep-a-region/#before-a-run",
     "invert_vertex_group": "keep-a-region/#before-a-run",
+    "hold_sharp": "keep-a-region/#before-a-run",
     "from_original": "clean-a-scan/#other-kinds-of-result",
     "result": "clean-a-scan/#other-kinds-of-result",
     "output": "settings/#result",
@@ -71,11 +73,18 @@ RECORD = {
 }
 """Place of what the panel shows of a result."""
 
+PREFERENCES = dict.fromkeys(("method", "result", "threads"), "clean-a-scan/#preferences")
+"""Place of a preference of the add-on."""
+
 
 def manual_pages() -> tuple[str, tuple[tuple[str, str], ...]]:
     """Tell Blender where the manual is: patterns of names in lower case, and places."""
     names = {f"bpy.ops.object.adaptive_fairing{name}": place for name, place in OPERATORS.items()}
-    for owner, places in (("fairingscenesettings", SETTINGS), ("fairingrecord", RECORD)):
+    for owner, places in (
+        ("fairingscenesettings", SETTINGS),
+        ("fairingrecord", RECORD),
+        ("fairingpreferences", PREFERENCES),
+    ):
         names |= {f"bpy.types.{owner}.{name}": place for name, place in places.items()}
     return MANUAL, tuple(names.items())
 
