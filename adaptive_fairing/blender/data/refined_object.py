@@ -125,6 +125,17 @@ def refine_object(
     return source.cut.notes
 
 
+def control_surface(mesh: bpy.types.Mesh) -> CutSurface:
+    """Make the surface that a mesh in Object Mode is the control mesh of, with its creases.
+
+    Raises
+    ------
+    FairingError
+        The mesh has no faces.
+    """
+    return _Source(mesh, sharp_creases=True).cut
+
+
 class _Source:
     """A mesh as triangles, and what each of its elements becomes."""
 

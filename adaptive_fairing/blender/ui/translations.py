@@ -238,9 +238,13 @@ GERMAN = {
     "Netz ist: wo es hell ist, glätten die adaptiven Verfahren mehr",
     "Displacement": "Versatz",
     "How far the smoothing has moved each vertex": "Wie weit die Glättung jeden Punkt bewegt hat",
-    "Curvature": "Krümmung",
-    "Mean curvature: bright where the surface bulges outward": "Mittlere Krümmung: hell, wo sich "
-    "die Fläche nach außen wölbt",
+    "Mean Curvature": "Mittlere Krümmung",
+    "Mean curvature of the limit surface: red where it bulges outward, blue where "
+    "inward": "Mittlere Krümmung der Grenzfläche: rot, wo sie sich nach außen wölbt, blau nach innen",
+    "Gaussian Curvature": "Gaußsche Krümmung",
+    "Gaussian curvature of the limit surface: red on bumps and in bowls, blue on saddles, near "
+    "white where it bends in one direction only": "Gaußsche Krümmung der Grenzfläche: rot auf "
+    "Buckeln und in Mulden, blau auf Sätteln, fast weiß, wo sie sich nur in eine Richtung biegt",
     "Removed": "Entfernt",
     "What the smoothing has removed, along the normals: red where it took a bump off, blue where "
     "it filled a dent; noise looks random, a shape that shows here was smoothed away": "Was die "
@@ -427,7 +431,7 @@ GERMAN = {
     "there is no result on this object": "auf diesem Objekt ist kein Ergebnis",
     "volume {:s}": "Volumen {:s}",
     "{:.4g} in the box [-3, 3]³": "{:.4g} im Würfel [-3, 3]³",
-    "{:.4g} per unit": "{:.4g} je Einheit",
+    "unit": "Einheit",
     "{:d} steps": "{:d} Schritte",
     "{:s} has a mesh of its own now: other objects keep the old one": (
         "{:s} hat jetzt ein eigenes Netz: andere Objekte behalten das alte"
