@@ -240,7 +240,8 @@ GERMAN = {
     "How far the smoothing has moved each vertex": "Wie weit die Glättung jeden Punkt bewegt hat",
     "Mean Curvature": "Mittlere Krümmung",
     "Mean curvature of the limit surface: red where it bulges outward, blue where "
-    "inward": "Mittlere Krümmung der Grenzfläche: rot, wo sie sich nach außen wölbt, blau nach innen",
+    "inward": "Mittlere Krümmung der Grenzfläche: rot, wo sie sich nach außen wölbt, blau nach "
+    "innen",
     "Gaussian Curvature": "Gaußsche Krümmung",
     "Gaussian curvature of the limit surface: red on bumps and in bowls, blue on saddles, near "
     "white where it bends in one direction only": "Gaußsche Krümmung der Grenzfläche: rot auf "
