@@ -15,10 +15,12 @@ from numpy.typing import NDArray
 
 from ...core import FairingError
 from ...core.surface.cut_surface import CutSurface
+from ...core.surface.memory_estimate import require_memory
 from ...core.surface.refined_mesh import edge_keys
 from ...core.surface.refined_net import RefinedNet
 from . import mesh_building
 from .attribute_arrays import (
+    GEOMETRY,
     AttributeArray,
     read_attributes,
     read_boolean,
@@ -82,9 +84,14 @@ def refine_object(
     Raises
     ------
     FairingError
-        The mesh has no faces, or positions that are not finite.
+        The mesh has no faces, or positions that are not finite, or the refined mesh does not fit
+        into memory.
     """
     mesh = obj.data
+    n_keys = len(mesh.shape_keys.key_blocks) if mesh.shape_keys is not None else 0
+    n_triangles = max(len(mesh.loops) - 2 * len(mesh.polygons), 0)
+    n_arrays = len(mesh.attributes) - len(GEOMETRY) + n_keys + len(obj.vertex_groups)
+    require_memory(n_triangles, options.levels, n_arrays)
     source = _Source(mesh, options.sharp_creases, options.levels)
     refinement, net = source.refinement, source.refinement.net(options.levels)
     keys = read_keys(mesh)
