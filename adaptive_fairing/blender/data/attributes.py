@@ -15,6 +15,7 @@ FIELD_ATTRIBUTES = {
     "DENSITY": DENSITY,
     "DISPLACEMENT": "fairing_displacement",
     "CURVATURE": "fairing_mean_curvature",
+    "GAUSSIAN": "fairing_gaussian_curvature",
     "REMOVED": "fairing_removed",
 }
 """Float attribute of each field that can be looked at."""
