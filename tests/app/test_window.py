@@ -130,6 +130,38 @@ class TestAutomatic:
             assert pictures[earlier][part]["checksum"] != pictures[later][part]["checksum"]
 
 
+class TestRefinedSurface:
+    """The result of Denoise on a refined mesh, chosen in the panel."""
+
+    @pytest.fixture
+    def seen(self, app) -> dict:
+        return app.play("refined_surface")
+
+    def test_the_menu_refines_the_result(self, seen):
+        assert seen["surface"] == "REFINED_2"
+        assert seen["triangles"] == 1280 * 4**2
+
+    def test_the_slider_works_on_it(self, seen):
+        assert 0.05 < seen["strength dragged"] < 1.0
+        assert seen["moved when dragged"] > 0.0
+        assert seen["slider back"]
+
+    def test_there_is_a_way_back(self, seen):
+        assert seen["back"]
+        assert seen["refined after undo"]
+        assert seen["discarded"]
+
+    def test_the_window_shows_each(self, seen):
+        pictures = seen["pictures"]
+        for earlier, later in (
+            ("surface-control", "surface-refined"),
+            ("surface-refined", "surface-original"),
+            ("surface-refined", "surface-curvature"),
+            ("surface-refined", "surface-discarded"),
+        ):
+            assert pictures[earlier]["WINDOW"]["checksum"] != pictures[later]["WINDOW"]["checksum"]
+
+
 def test_deleting_the_object_during_a_run_is_survived(app):
     assert app.play("delete_object")["second run"] == ["Basis", "Fairing 1", "Fairing 2"]
 

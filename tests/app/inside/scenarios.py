@@ -189,6 +189,67 @@ def automatic(stage: Stage) -> Scenario:
     stage.results["attributes left"] = names
 
 
+def refined_surface(stage: Stage) -> Scenario:
+    """Choose a refined surface in the panel; the slider, undo, a view and Discard work on it."""
+    obj = add_noisy("ico_sphere", 0.05, "auto", subdivisions=4)
+    noisy = vertex_positions(obj)
+    with stage.context():
+        bpy.ops.view3d.view_selected()
+    yield from run_to_the_end(stage, 100)
+    yield from stage.picture("surface-control")
+    denoised = vertex_positions(obj)
+    x, y = yield from stage.find_button("adaptive_fairing_discard(")
+    row = int(24 * bpy.context.preferences.system.ui_scale)  # the menu is in the row above
+    yield from stage.point_at_view()
+    stage.point(x, y + row)
+    yield 0.5
+    stage.click(x, y + row)
+    yield 1.0
+    yield from stage.picture("surface-menu")
+    stage.press("4")  # Blender's menus take the number of an entry
+    yield 2.0
+    stage.results["triangles"] = len(obj.data.polygons)
+    stage.results["surface"] = obj.adaptive_fairing.surface
+    refined = vertex_positions(obj)
+    yield from stage.picture("surface-refined")
+
+    slider = 'objects["Icosphere"].adaptive_fairing.strength'
+    x, y = yield from stage.find_button(slider, "shift+ctrl+alt+c")
+    yield from stage.enter_value(x, y, 0.0)
+    original = vertex_positions(obj)
+    yield from stage.picture("surface-original")
+    yield from stage.drag(x, y, 40)
+    dragged = obj.adaptive_fairing.strength
+    stage.results["strength dragged"] = dragged
+    stage.results["moved when dragged"] = float(np.abs(vertex_positions(obj) - original).max())
+    yield from stage.enter_value(x, y, 1.0)
+    difference = np.abs(vertex_positions(obj) - refined).max()
+    stage.results["slider back"] = bool(difference == 0.0)
+    with stage.context():
+        bpy.ops.object.adaptive_fairing_view(field="CURVATURE")
+    yield 1.0
+    yield from stage.picture("surface-curvature")
+    with stage.context():
+        bpy.ops.object.adaptive_fairing_view_end()
+        bpy.ops.ed.undo_push(message="view ended")
+
+    with stage.context():
+        bpy.ops.object.adaptive_fairing_surface("EXEC_DEFAULT", True, surface="CONTROL")
+    yield 1.0
+    stage.results["back"] = bool(np.array_equal(vertex_positions(obj), denoised))
+    yield from stage.press_in_view("ctrl+z")
+    yield 1.0
+    obj = bpy.context.object
+    stage.results["refined after undo"] = bool(np.array_equal(vertex_positions(obj), refined))
+    x, y = yield from stage.find_button("adaptive_fairing_discard(")
+    yield from stage.point_at_view()
+    stage.click(x, y)
+    yield 1.0
+    obj = bpy.context.object
+    stage.results["discarded"] = bool(np.array_equal(vertex_positions(obj), noisy))
+    yield from stage.picture("surface-discarded")
+
+
 def undo_in_modes(stage: Stage) -> Scenario:
     """One Ctrl Z takes a run back in every mode, and leaves the mode and the mask."""
     for mode in ("OBJECT", "EDIT", "SCULPT"):

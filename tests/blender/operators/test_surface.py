@@ -5,15 +5,22 @@ import numpy as np
 import pytest
 from support import bad_meshes
 from support.meshes import noisy_ball
-from support.objects import add_object, add_rich_object, corners, key_positions, shown_positions
+from support.objects import (
+    add_object,
+    add_rich_object,
+    corners,
+    everything,
+    key_positions,
+    shown_positions,
+)
 
-from adaptive_fairing.blender.data.attribute_arrays import read_attributes
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
 from adaptive_fairing.blender.data.run_record import end_comparison
 from adaptive_fairing.blender.data.shape_keys import animated_frames
 from adaptive_fairing.blender.data.stored_result import PAINT_GROUP
 from adaptive_fairing.blender.operators import following
 from adaptive_fairing.core import LimitSurface, TriangleTopology
+from adaptive_fairing.core.surface import memory_estimate
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -53,32 +60,6 @@ def refined(obj_or_triangles, positions, name):
 
 def near(found, expected):
     return np.abs(found - expected).max() <= ROUNDING
-
-
-def everything(obj):
-    """Return all that a mesh is, to be compared bit by bit."""
-    mesh = obj.data
-    found = {
-        array.name: (array.data_type, array.domain, array.values.tolist())
-        for array in read_attributes(mesh)
-        if not array.name.startswith(".select")
-    }
-    found["coordinates"] = coordinates(obj).tobytes()
-    found["corners"] = [tuple(polygon.vertices) for polygon in mesh.polygons]
-    found["edges"] = [tuple(edge.vertices) for edge in mesh.edges]
-    found["materials"] = [material.name for material in mesh.materials]
-    found["groups"] = [
-        (group.name, [[(e.group, e.weight) for e in v.groups] for v in mesh.vertices])
-        for group in obj.vertex_groups
-    ]
-    keys = mesh.shape_keys
-    found["keys"] = None
-    if keys is not None:
-        found["keys"] = [
-            (b.name, b.value, key_positions(obj, b.name).tobytes()) for b in keys.key_blocks
-        ]
-    found["name"] = mesh.name
-    return found
 
 
 class TestStrength:
@@ -149,16 +130,17 @@ class TestNothingIsLost:
         obj = add_rich_object()
         obj.select_set(True)
         bpy.context.view_layer.objects.active = obj
-        before = everything(obj)
+        before, name_before = everything(obj), obj.data.name
         paper() if way == "KEYS" else run(result=way, clean="denoise")
         surface(name)
+        assert obj.data.name == name_before
         if way != "KEYS":
             obj.adaptive_fairing.strength = 0.6
         bpy.ops.object.adaptive_fairing_discard()
         after = everything(obj)
         after.pop("fairing_density", None), after.pop("fairing_density_color", None)
         assert after == before
-        assert len(bpy.data.meshes) == 1
+        assert [mesh.name for mesh in bpy.data.meshes] == [name_before]
         assert obj.adaptive_fairing.control is None
 
     def test_apply_keeps_the_refined_mesh_and_nothing_else(self, noisy):
@@ -387,3 +369,15 @@ class TestViews:
         assert noisy.mode == "EDIT"
         bpy.ops.object.mode_set(mode="OBJECT")
         assert len(noisy.data.polygons) > 1280
+
+
+def test_what_does_not_fit_into_memory_is_refused_and_the_control_mesh_stays(noisy, monkeypatch):
+    run()
+    shown = coordinates(noisy)
+    monkeypatch.setattr(memory_estimate, "available_bytes", lambda: 10**6)
+    with pytest.raises(RuntimeError, match="choose fewer levels"):
+        surface("REFINED_3")
+    assert np.array_equal(coordinates(noisy), shown)
+    assert len(bpy.data.meshes) == 1
+    noisy.adaptive_fairing.strength = 0.5
+    assert not np.array_equal(coordinates(noisy), shown)

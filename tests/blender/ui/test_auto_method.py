@@ -13,6 +13,7 @@ from adaptive_fairing.blender.data.mesh_arrays import read_positions
 from adaptive_fairing.blender.jobs.frame_sequence import run_frames
 from adaptive_fairing.blender.jobs.solve import Solve, run_solves
 from adaptive_fairing.blender.operators import modal_run
+from adaptive_fairing.blender.operators.questions import hints
 from adaptive_fairing.blender.ui import results_panel, sequence_panel, settings_panel
 from adaptive_fairing.core import DenoiseProgress, DenoiseSettings, FairingSettings, denoise
 
@@ -122,6 +123,18 @@ class TestPanel:
             (button,) = [each for each in drawn.operators if each["name"].endswith("_surface")]
             assert button["text"] == text
 
+    @pytest.mark.parametrize("method", ["auto", "uniform"])
+    def test_in_edit_mode_its_slider_is_there_but_stands_still(self, noisy, method):
+        run()
+        bpy.context.scene.adaptive_fairing.method = method
+        bpy.ops.object.mode_set(mode="EDIT")
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert drawn.properties.count("strength") == 1
+        assert drawn.disabled == ["strength"]
+        assert "Leave Edit Mode to move the slider" in " ".join(drawn.texts)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert draw(settings_panel.VIEW3D_PT_adaptive_fairing).disabled == []
+
     def test_a_mesh_that_was_changed_is_told_and_has_no_slider(self, noisy):
         run()
         noisy.data.vertices[0].co.x += 1.0
@@ -146,20 +159,21 @@ class TestPanel:
         twin = bpy.data.objects.new("Twin", noisy.data)
         settings = bpy.context.scene.adaptive_fairing
         noisy.scale = (1.0, 1.0, 2.0)
-        found = settings_panel.hints(noisy, settings)
+        found = hints([noisy], settings)
         assert found == [
             "Other objects share this mesh: they keep the old one",
             "The scale is not uniform: apply it first",
         ]
+        assert hints([twin, noisy, noisy], settings) == found, "each is said once"
         twin.data = bpy.data.meshes.new("Other")
         noisy.modifiers.new("Levels", "MULTIRES")
         noisy.shape_key_add(name="Basis")
         noisy.shape_key_add(name="Smile")
-        found = settings_panel.hints(noisy, settings)
+        found = hints([noisy], settings)
         assert found[0] == "The result goes to a copy; this object is hidden"
         assert found[1].startswith("Multiresolution")
         settings.result = "MODIFIER"
-        assert found[0] not in settings_panel.hints(noisy, settings)
+        assert found[0] not in hints([noisy], settings)
 
 
 class TestRun:
