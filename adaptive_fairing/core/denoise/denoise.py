@@ -55,7 +55,8 @@ def denoise(
         Of another frame of this surface (`DenoiseResult.plan`), made with the same `prepared`:
         nothing is estimated, the filters are mixed as there.
     progress : callable, optional
-        Called with the part of the work that is done, in (0, 1]; may raise to end the run.
+        Called with the part of the work that is done, in (0, 1], by any thread but one at a time;
+        may raise to end the run.
 
     Raises
     ------
