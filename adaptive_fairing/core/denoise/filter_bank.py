@@ -140,13 +140,13 @@ class FilterBank:
         normals = unit_vectors(triangle_normals(surface, self.topology.triangles))
         squares = squared_edges(self._pattern, surface)
         cotangents = half_cotangents(squares, area_elements(squares))
-        loads = [
+        loads = (
             tuned.fit_time * turning_load(self._pattern, surface, cotangents, smooth)
             for smoothing in family.smoothings
             for smooth in smoothed_normals(normals, self._around, smoothing)
-        ]
+        )
         # One system for all fits: they differ in the right sides alone.
-        load = np.concatenate(loads, axis=1)
+        load = np.concatenate([each.astype(self._precision) for each in loads], axis=1)
         removed, report = conjugate_gradients(
             mass.plus(tuned.fit_time, stiffness).in_precision(self._precision),
             load,
@@ -156,7 +156,7 @@ class FilterBank:
             max_iterations=MAX_ITERATIONS,
         )
         self._on_solve(report)
-        for each in np.split(removed, len(loads), axis=1):
+        for each in np.split(removed, len(family.filters), axis=1):
             yield surface - each
 
     def _matrices(self, squares: FloatArray) -> tuple[EdgeMatrix, EdgeMatrix]:

@@ -39,8 +39,9 @@ from .plan import STRENGTHS, DenoisePlan
 from .tangential_limit import Sliding
 
 # Vertices of a mesh up to which both runs filter at once, each with one thread.  Most of their
-# work is passes of numpy over all vertices, which no threads share.  It takes a sixth more memory.
-MOST_SIDE_BY_SIDE = 250_000
+# work is passes of numpy over all vertices, which no threads share.  It takes an eighth more
+# memory.
+MOST_SIDE_BY_SIDE = 1_000_000
 
 SMOOTH = (
     "the surface is evenly uneven over several edges, by {:.2g} of an edge: fine detail, which was "
@@ -175,9 +176,13 @@ def _planned(
     removed, divergence = measured()
     filters = tuple(track.taken)
     usable = [each.serves(features) for each in filters]
-    mixtures = np.zeros((len(STRENGTHS), *removed.shape), dtype=np.float32)
     variances = np.stack([variance(factor) for factor in STRENGTHS])
-    mixtures[:, usable] = parts.best_coefficients(removed[usable], divergence[usable], variances)
+    if all(usable):
+        mixtures = parts.best_coefficients(removed, divergence, variances)
+    else:
+        mixtures = np.zeros((len(STRENGTHS), *removed.shape), dtype=np.float32)
+        of_usable = removed[usable], divergence[usable]
+        mixtures[:, usable] = parts.best_coefficients(*of_usable, variances)
     removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
     kept = 1 - removed_noise.mean(axis=1) / correlation.deviation**2
     return DenoisePlan(filters, noise, tuple(pilots), mixtures, kept, np.zeros(len(noise)))
