@@ -211,3 +211,13 @@ def test_the_button_for_frames_makes_an_object_that_plays_them(app):
         pictures["sequence-before"]["WINDOW"]["checksum"]
         != pictures["sequence-after"]["WINDOW"]["checksum"]
     )
+
+
+def test_every_panel_is_drawn_in_every_language(app):
+    """The texts are Blender's for labels and for operators, and each picture is another."""
+    seen = app.play("languages")
+    assert seen["de_DE"] == ["Zurückmalen"] * 2
+    assert seen["es"] == ["Recuperar"] * 2
+    sidebars = [parts["UI"] for parts in seen["pictures"].values()]
+    assert all(picture["colours"] > N_COLOURS_OF_AN_INTERFACE for picture in sidebars)
+    assert len({picture["checksum"] for picture in sidebars}) == len(sidebars) == 12

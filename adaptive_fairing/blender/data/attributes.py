@@ -87,6 +87,14 @@ def write_density(mesh: bpy.types.Mesh, density: ArrayLike) -> None:
     write_color(mesh, color_name(DENSITY), density, *color_range(density))
 
 
+def remove_density(mesh: bpy.types.Mesh) -> None:
+    """Remove what `write_density` has stored."""
+    for name in (DENSITY, color_name(DENSITY)):
+        attribute = mesh.attributes.get(name)
+        if attribute is not None:
+            mesh.attributes.remove(attribute)
+
+
 def _per_vertex(mesh: bpy.types.Mesh, values: ArrayLike) -> np.ndarray:
     values = np.asarray(values)
     if values.shape != (len(mesh.vertices),):

@@ -78,9 +78,10 @@ def copy_settings(source: bpy.types.Key, target: bpy.types.Key) -> None:
     """Give keys the values, the time and the animation of others of the same names."""
     for block in source.key_blocks:
         new = target.key_blocks.get(block.name)
-        if new is not None:
-            for name in SETTINGS:
-                setattr(new, name, getattr(block, name))
+        if new is None:
+            continue
+        for name in SETTINGS:
+            setattr(new, name, getattr(block, name))
     target.eval_time = source.eval_time
     target.animation_data_clear()
     _copy_animation(source, target)

@@ -7,7 +7,7 @@ import textwrap
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-PIXELS_PER_CHARACTER = 7.0
+PIXELS_PER_CHARACTER = 6.2
 """Width of an average letter at the interface's scale 1."""
 
 MARGIN_PIXELS = 70

@@ -25,7 +25,7 @@ from ..operators.view import (
     OBJECT_OT_adaptive_fairing_view,
     OBJECT_OT_adaptive_fairing_view_end,
 )
-from ..properties import copy_settings, copy_solver
+from ..properties import CONTEXT, copy_settings, copy_solver
 from .layouts import FairingPanel, curvature_text, draw_lines, world_length_text
 
 STOP_REASONS = {
@@ -150,7 +150,7 @@ def _draw_measures(context, layout, record) -> None:
         how = [
             ("Noise", iface_("{:.3g} edges  ·  {:s}").format(record.noise, noise)),
             ("Radius used", iface_("{:.2f} edges").format(record.radius)),
-            ("Treated as", iface_("Sharp") if record.is_sharp else iface_("Smooth")),
+            ("Treated as", iface_("Sharp" if record.is_sharp else "Smooth", CONTEXT)),
         ]
     else:
         how = [
@@ -168,7 +168,7 @@ def _draw_measures(context, layout, record) -> None:
     titles, values = split.column(align=True), split.column(align=True)
     titles.alignment = "RIGHT"
     for title, value in rows:
-        titles.label(text=title)
+        titles.label(text=iface_(title, CONTEXT), translate=False)
         values.label(text=value, translate=False)
 
 

@@ -22,6 +22,7 @@ import numpy as np
 
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.precision import Precision
+from ..runtime.threads import ordered_map
 from .conjugate_gradients import SolveReport, conjugate_gradients
 from .edge_matrix import EdgeMatrix
 
@@ -32,6 +33,9 @@ COMMON_TIME = 1.0
 FIRST_FACTOR = 0.5
 MAX_ITERATIONS = 5000
 MOST_DIRECTIONS = 24
+
+# Numbers of a vector that one thread works on in one go.
+NUMBERS_PER_CHUNK = 32768
 
 # Eigenvalues count as at least this: at 0 nothing is removed, and a ratio would be 0 / 0.
 LEAST_EIGENVALUE = 1e-9
@@ -138,7 +142,7 @@ class _Space:
 
     def __init__(self, mass: EdgeMatrix, stiffness: EdgeMatrix, precision: Precision) -> None:
         self._mass, self._stiffness = mass, stiffness
-        shape = MOST_DIRECTIONS, 3, mass.n
+        shape = MOST_DIRECTIONS, 3 * mass.n
         # Only what is used of these becomes memory.
         self._directions, self._images = np.empty(shape, precision), np.empty(shape, precision)
         self._least_outside = LEAST_OUTSIDE[precision]
@@ -149,40 +153,37 @@ class _Space:
     @property
     def last(self) -> RealArray:
         """The newest direction v, (3, n)."""
-        newest: RealArray = self._directions[self.n_directions - 1]
+        newest: RealArray = self._directions[self.n_directions - 1].reshape(3, -1)
         return newest
 
     @property
     def last_image(self) -> RealArray:
         """M v, (3, n)."""
-        newest: RealArray = self._images[self.n_directions - 1]
+        newest: RealArray = self._images[self.n_directions - 1].reshape(3, -1)
         return newest
 
     def add(self, vector: RealArray) -> bool:
-        """Add the part of a vector that is not in the space; False if there is hardly any."""
+        """Add what of a vector (3, n) is not in the space; False if there is hardly any."""
         done = self.n_directions
-        directions = self._directions[:done].reshape(done, vector.size)
-        images = self._images[:done].reshape(done, vector.size)
-        rest = vector.reshape(-1).copy()
+        rest = vector.reshape(1, -1).copy()
         within = 0.0
         for _ in range(2):  # once would let rounding grow tenfold with every direction
-            overlaps = images @ rest
-            rest -= overlaps @ directions
+            overlaps = _products(self._images[:done], rest[0])
+            _add_combined(rest, -overlaps[None], self._directions[:done])
             within += float(overlaps @ overlaps)
-        vector = rest.reshape(vector.shape)
-        image = self._mass.product(vector)
-        square = float(np.vdot(vector, image))
+        image = self._mass.product(rest.reshape(vector.shape)).reshape(-1)
+        square = float(_products(rest, image)[0])
         if not square > self._least_outside**2 * within:
             return False
         length = float(np.sqrt(square))
-        np.divide(vector, length, out=self._directions[done])
+        np.divide(rest[0], length, out=self._directions[done])
         np.divide(image, length, out=self._images[done])
         if done == 0:
             self._first_length = length
-        bent = self._stiffness.product(self._directions[done])
-        entries = self._directions[: done + 1].reshape(done + 1, -1) @ bent.reshape(-1)
-        self._bending[done, : done + 1] = self._bending[: done + 1, done] = entries
         self.n_directions += 1
+        bent = self._stiffness.product(self.last).reshape(-1)
+        entries = _products(self._directions[: done + 1], bent)
+        self._bending[done, : done + 1] = self._bending[: done + 1, done] = entries
         return True
 
     def coefficients(self, diffusions: Sequence[Diffusion]) -> FloatArray:
@@ -198,7 +199,37 @@ class _Space:
 
     def combined(self, coefficients: FloatArray) -> RealArray:
         """Combine the directions with coefficients (n_directions, k), to (k, 3, n)."""
-        directions = self._directions[: self.n_directions].reshape(self.n_directions, -1)
-        return (coefficients.T.astype(directions.dtype) @ directions).reshape(
-            -1, *self._directions.shape[1:]
-        )
+        directions = self._directions[: self.n_directions]
+        result = np.zeros((coefficients.shape[1], directions.shape[1]), directions.dtype)
+        _add_combined(result, coefficients.T, directions)
+        return result.reshape(len(result), 3, -1)
+
+
+# Not with matrix products: for vectors of this length OpenBLAS starts threads of its own, which
+# compete with those of `ordered_map`, and spin when they have nothing to do.
+
+
+def _products(rows: RealArray, vector: RealArray) -> FloatArray:
+    """Scalar products of `rows` (k, n) with a vector (n,); summed up in double over the chunks."""
+
+    def of_chunk(chunk: slice) -> RealArray:
+        products: RealArray = np.einsum("kn,n->k", rows[:, chunk], vector[chunk])
+        return products
+
+    return sum(ordered_map(of_chunk, _chunks(rows)), np.zeros(len(rows)))
+
+
+def _add_combined(result: RealArray, coefficients: FloatArray, rows: RealArray) -> None:
+    """Add combinations of `rows` (k, n), with coefficients (j, k), to `result` (j, n)."""
+    factors = coefficients.astype(rows.dtype)
+
+    def of_chunk(chunk: slice) -> None:
+        result[:, chunk] += np.einsum("jk,kn->jn", factors, rows[:, chunk])
+
+    for _ in ordered_map(of_chunk, _chunks(rows)):
+        pass
+
+
+def _chunks(rows: RealArray) -> list[slice]:
+    n = rows.shape[1]
+    return [slice(first, first + NUMBERS_PER_CHUNK) for first in range(0, n, NUMBERS_PER_CHUNK)]

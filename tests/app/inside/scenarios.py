@@ -378,6 +378,30 @@ def sequence(stage: Stage) -> Scenario:
     stage.results["kept after escape"] = key_names()
 
 
+def languages(stage: Stage) -> Scenario:
+    """Show every panel in other languages, before and after runs of both kinds."""
+    view = bpy.context.preferences.view
+    for panel in ("options", "advanced", "animation", "view", "statistics", "compare", "sequence"):
+        open_at_first(f"VIEW3D_PT_adaptive_fairing_{panel}")
+    for language in ("de_DE", "es"):
+        view.language = language
+        view.use_translate_interface = True
+        translated = bpy.app.translations.pgettext
+        stage.results[language] = [translated("Paint Back", each) for each in ("*", "Operator")]
+        for method in ("auto", "adaptive_timestep"):
+            add_noisy("ico_sphere", 0.02, method, subdivisions=4)
+            yield from stage.open_sidebar("Fairing")
+            yield 0.5
+            yield from stage.picture(f"{language}-{method}-before")
+            with stage.context():
+                bpy.ops.object.adaptive_fairing(method=method)
+            yield 0.5
+            yield from stage.picture(f"{language}-{method}-after")
+            stage.scroll_down("UI")
+            yield 0.5
+            yield from stage.picture(f"{language}-{method}-below")
+
+
 def open_at_first(panel: str) -> None:
     """Let a panel that is closed at first be open, as a click on its header would."""
     panel_class = getattr(bpy.types, panel)
