@@ -130,6 +130,68 @@ class TestAutomatic:
             assert pictures[earlier][part]["checksum"] != pictures[later][part]["checksum"]
 
 
+class TestWalk:
+    """From the scan to the print, as a new user would go."""
+
+    @pytest.fixture
+    def seen(self, app) -> dict:
+        return app.play("walk")
+
+    def test_one_press_removes_the_noise(self, seen):
+        assert seen["moved"] > 0.01
+
+    def test_the_brush_brings_the_nose_back_and_nothing_else(self, seen):
+        assert (seen["mode"], seen["mode after"]) == ("WEIGHT_PAINT", "OBJECT")
+        assert seen["nose back"]
+        assert 0.001 < seen["painted"] < 0.3
+        assert seen["rest faired"]
+
+    def test_apply_keeps_the_shape_and_nothing_else(self, seen):
+        assert seen["shape kept"]
+        assert seen["result left"] == ""
+
+    def test_the_exported_files_have_the_shape_that_was_seen(self, seen):
+        assert seen["stl"] <= 4 * FLOAT32_STEP
+        assert seen["glb"] <= 4 * FLOAT32_STEP
+
+    def test_the_window_shows_every_step(self, seen):
+        checksums = {parts["WINDOW"]["checksum"] for parts in seen["pictures"].values()}
+        assert len(checksums) == len(seen["pictures"])
+
+
+def test_the_result_as_a_modifier(app):
+    seen = app.play("modifier")
+    assert seen["mesh stays"]
+    assert seen["moved"] > seen["moved at half"] > 0.0
+    assert 0.3 < seen["original in the split"] < 0.7
+    assert seen["modifiers in the split"] == ["Adaptive Fairing", "Adaptive Fairing Split"]
+    assert seen["modifiers after undo"] == ["Adaptive Fairing"]
+    assert seen["discarded"]
+    assert seen["modifiers left"] == []
+    pictures = seen["pictures"]
+    after, split = pictures["modifier-after"]["WINDOW"], pictures["modifier-split"]["WINDOW"]
+    assert after["checksum"] != split["checksum"]
+
+
+def test_the_mask_brings_the_original_back_in_one_undo_step(app):
+    seen = app.play("mask_back")
+    assert seen["moved"] > seen["moved at half"] > 0.0
+    assert seen["mode"] == "SCULPT"
+    assert seen["masked"]
+    assert seen["rest"]
+    assert seen["after undo"] == {"mode": "SCULPT", "same": True, "mask": 1.0}
+
+
+def test_without_undo_a_run_is_asked_for(app):
+    seen = app.play("question")
+    assert not seen["running without an answer"]
+    assert not seen["running after Esc"]
+    assert seen["result"] == "LIVE"
+    pictures = seen["pictures"]
+    before, asked = pictures["question-before"]["UI"], pictures["question-asked"]["UI"]
+    assert before["checksum"] != asked["checksum"]
+
+
 class TestRefinedSurface:
     """The result of Denoise on a refined mesh, chosen in the panel."""
 

@@ -41,6 +41,12 @@ CONTROL = "CONTROL"
 LEVELS = {"LIMIT": 0, "REFINED_1": 1, "REFINED_2": 2, "REFINED_3": 3}
 """Steps of refinement by surface; without any the vertices move to their limit points."""
 
+LARGEST_EXACT = 500_000
+"""Triangles of a refined mesh up to which it gets exact normals.
+
+Normals that follow the slider take Blender seconds from there on, and its own differ little.
+"""
+
 OWN_PREFIXES = (".", "fairing_")
 """How the names of attributes begin that nobody else's work is in."""
 
@@ -128,9 +134,11 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
         obj.data = obj.data.copy()
     control = obj.data
     names = [ORIGINAL, *(offset_name(i + 1) for i in range(record.n_strengths))]
+    levels = LEVELS[record.surface]
+    is_exact = (len(control.loops) - 2 * len(control.polygons)) * 4**levels <= LARGEST_EXACT
     obj.data = control.copy()
     try:
-        notes = refine_object(obj, RefineOptions(LEVELS[record.surface]), names)
+        notes = refine_object(obj, RefineOptions(levels, exact_normals=is_exact), names)
     except BaseException:
         copy, obj.data = obj.data, control
         remove_mesh(copy)

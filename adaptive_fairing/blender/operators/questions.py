@@ -71,24 +71,20 @@ class Asking:
         """
         if self.is_confirmed or context.preferences.edit.use_global_undo:
             return None
-        name = type(self).bl_idname
         given = self.properties
-        values = {
-            each: getattr(given, each)
-            for each in given.bl_rna.properties.keys()
-            if given.is_property_set(each)
-        }
-        # Blender frees the operator before the menu is drawn.
-        lines = list(lines)
+        names = [each.identifier for each in given.bl_rna.properties if not each.is_readonly]
 
         def draw(menu, _context):
             column = menu.layout.column()
             for line in lines:
                 column.label(text=iface_(line), icon="INFO", translate=False)
             column.operator_context = "INVOKE_DEFAULT"
-            answer = column.operator(name, text=button, translate=False, icon="CHECKMARK")
-            for each, value in {**values, "is_confirmed": True}.items():
-                setattr(answer, each, value)
+            answer = column.operator(
+                type(self).bl_idname, text=button, translate=False, icon="CHECKMARK"
+            )
+            for name in filter(given.is_property_set, names):
+                setattr(answer, name, getattr(given, name))
+            answer.is_confirmed = True
 
         title = iface_("Undo is turned off: this cannot be taken back")
         context.window_manager.popup_menu(draw, title=title, icon="QUESTION")

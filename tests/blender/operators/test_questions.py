@@ -37,10 +37,9 @@ class Window(FakeContext):
 
 def stand_in(operator, **given):
     """Make an object with the functions of an operator, as Blender would after a click."""
-    names = bpy.ops.object.adaptive_fairing.get_rna_type().properties.keys()
     properties = SimpleNamespace(
-        bl_rna=SimpleNamespace(properties=dict.fromkeys(names)),
-        is_property_set=lambda name: name in given,
+        bl_rna=bpy.ops.object.adaptive_fairing.get_rna_type(),
+        is_property_set=lambda name: name in {"rna_type", *given},
         **given,
     )
     class_ = type("StandIn", (), {**vars_of(operator), "properties": properties})

@@ -14,6 +14,7 @@ from support.objects import (
     shown_positions,
 )
 
+from adaptive_fairing.blender.data import shown_surface
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
 from adaptive_fairing.blender.data.run_record import end_comparison
 from adaptive_fairing.blender.data.shape_keys import animated_frames
@@ -111,6 +112,15 @@ class TestStrength:
         noisy.data.corner_normals.foreach_get("vector", flat)
         exact = LimitSurface(TriangleTopology(triangles, len(positions)), positions).refined(1)
         assert np.abs(flat.reshape(-1, 3) - exact.normals[corners(noisy.data)]).max() < 1e-3
+
+    def test_large_meshes_have_blenders_own_normals(self, noisy, monkeypatch):
+        run()
+        monkeypatch.setattr(shown_surface, "LARGEST_EXACT", 4 * 1280)
+        surface("REFINED_1")
+        assert noisy.data.has_custom_normals
+        surface("REFINED_2")
+        assert not noisy.data.has_custom_normals
+        assert all(polygon.use_smooth for polygon in noisy.data.polygons)
 
     def test_meshes_that_have_to_be_cut(self):
         obj = add_object(*bad_meshes.three_sheets())
