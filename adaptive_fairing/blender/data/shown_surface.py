@@ -21,7 +21,7 @@ import bpy
 from ...core import FairingSettings
 from .attribute_arrays import read_attributes
 from .coloring import color_by_field, end_view
-from .control_mesh import CONTROL, LEVELS, is_refined, show_again, take_control
+from .control_mesh import CONTROL, LEVELS, is_refined, net_print, show_again, take_control
 from .mesh_arrays import read_key
 from .refined_object import RENEWED, RefineOptions, refine_object
 from .results import has_result
@@ -171,4 +171,4 @@ def _print_of(mesh: bpy.types.Mesh) -> str:
     if mesh.shape_keys is not None:
         for block in mesh.shape_keys.key_blocks:
             crc = zlib.crc32(read_key(block), zlib.crc32(block.name.encode(), crc))
-    return f"{len(mesh.vertices)}-{len(mesh.polygons)}-{crc}"
+    return f"{net_print(mesh)}{crc}"

@@ -194,6 +194,32 @@ class TestNothingIsLost:
         assert mesh.name.endswith("refined") and mesh.use_fake_user
         assert noisy.data != mesh
 
+    def test_weights_of_another_net_do_not_go_back(self, noisy):
+        """Deleting vertices of an evolution gives all others new numbers."""
+        paper()
+        noisy.vertex_groups.new(name="Odd").add(range(1, 600, 2), 1.0, "REPLACE")
+        before = everything(noisy)
+        surface("REFINED_1")
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="DESELECT")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        noisy.data.vertices[0].select = True
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.delete(type="VERT")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        edited = noisy.data
+        surface("CONTROL")
+        assert everything(noisy) == before
+        assert edited.use_fake_user
+
+    def test_unused_data_can_be_purged(self, noisy):
+        before = coordinates(noisy)
+        run()
+        surface("REFINED_1")
+        bpy.data.orphans_purge(do_recursive=True)
+        bpy.ops.object.adaptive_fairing_discard()
+        assert np.array_equal(coordinates(noisy), before)
+
     def test_materials_and_painting_go_back_to_the_control_mesh(self, noisy):
         run()
         surface("REFINED_1")
