@@ -10,7 +10,7 @@ from types import ModuleType
 
 def _modules() -> tuple[ModuleType, ...]:
     """Import the modules that have something to register; what a class refers to comes first."""
-    from . import command, properties
+    from . import command, preferences, properties
     from .data import run_record
     from .operators import (
         animate,
@@ -28,6 +28,7 @@ def _modules() -> tuple[ModuleType, ...]:
         viewport,
     )
     from .ui import (
+        manual,
         menus,
         presets,
         results_panel,
@@ -39,6 +40,7 @@ def _modules() -> tuple[ModuleType, ...]:
     return (
         translations,
         properties,
+        preferences,
         run_record,
         mesh_scale,
         viewport,
@@ -58,6 +60,7 @@ def _modules() -> tuple[ModuleType, ...]:
         sequence_panel,
         results_panel,
         menus,
+        manual,
         command,
     )
 

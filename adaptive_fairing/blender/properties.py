@@ -21,6 +21,55 @@ AUTO = "auto"
 FALLBACK_METHOD = "adaptive_timestep"
 """The method of the paper where one is needed beside `AUTO`."""
 
+CONTEXT = "Adaptive Fairing"
+"""Translation context of texts that Blender would translate by another meaning, or too long."""
+
+LIVE = "LIVE"
+"""The result of `denoise` as the mesh's own coordinates."""
+
+# The numbers are what files hold.
+METHODS = (
+    (
+        "auto",
+        "Denoise",
+        "Estimate the noise and remove it, without parameters",
+        3,
+    ),
+    ("", "Diffusion (paper)", ""),
+    (
+        "adaptive_timestep",
+        "Adaptive Timestep",
+        "Coarse parts run through more time than dense ones: details in dense parts stay",
+        0,
+    ),
+    (
+        "adaptive_tensor",
+        "Adaptive Tensor",
+        "The same time everywhere, but dense parts conduct less",
+        1,
+    ),
+    (
+        "uniform",
+        "Uniform",
+        "The same smoothing everywhere, whatever the density; needs a much smaller τ",
+        2,
+    ),
+)
+
+RESULTS = (
+    (
+        "LIVE",
+        "Live",
+        "The mesh itself has the shape that is shown, so every exporter writes it; the "
+        "original and the offsets are kept as attributes for the Strength slider",
+    ),
+    (
+        "MODIFIER",
+        "Modifier",
+        "The mesh stays as it is; the modifier Adaptive Fairing shows the result",
+    ),
+)
+
 DENOISE_NAMES = ("strength", "features", "boundary", "clean")
 """Settings of `denoise`, by their names in `DenoiseSettings`."""
 
@@ -31,34 +80,7 @@ class SolverProperties:
     method: EnumProperty(
         name="Method",
         description="How the smoothing follows the density of the mesh",
-        # The numbers are what files hold.
-        items=(
-            (
-                "auto",
-                "Denoise",
-                "Estimate the noise and remove it, without parameters",
-                3,
-            ),
-            ("", "Diffusion (paper)", ""),
-            (
-                "adaptive_timestep",
-                "Adaptive Timestep",
-                "Coarse parts run through more time than dense ones: details in dense parts stay",
-                0,
-            ),
-            (
-                "adaptive_tensor",
-                "Adaptive Tensor",
-                "The same time everywhere, but dense parts conduct less",
-                1,
-            ),
-            (
-                "uniform",
-                "Uniform",
-                "The same smoothing everywhere, whatever the density; needs a much smaller τ",
-                2,
-            ),
-        ),
+        items=METHODS,
         default=AUTO,
     )
     strength: FloatProperty(
@@ -76,6 +98,7 @@ class SolverProperties:
     )
     features: EnumProperty(
         name="Edges",
+        translation_context=CONTEXT,
         description="Whether the smoothing keeps sharp edges",
         items=(
             ("auto", "Automatic", "Decide in every part of the mesh what fits better"),
@@ -108,6 +131,7 @@ class SolverProperties:
     )
     steps: IntProperty(
         name="Steps",
+        translation_context=CONTEXT,
         description="How many steps to take; each one is kept",
         default=4,
         min=1,
@@ -116,6 +140,7 @@ class SolverProperties:
     )
     density: EnumProperty(
         name="Measure",
+        translation_context=CONTEXT,
         description="What the density of the mesh is measured by",
         items=(
             ("edge_length", "Edge Length", "Mean length of the edges at a vertex"),
@@ -138,6 +163,7 @@ class SolverProperties:
     )
     boundary: EnumProperty(
         name="Boundary",
+        translation_context=CONTEXT,
         description="What happens to the rim of an open mesh",
         items=(
             ("fixed", "Fixed", "Boundary vertices stay exactly where they are"),
@@ -214,11 +240,17 @@ class OutputProperties:
     )
     vertex_group: StringProperty(
         name="Vertex Group",
+        translation_context=CONTEXT,
         description="Smooth by the weights of this group; empty for the whole mesh",
     )
     invert_vertex_group: BoolProperty(
         name="Invert",
         description="Smooth where the weights of the group are small instead",
+        default=False,
+    )
+    hold_sharp: BoolProperty(
+        name="Hold Sharp Edges",
+        description="Vertices of edges that are marked sharp stay where they are",
         default=False,
     )
     from_original: BoolProperty(
@@ -232,20 +264,8 @@ class OutputProperties:
     result: EnumProperty(
         name="Result",
         description="What the object gets",
-        items=(
-            (
-                "LIVE",
-                "Live",
-                "The mesh itself has the shape that is shown, so every exporter writes it; the "
-                "original and the offsets are kept as attributes for the Strength slider",
-            ),
-            (
-                "MODIFIER",
-                "Modifier",
-                "The mesh stays as it is; the modifier Adaptive Fairing shows the result",
-            ),
-        ),
-        default="LIVE",
+        items=RESULTS,
+        default=LIVE,
     )
     output: EnumProperty(
         name="Steps As",
@@ -293,6 +313,8 @@ def _set_tau(settings: FairingSceneSettings, context: bpy.types.Context) -> None
 
 class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.PropertyGroup):
     """What the panel shows, one set per scene."""
+
+    __slots__ = ()  # Blender 5.2 warns of groups without
 
     radius: FloatProperty(
         name="Radius",

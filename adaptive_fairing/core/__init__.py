@@ -7,6 +7,7 @@ Fairing of Surface Meshes by Geometric Diffusion*.
 
 from .denoise.denoise import denoise
 from .denoise.plan import DenoisePlan
+from .denoise.progress import DenoiseProgress
 from .denoise.result import DenoiseResult
 from .denoise.settings import DenoiseSettings
 from .diffusion.results import FairingResult, FairingStep
@@ -24,6 +25,7 @@ from .surface.limit_surface import LimitSurface
 
 __all__ = [
     "DenoisePlan",
+    "DenoiseProgress",
     "DenoiseResult",
     "DenoiseSettings",
     "FairingError",

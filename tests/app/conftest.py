@@ -107,8 +107,11 @@ class App:
 
 @pytest.fixture(scope="session")
 def app(tmp_path_factory) -> App:
-    """Blender 4.3.2 of Debian 13 with the extension built, installed and enabled."""
-    chroot = debian_chroot.locate("trixie")
+    """A Blender with the extension built, installed and enabled.
+
+    It is 4.3.2 of Debian 13, or that of the Debian release named by the variable APP_SUITE.
+    """
+    chroot = debian_chroot.locate(os.environ.get("APP_SUITE", "trixie"))
     debian_chroot.set_up(chroot)
     named = os.environ.get("APP_ARTEFACTS")
     directory = Path(named).resolve() if named else tmp_path_factory.mktemp("app")

@@ -44,8 +44,9 @@ SETTINGS = [
 def results(settings: tuple[tuple[str, str], ...]) -> np.ndarray:
     finished = subprocess.run(
         [sys.executable, "-c", PROGRAM],
-        # The search path of this process: beside a bpy module, numpy and scipy come by PYTHONPATH.
-        env={"PATH": "", "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), **dict(settings)},
+        # Beside a bpy module scipy comes by the search path. The other variables stay as they are:
+        # on some virtual machines OpenBLAS must be told the size of a cache, or it crashes.
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path)), **dict(settings)},
         capture_output=True,
         check=False,
     )

@@ -68,13 +68,23 @@ def write_keys(obj: bpy.types.Object, keys: KeyShapes, positions: Sequence[Array
         new.points.foreach_set("co", flat_float32(shape, obj.data))
     target = obj.data.shape_keys
     for block in source.key_blocks:
-        new = target.key_blocks[block.name]
-        new.relative_key = target.key_blocks[block.relative_key.name]
+        target.key_blocks[block.name].relative_key = target.key_blocks[block.relative_key.name]
+    target.use_relative = source.use_relative
+    copy_settings(source, target)
+    obj.active_shape_key_index, obj.show_only_shape_key = shown, only_this
+
+
+def copy_settings(source: bpy.types.Key, target: bpy.types.Key) -> None:
+    """Give keys the values, the time and the animation of others of the same names."""
+    for block in source.key_blocks:
+        new = target.key_blocks.get(block.name)
+        if new is None:
+            continue
         for name in SETTINGS:
             setattr(new, name, getattr(block, name))
-    target.use_relative, target.eval_time = source.use_relative, source.eval_time
+    target.eval_time = source.eval_time
+    target.animation_data_clear()
     _copy_animation(source, target)
-    obj.active_shape_key_index, obj.show_only_shape_key = shown, only_this
 
 
 def _clear(obj: bpy.types.Object) -> None:

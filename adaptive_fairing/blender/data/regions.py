@@ -7,6 +7,7 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import NDArray
 
+from .attribute_arrays import read_boolean
 from .stored_result import group_weights
 
 MODES = ("OBJECT", "EDIT", "SCULPT")
@@ -39,8 +40,24 @@ def refusal(context: bpy.types.Context) -> str | None:
     return None
 
 
+def sculpt_mask(mesh: bpy.types.Mesh) -> NDArray[np.float32] | None:
+    """Read the mask of Sculpt Mode, (n,) in [0, 1], in Object Mode; None if there is none."""
+    if SCULPT_MASK not in mesh.attributes:
+        return None
+    mask = np.zeros(len(mesh.vertices), dtype=np.float32)
+    mesh.attributes[SCULPT_MASK].data.foreach_get("value", mask)
+    return np.clip(mask, 0.0, 1.0)
+
+
 def vertex_weights(
-    obj: bpy.types.Object, mode: str, *, use_region: bool, vertex_group: str, invert: bool
+    obj: bpy.types.Object,
+    mode: str,
+    n: int,
+    *,
+    use_region: bool,
+    vertex_group: str,
+    invert: bool,
+    hold_sharp: bool = False,
 ) -> NDArray[np.float64] | None:
     """Share of the smoothing that every vertex gets.
 
@@ -50,12 +67,16 @@ def vertex_weights(
         Mesh object in Object Mode, where selection and mask can be read.
     mode
         Mode in which the user called: decides whether selection or mask count.
+    n
+        Number of vertices, the first of the mesh, that are smoothed: those of the control mesh.
     use_region
         Whether the selection in Edit Mode, or the mask in Sculpt Mode, limits the smoothing.
     vertex_group
         Name of a vertex group whose weights scale the smoothing; empty for none.
     invert
         Take one minus the weights of the group.
+    hold_sharp
+        Whether the vertices of edges that are marked sharp stay where they are.
 
     Returns
     -------
@@ -76,19 +97,24 @@ def vertex_weights(
         mesh.vertices.foreach_get("select", selected)
         if selected.any():
             factors.append(selected.astype(np.float64))
-    if use_region and mode == "SCULPT" and SCULPT_MASK in mesh.attributes:
-        mask = np.zeros(len(mesh.vertices), dtype=np.float32)
-        mesh.attributes[SCULPT_MASK].data.foreach_get("value", mask)
-        factors.append(1.0 - np.clip(mask.astype(np.float64), 0.0, 1.0))
+    mask = sculpt_mask(mesh) if use_region and mode == "SCULPT" else None
+    if mask is not None:
+        factors.append(1.0 - mask.astype(np.float64))
     if vertex_group:
         group = obj.vertex_groups.get(vertex_group)
         if group is None:
             raise InputError(rpt_("there is no vertex group {!r}").format(vertex_group))
         weights = group_weights(obj, group).astype(np.float64)
         factors.append(1.0 - weights if invert else weights)
+    if hold_sharp and "sharp_edge" in mesh.attributes:
+        ends = np.empty((len(mesh.edges), 2), dtype=np.int32)
+        mesh.attributes[".edge_verts"].data.foreach_get("value", ends.reshape(-1))
+        is_free = np.ones(len(mesh.vertices))
+        is_free[ends[read_boolean(mesh, "sharp_edge", len(ends))]] = 0.0
+        factors.append(is_free)
     if not factors:
         return None
-    product = np.prod(factors, axis=0)
+    product = np.prod(factors, axis=0)[:n]
     if not product.any():
         raise InputError(rpt_("selection, mask and vertex group leave no vertex to smooth"))
     return product

@@ -45,13 +45,13 @@ def written_or_restored(
         else:
             bpy.data.objects.remove(target)
             visibility.restore(obj)
-        _remove_mesh(broken)
+        remove_mesh(broken)
         if backup is not None:
             backup.name, backup.use_fake_user = name, has_fake_user
             obj.active_shape_key_index = active_key
         raise
     if backup is not None:
-        _remove_mesh(backup)
+        remove_mesh(backup)
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class _Visibility:
             obj.hide_render = self.in_render
 
 
-def _remove_mesh(mesh: bpy.types.Mesh) -> None:
+def remove_mesh(mesh: bpy.types.Mesh) -> None:
     """Remove a mesh, and the animation of its keys if nobody else uses it."""
     keys = mesh.shape_keys
     animation = keys.animation_data if keys is not None else None

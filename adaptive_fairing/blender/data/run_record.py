@@ -13,11 +13,12 @@ from bpy.props import (
     FloatProperty,
     FloatVectorProperty,
     IntProperty,
+    PointerProperty,
     StringProperty,
 )
 
 from ..properties import AUTO
-from . import modifier
+from . import modifier, split
 from .attributes import COMPARED_FIELDS
 from .mesh_arrays import read_mesh_coordinates
 from .stored_result import checksum, is_current, shown_by, update_shown, write_shown
@@ -49,6 +50,8 @@ class FairingShapeMeasures(bpy.types.PropertyGroup):
     `strength` is 0 for the steps of the paper's methods.
     """
 
+    __slots__ = ()  # Blender 5.2 warns of groups without
+
     strength: FloatProperty()
     curvature_energy: FloatProperty()
     area: FloatProperty()
@@ -72,7 +75,7 @@ def _shown_evolution(record: FairingRecord) -> float:
 
 def _show_evolution(record: FairingRecord, value: float) -> None:
     keys = evolution_keys(record.id_data)
-    if keys is not None:
+    if keys is not None and record.id_data.mode != "EDIT":
         from .shape_keys import show_time  # needs the core, which enabling the add-on does not load
 
         record.held = NOT_HELD
@@ -100,7 +103,14 @@ class FairingRecord(bpy.types.PropertyGroup):
     the last run. From `noise` to `is_sharp` all is known of `denoise` only, see `DenoiseResult`.
     """
 
+    __slots__ = ()
+
     result: StringProperty()
+    surface: StringProperty(description="Identifier of SURFACES in `shown_surface`, or empty")
+    control: PointerProperty(
+        type=bpy.types.Mesh, description="Control mesh, while the object has a refined one"
+    )
+    refined_print: StringProperty(description="Of the refined mesh as it was made")
     checksum: StringProperty(description="Of the coordinates that belong to the stored result")
     strengths: FloatVectorProperty(size=N_STRENGTHS)
     n_strengths: IntProperty()
@@ -156,6 +166,12 @@ class FairingRecord(bpy.types.PropertyGroup):
     )
 
 
+def forget(record: FairingRecord) -> None:
+    """Forget the runs, with their measures."""
+    record.result, record.notes, record.keeps_density = "", "", False
+    record.shapes.clear()
+
+
 def set_strengths(record: FairingRecord, strengths: Sequence[float], shown: float) -> None:
     """Note the strengths of the stored offsets, and which one is shown."""
     record.n_strengths = len(strengths)
@@ -187,7 +203,7 @@ def toggle_before(record: FairingRecord) -> None:
     """Show the original, or the result again."""
     name = "evolution" if record.result == "KEYS" else "strength"
     if record.held != NOT_HELD:
-        end_comparison(record)
+        end_before(record)
         return
     held = getattr(record, name)
     setattr(record, name, 0.0)
@@ -195,17 +211,23 @@ def toggle_before(record: FairingRecord) -> None:
 
 
 def split_along(record: FairingRecord, normal: Sequence[float], point: Sequence[float]) -> None:
-    """Show the original behind a plane, given in object space."""
+    """Note the plane, given in object space, behind which the original is shown."""
     record.is_split, record.split_normal, record.split_point = True, normal, point
     update_shown(record.id_data)
 
 
-def end_comparison(record: FairingRecord) -> None:
-    """Show the whole result again."""
+def end_before(record: FairingRecord) -> None:
+    """Show the result again after the original."""
     if record.held != NOT_HELD:
         setattr(record, "evolution" if record.result == "KEYS" else "strength", record.held)
+
+
+def end_comparison(record: FairingRecord) -> None:
+    """Show the whole result again; in Object Mode."""
+    end_before(record)
     if record.is_split:
         record.is_split = False
+        split.remove(record.id_data)
         update_shown(record.id_data)
 
 

@@ -6,7 +6,14 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from ...core import DenoiseSettings, FairingError, FairingSettings, denoise, fair
+from ...core import (
+    DenoiseProgress,
+    DenoiseSettings,
+    FairingError,
+    FairingSettings,
+    denoise,
+    fair,
+)
 from ..data.mesh_arrays import MeshData, read_mesh
 from ..files.mesh_files import import_mesh
 from .file_job import Preparation, prepared_alone, solved_surface
@@ -68,7 +75,7 @@ def prepared_first(
     scale: float | None,
     *,
     is_one_strength: bool,
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[DenoiseProgress], None] | None = None,
 ) -> Preparation:
     """Analyse the first frame of a sequence; denoise it too, if all are to have its plan.
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ...core import (
     DenoisePlan,
+    DenoiseProgress,
     DenoiseResult,
     DenoiseSettings,
     FairingError,
@@ -50,7 +51,7 @@ class Solve:
     prepared, plan
         What another frame of the same surface hands on, see `denoise`.
     on_progress
-        Also called with `progress`.
+        Called with the part of `denoise` that is done, 0 to 1.
     denoised
         Result of `denoise`; its shapes are float32, which is what Blender keeps.
     steps
@@ -60,7 +61,7 @@ class Solve:
     kept
         Positions (n, 3) of the result, once `keep_result_only` has left nothing else.
     progress
-        How much of `denoise` is done, 0 to 1.
+        How far `denoise` is.
     is_cancelled
         Set to end `denoise` in the middle.
     failed_step
@@ -82,7 +83,7 @@ class Solve:
     steps: list[FairingStep] = field(default_factory=list)
     step_seconds: list[float] = field(default_factory=list)
     kept: NDArray[np.float32] | None = None
-    progress: float = 0.0
+    progress: DenoiseProgress = field(default_factory=DenoiseProgress)
     is_cancelled: bool = False
     failed_step: FairingStep | None = None
     failure: FairingError | MemoryError | None = None
@@ -259,17 +260,17 @@ class Solve:
             self.denoised, self.prepared, self.plan = None, None, None
             self.steps.clear()
 
-    def note_progress(self, part: float) -> None:
-        """Take note of the part of `denoise` that is done.
+    def note_progress(self, progress: DenoiseProgress) -> None:
+        """Take note of how far `denoise` is.
 
         Raises
         ------
         RunCancelledError
             The run is no longer wanted.
         """
-        self.progress = part
+        self.progress = progress
         if self.on_progress is not None:
-            self.on_progress(part)
+            self.on_progress(progress.done)
         if self.is_cancelled:
             raise RunCancelledError
 

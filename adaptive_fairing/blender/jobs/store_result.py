@@ -12,6 +12,7 @@ from ..data.attributes import COMPARED_FIELDS, write_density
 from ..data.coloring import color_by_field, end_view
 from ..data.fields import shown_density
 from ..data.rollback import written_or_restored
+from ..data.shown_surface import control_read
 from ..properties import AUTO
 from .solve import Solve
 
@@ -119,9 +120,13 @@ def find_object(solve: Solve, *, from_original: bool = False) -> bpy.types.Objec
 
 
 def start_positions(obj: bpy.types.Object, *, from_original: bool) -> np.ndarray:
-    """Positions (n, 3) that a run starts from: what is shown, or the original if there is one."""
-    original = results.original_positions(obj) if from_original else None
-    return results.shown_positions(obj) if original is None else original
+    """Positions (n, 3) that a run starts from: what is shown, or the original if there is one.
+
+    Of a refined result those of its control mesh.
+    """
+    with control_read(obj):
+        original = results.original_positions(obj) if from_original else None
+        return results.shown_positions(obj) if original is None else original
 
 
 def object_of(session_uid: int) -> bpy.types.Object | None:

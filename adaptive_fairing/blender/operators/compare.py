@@ -71,6 +71,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         from ...core import FairingSettings
         from ...core.diffusion.smoothing_radius import equivalent_uniform_tau
         from ..data.mesh_arrays import MeshData, read_triangles
+        from ..data.shown_surface import control_read
         from ..jobs.solve import Solve
         from ..jobs.store_result import start_positions
 
@@ -83,8 +84,9 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         obj = context.active_object
         with object_mode(context):
             end_comparison(obj.adaptive_fairing)
-            start = start_positions(obj, from_original=True).astype(float)
-            data = MeshData(start, read_triangles(obj.data))
+            with control_read(obj):
+                start = start_positions(obj, from_original=True).astype(float)
+                data = MeshData(start, read_triangles(obj.data))
         tau = self.uniform_tau or equivalent_uniform_tau(data.vertices, data.triangles, beside)
         uniform = replace(beside, method="uniform", tau=float(f"{tau:.3g}"))
         return [
@@ -94,6 +96,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
 
     def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
+        from ..data.shown_surface import control_read
         from ..jobs.store_result import find_object
 
         failed = [solve.error for solve in solves if solve.error is not None]
@@ -109,7 +112,8 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         except FairingError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        made = _lay_out(context, source, solves)
+        with control_read(source):
+            made = _lay_out(context, source, solves)
         for obj in context.selected_objects:
             obj.select_set(False)
         for obj in made:

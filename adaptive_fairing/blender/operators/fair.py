@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 
@@ -13,6 +14,8 @@ from ..requirements import scipy_problem
 from .modal_run import ModalRun, progress, stop_run
 from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
+from .questions import Asking, hints
+from .results import report_kept
 from .settings_layout import draw_operator
 
 _finished: list = []
@@ -24,7 +27,9 @@ DIFFUSION = (
 )
 
 
-class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, bpy.types.Operator):
+class OBJECT_OT_adaptive_fairing(
+    SolverProperties, OutputProperties, Asking, ModalRun, bpy.types.Operator
+):
     bl_idname = "object.adaptive_fairing"
     bl_label = "Denoise"
     bl_description = (
@@ -43,6 +48,11 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
     @classmethod
     def description(cls, context, properties):
         return tip_(cls.bl_description if properties.method == AUTO else DIFFUSION)
+
+    def invoke(self, context, event):
+        label = iface_("Denoise") if self.method == AUTO else iface_("Diffuse")
+        question = self.ask(context, label, hints(target_objects(context), self))
+        return question or super().invoke(context, event)
 
     def prepare(self, context):
         settings = solver_settings(self)
@@ -90,10 +100,10 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
     def _store(self, solve):
         """Write a result; say what becomes of anything beside the mesh."""
         from ..data.results import is_stale
+        from ..data.shown_surface import control_written, refine_result
         from ..jobs.store_result import object_of, store_solve
 
         source = object_of(solve.session_uid)
-        mesh = source.data
         if is_stale(source):
             self.report(
                 {"INFO"},
@@ -101,14 +111,20 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
                     "{:s}: the mesh was changed since the last run, whose stored result was dropped"
                 ).format(solve.name),
             )
-        obj = store_solve(
-            solve,
-            way=self.result,
-            output=self.output,
-            store_density=self.store_density or not solve.is_denoise,
-            from_original=self.from_original,
-        )
-        if obj == source and obj.data != mesh:
+        with control_written(source) as kept:
+            mesh = source.data
+            obj = store_solve(
+                solve,
+                way=self.result,
+                output=self.output,
+                store_density=self.store_density or not solve.is_denoise,
+                from_original=self.from_original,
+            )
+            has_own_mesh = obj == source and obj.data != mesh
+        if obj != source:
+            refine_result(obj)
+        report_kept(self, kept)
+        if has_own_mesh:
             self.report(
                 {"INFO"},
                 rpt_("{:s} has a mesh of its own now: other objects keep the old one").format(
@@ -122,12 +138,14 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
     def _solve(self, obj, mode, settings):
         from ...core import FairingError, InputError
         from ..data.mesh_arrays import read_triangles
+        from ..data.shown_surface import control_read
         from ..data.targets import needs_copy
         from ..jobs.solve import Solve
         from ..jobs.store_result import start_positions
 
-        start = start_positions(obj, from_original=self.from_original).astype(float)
-        triangles = read_triangles(obj.data)
+        with control_read(obj):
+            start = start_positions(obj, from_original=self.from_original).astype(float)
+            triangles = read_triangles(obj.data)
         solve = Solve(start, triangles, settings, name=obj.name, session_uid=obj.session_uid)
         try:
             if self.existing_keys == "REFUSE" and needs_copy(obj, in_place=self._is_in_place()):
@@ -140,9 +158,11 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
             solve.weights = vertex_weights(
                 obj,
                 mode,
+                len(start),
                 use_region=self.use_region,
                 vertex_group=self.vertex_group,
                 invert=self.invert_vertex_group,
+                hold_sharp=self.hold_sharp,
             )
         except FairingError as error:
             solve.failure = error

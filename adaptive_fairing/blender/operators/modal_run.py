@@ -5,6 +5,7 @@ From scripts, in background and in the redo panel the same operators block until
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
@@ -15,12 +16,16 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..jobs.worker_thread import Worker
+from ..preferences import preferences
 
 if TYPE_CHECKING:
+    from ...core import DenoiseProgress
     from ..jobs.solve import Solve
 
 TIMER_SECONDS = 0.1
 QUIT_SECONDS = 5.0
+FIRST_PHASE_SECONDS = 3.0
+"""Guess for a mesh of 200 000 triangles, so that the bar moves at once."""
 
 
 @dataclass
@@ -44,6 +49,8 @@ class Progress:
     n_known: int = 0
     last_news: float = field(default_factory=time.perf_counter)
     step_seconds: float = 0.0
+    _phase: DenoiseProgress | tuple[()] = ()
+    _phase_began: float = 0.0
 
     def step_done(self) -> None:
         """Note that one more step has arrived."""
@@ -63,7 +70,7 @@ class Progress:
         n_steps = sum(1 if each.is_denoise else each.settings.steps for each in self.solves)
         within = 0.0
         if self.solve.is_denoise:
-            within = 0.0 if self.solve.is_over else self.solve.progress
+            within = 0.0 if self.solve.is_over else self._denoise_factor()
         elif self.step_seconds > 0:
             within = min((time.perf_counter() - self.last_news) / self.step_seconds, 0.95)
         return min((self.n_known + within) / n_steps, 1.0)
@@ -71,10 +78,8 @@ class Progress:
     def describe_step(self) -> str:
         """Name the step that is being computed, of how many."""
         solve = self.solve
-        if solve.is_denoise and solve.progress == 0:
-            text = iface_("Measuring the noise")
-        elif solve.is_denoise:
-            text = iface_("Removing noise: {:.0f} %").format(100 * solve.progress)
+        if solve.is_denoise:
+            text = self._phase_text(solve.progress)
             left = self.seconds_left()
             if left is not None:
                 text += iface_(", {:.0f} s left").format(left)
@@ -85,11 +90,33 @@ class Progress:
         return f"{solve.name}: {text}" if len(self.solves) > 1 else text
 
     def seconds_left(self) -> float | None:
-        """Guess how long `denoise` still takes; None at the beginning."""
-        done = self.solve.progress
-        if done < 0.05 or self.solve.is_over:
+        """Guess from the bar how long `denoise` of this mesh still takes; None at its beginning."""
+        done, passed = self._denoise_factor(), time.perf_counter() - self.last_news
+        if passed < 1 or self.solve.is_over:
             return None
-        return (time.perf_counter() - self.last_news) * (1 - done) / done
+        return passed * (1 - done) / done
+
+    def _denoise_factor(self) -> float:
+        """Part of `denoise` that is done; within a phase it grows with time, but never past it."""
+        now, news = time.perf_counter(), self.solve.progress
+        if news[:2] != self._phase[:2]:
+            self._phase, self._phase_began = news, now
+        # As long as the phases before it, by their parts; in the first nobody knows yet.
+        usual = FIRST_PHASE_SECONDS
+        if news.done > 0:
+            usual = (self._phase_began - self.last_news) * (news.until - news.done) / news.done
+        passed = (now - self._phase_began) / max(usual, TIMER_SECONDS)
+        return news.done + (news.until - news.done) * (1 - math.exp(-passed))
+
+    def _phase_text(self, news: DenoiseProgress) -> str:
+        """Name what `denoise` is doing."""
+        if news.phase == "filter":
+            return iface_("Filtering {:d} of {:d}").format(news.number, news.total)
+        if news.phase == "mix":
+            return iface_("Mixing the filters")
+        if news.phase == "measure":
+            return iface_("Measuring the result")
+        return iface_("Measuring the noise")
 
     def stop(self) -> None:
         """Ask the run to stop: after the step it is computing, `denoise` at once."""
@@ -204,7 +231,11 @@ class ModalRun:
 
     def _prepared(self, context: bpy.types.Context) -> list[Solve] | None:
         from ...core import FairingError
+        from ...core.runtime.threads import limit_threads
 
+        wanted = preferences()
+        if wanted is not None:
+            limit_threads(wanted.threads)
         try:
             return self.prepare(context)
         except FairingError as error:

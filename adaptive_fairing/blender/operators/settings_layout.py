@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..properties import AUTO
+from ..properties import AUTO, CONTEXT
 from .tau import OBJECT_OT_adaptive_fairing_suggest_tau
 
 
@@ -31,7 +31,9 @@ def draw_method(layout, settings, live_record=None) -> None:
     """
     layout.prop(settings, "method")
     if settings.method == AUTO:
-        layout.prop(live_record or settings, "strength", slider=live_record is not None)
+        row = layout.row()
+        row.enabled = live_record is None or live_record.id_data.mode != "EDIT"
+        row.prop(live_record or settings, "strength", slider=live_record is not None)
         return
     row = layout.row(align=True)
     row.prop(settings, "radius")
@@ -66,6 +68,7 @@ def draw_region(layout, properties, obj) -> None:
         row.prop(properties, "vertex_group")
     row.prop(properties, "invert_vertex_group", text="", icon="ARROW_LEFTRIGHT")
     layout.prop(properties, "boundary")
+    layout.prop(properties, "hold_sharp")
 
 
 def draw_output(layout, properties) -> None:
@@ -87,6 +90,6 @@ def draw_accuracy(layout, properties) -> None:
     column.prop(properties, "stop_rate", text=iface_("Stop at Rate"))
     column = layout.column(align=True)
     column.prop(properties, "cg_tolerance")
-    column.prop(properties, "cg_max_iterations", text=iface_("Iterations"))
+    column.prop(properties, "cg_max_iterations", text=iface_("Iterations", CONTEXT))
     column.prop(properties, "quadrature_tolerance", text=iface_("Integration"))
     layout.prop(properties, "normalize")

@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..data.regions import refusal, target_objects
 from ..operators import mesh_scale, modal_run
 from ..operators.fair import OBJECT_OT_adaptive_fairing
+from ..operators.questions import hints
 from ..operators.settings_layout import (
     draw_accuracy,
     draw_density,
@@ -15,7 +16,7 @@ from ..operators.settings_layout import (
     draw_options,
 )
 from ..operators.tau import OBJECT_OT_adaptive_fairing_measure
-from ..properties import AUTO, OUTPUT_NAMES, copy_settings, copy_solver
+from ..properties import AUTO, CONTEXT, OUTPUT_NAMES, copy_settings, copy_solver
 from ..requirements import scipy_problem
 from .layouts import FairingPanel, draw_lines
 from .presets import VIEW3D_PT_adaptive_fairing_presets
@@ -111,7 +112,7 @@ def _draw_radii(layout, scale, settings) -> None:
     total = scale.radii(settings.tau * settings.steps)
     titles = [iface_(text) for text in ("Densest", "Typical", "Coarsest")]
     rows = [("", titles)]
-    for name, radii in ((iface_("Step"), one), (iface_("Run"), total)):
+    for name, radii in ((iface_("Step", CONTEXT), one), (iface_("Run"), total)):
         rows.append((name, [f"{radius:.2f}" for radius in radii]))
     column = layout.column(align=True)
     for name, cells in rows:
@@ -127,39 +128,12 @@ def _draw_run(context, layout, settings) -> None:
     objects = target_objects(context) if message is None else []
     row = layout.row()
     row.scale_y = 1.6
-    text = iface_("Denoise") if settings.method == AUTO else iface_("Diffuse")
+    text = iface_("Denoise" if settings.method == AUTO else "Diffuse", CONTEXT)
     if len(objects) > 1:
         text = iface_("{:s} {:d} Objects").format(text, len(objects))
     draw_run_button(row, settings, text=text, icon="MOD_SMOOTH")
-    if len(objects) == 1:
-        for hint in hints(objects[0], settings):
-            draw_lines(context, layout, iface_(hint), icon="INFO")
-
-
-def hints(obj: bpy.types.Object, settings) -> list[str]:
-    """Say before a run what it will change beyond the mesh, and what it cannot see."""
-    from ..data.shape_keys import animated_frames
-    from ..data.targets import needs_copy  # needs the core, which enabling the add-on does not load
-
-    mesh = obj.data
-    found = []
-    is_modifier = settings.method == AUTO and settings.result == "MODIFIER"
-    if needs_copy(obj, in_place=is_modifier):
-        found.append("The result goes to a copy; this object is hidden")
-    elif mesh.users - mesh.use_fake_user > 1:
-        found.append("Other objects share this mesh: they keep the old one")
-    if settings.method == AUTO and not is_modifier and animated_frames(obj) is not None:
-        found.append("The animation of the evolution is removed with its shape keys")
-    if any(each.type == "MULTIRES" for each in obj.modifiers):
-        found.append("Multiresolution: the base mesh is smoothed, not the sculpted levels")
-    elif any(each.name != "Adaptive Fairing" and each.show_viewport for each in obj.modifiers):
-        found.append("Modifiers stay above: the mesh below them is smoothed")
-    low, high = min(obj.scale), max(obj.scale)
-    if high - low > 0.01 * max(abs(low), abs(high)):
-        found.append("The scale is not uniform: apply it first")
-    if settings.from_original and obj.adaptive_fairing.result:
-        found.append("From Original: what the runs have done since is discarded")
-    return found
+    for hint in hints(objects, settings):
+        draw_lines(context, layout, iface_(hint), icon="INFO")
 
 
 def draw_run_button(layout, settings, method=None, **appearance) -> None:

@@ -20,6 +20,7 @@ from .local_frame import spacing_of
 from .mixing import mixed_surfaces
 from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
+from .progress import DenoiseProgress, ProgressReport
 from .result import DenoiseResult
 from .settings import DenoiseSettings
 
@@ -32,7 +33,7 @@ def denoise(
     weights: ArrayLike | None = None,
     prepared: PreparedMesh | None = None,
     plan: DenoisePlan | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: Callable[[DenoiseProgress], None] | None = None,
 ) -> DenoiseResult:
     """Remove noise from a triangle mesh; estimate from the mesh how much noise there is.
 
@@ -55,8 +56,8 @@ def denoise(
         Of another frame of this surface (`DenoiseResult.plan`), made with the same `prepared`:
         nothing is estimated, the filters are mixed as there.
     progress : callable, optional
-        Called with the part of the work that is done, in (0, 1], by any thread but one at a time;
-        may raise to end the run.
+        Called with `DenoiseProgress` now and then, by any thread but one at a time; may raise to
+        end the run.
 
     Raises
     ------
@@ -93,6 +94,7 @@ def denoise(
         raise InputError(
             f"the plan is of a mesh of {len(plan.noise)} vertices, not {len(problem.start)}"
         )
+    report = ProgressReport(progress, has_plan=plan is not None)
     outcome = mixed_surfaces(
         problem.space,
         problem.start,
@@ -101,9 +103,10 @@ def denoise(
         features=settings.features,
         keeps_clean=settings.clean == "keep",
         plan=plan,
-        progress=progress,
+        progress=report,
     )
     _require_converged(outcome.solve)
+    report.begin("measure")
     frame, topology = problem.frame, problem.space.topology
     moves = [problem.weights[:, None] * (faired - problem.start) for faired in outcome.positions]
     for move in moves:
@@ -138,8 +141,7 @@ def denoise(
         settings=settings,
         plan=plan,
     )
-    if progress is not None:
-        progress(1.0)
+    report.finish()
     return result
 
 

@@ -12,9 +12,6 @@ from .normal_filter import Smoothing
 # What a filter does at creases. Those that see creases keep what stands out of the noise.
 KEEPS, SEES, ROUNDS = "keeps", "sees", "rounds"
 
-# Linear solves for the filters of one metric, about; for the progress alone.
-SOLVES_PER_METRIC = 9
-
 
 class Filter(NamedTuple):
     """One filter of the bank.
@@ -60,11 +57,6 @@ class FilterFamily(NamedTuple):
             for each in self.diffusions
         )
 
-    @property
-    def n_solves(self) -> int:
-        """Number of linear solves, about."""
-        return SOLVES_PER_METRIC
-
     def scaled(self, factor: float) -> FilterFamily:
         """Return the same diffusions with the metric's angle times a factor."""
         if self.metric.angle is None:
@@ -85,11 +77,6 @@ class NormalFamily(NamedTuple):
             for each in self.smoothings
             for passes in each.passes
         )
-
-    @property
-    def n_solves(self) -> int:
-        """Number of linear solves, about."""
-        return len(self.filters)
 
     def scaled(self, factor: float) -> NormalFamily:
         """Return itself: the angles of normals do not follow the noise."""

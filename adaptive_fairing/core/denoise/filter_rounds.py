@@ -62,11 +62,6 @@ def rounds() -> tuple[Round, ...]:
     )
 
 
-def all_families() -> Round:
-    """Return the filters of the mesh and of all rounds, in the order in which they are used."""
-    return mesh_family(), *(family for families in rounds() for family in families)
-
-
 def rounds_for(noise: FloatArray) -> list[Round]:
     """Scale the angles of all rounds' metrics to the noise, (n,), of the vertices judged."""
     tuned = parameters()

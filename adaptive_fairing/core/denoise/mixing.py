@@ -25,7 +25,7 @@ from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.threads import ordered_map
 from .filter_bank import FilterBank
 from .filter_family import Filter
-from .filter_rounds import Round, all_families, rounds_for
+from .filter_rounds import Round, rounds_for
 from .local_frame import LocalFrame
 from .mesh_parts import MeshParts, NoiseFound
 from .noise.correlation import NoiseCorrelation, noise_correlation
@@ -36,6 +36,7 @@ from .noise.smooth_noise import smooth_noise
 from .noise.spikes import without_spikes
 from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
+from .progress import ProgressReport
 from .tangential_limit import Sliding
 
 # Vertices of a mesh up to which both runs filter at once, each with one thread.  Most of their
@@ -79,7 +80,7 @@ def mixed_surfaces(
     features: str = "auto",
     keeps_clean: bool = True,
     plan: DenoisePlan | None = None,
-    progress: Callable[[float], None] | None = None,
+    progress: ProgressReport,
 ) -> MixedSurfaces:
     """Denoise positions on the solver's mesh, for all of `STRENGTHS`.
 
@@ -98,11 +99,10 @@ def mixed_surfaces(
         Whether what looks like a clean mesh stays as it is.
     plan : DenoisePlan, optional
         Of another frame of this surface: nothing is estimated then.
-    progress : callable, optional
-        Called with the part of the work that is done; may raise to end it.
+    progress : ProgressReport
     """
-    n_expected = sum(family.n_solves for family in all_families())
-    solves = _Solves(n_expected * (2 if plan is None else 1), progress)
+    solves = _Solves(progress)
+    progress.begin("noise")
     stage = _Stage(space, positions, is_still, solves.count)
     notes: tuple[str, ...] = ()
     if plan is None:
@@ -124,16 +124,17 @@ def mixed_surfaces(
         if beyond_clean(max(STRENGTHS) * strength * level).any():
             if correlation is None:
                 correlation = noise_correlation(fading, stage.frame, counted & (level > 0))
-            plan = _planned(stage, level, correlation, strength, features)
+            plan = _planned(stage, level, correlation, strength, features, progress)
         plan = replace(plan, impulsive=impulsive)
     else:
         if plan.impulsive.any():
             stage = stage.calmed(plan.impulsive)
         if not plan.is_idle:
-            stage.repeat(plan)
+            stage.repeat(plan, progress)
     if plan.is_idle:
         results = [stage.track.positions] * len(STRENGTHS)
     else:
+        progress.begin("mix")
         results = [stage.track.mixed(coefficients) for coefficients in plan.mixtures]
         sliding = Sliding(space.topology, stage.track.positions, stage.frame)
         results = [sliding.limited(result) for result in results]
@@ -146,6 +147,7 @@ def _planned(
     correlation: NoiseCorrelation,
     strength: float,
     features: str,
+    progress: ProgressReport,
 ) -> DenoisePlan:
     """Filter in all rounds, and choose the coefficients of the filters after each."""
     tuned = parameters()
@@ -169,10 +171,13 @@ def _planned(
     first, *others = rounds_for(noise)
     pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen)
     pilots: list[RealArray] = []
+    progress.begin("filter", 1)
     _filter_both(track, shadow, first)
-    for families in others:
+    for number, families in enumerate(others, start=2):
+        progress.begin("filter", number)
         pilots.extend(parts.best_coefficients(*measured(), pilot_variance[None]))
         _filter_both(track, shadow, families, pilots[-1])
+    progress.begin("mix")
     removed, divergence = measured()
     filters = tuple(track.taken)
     usable = [each.serves(features) for each in filters]
@@ -249,11 +254,13 @@ class _Stage:
         start = positions + impulsive[:, None] * (calm - positions)
         return _Stage(self._space, start, self._is_still, self._on_solve)
 
-    def repeat(self, plan: DenoisePlan) -> None:
+    def repeat(self, plan: DenoisePlan, progress: ProgressReport) -> None:
         """Filter as on another frame of the surface."""
         first, *others = rounds_for(plan.noise)
+        progress.begin("filter", 1)
         self.track.filter(first)
-        for families, pilot in zip(others, plan.pilots, strict=True):
+        for number, (families, pilot) in enumerate(zip(others, plan.pilots, strict=True), start=2):
+            progress.begin("filter", number)
             self.track.surface = self.track.mixed(pilot)
             self.track.filter(families)
 
@@ -294,14 +301,11 @@ class _Track:
 
 
 class _Solves:
-    """Count of the linear solves: the progress, and what is to be reported of them.
+    """What is to be reported of all linear solves; both runs count here, each in its thread."""
 
-    Both runs count here, each in its thread.
-    """
-
-    def __init__(self, n_expected: int, progress: Callable[[float], None] | None) -> None:
-        self._n_expected, self._progress = n_expected, progress
-        self._n_done = self._iterations = 0
+    def __init__(self, progress: ProgressReport) -> None:
+        self._progress = progress
+        self._iterations = 0
         self._residual = 0.0
         self._converged = True
         self._lock = Lock()
@@ -309,12 +313,10 @@ class _Solves:
     def count(self, report: SolveReport) -> None:
         """Note that a solve is done."""
         with self._lock:
-            self._n_done += 1
             self._iterations += report.iterations
             self._residual = max(self._residual, report.residual)
             self._converged &= report.converged
-            if self._progress is not None:
-                self._progress(min(self._n_done / self._n_expected, 1.0))
+            self._progress.again()
 
     def report(self) -> SolveReport:
         """All solves together."""

@@ -36,14 +36,26 @@ MOST_THREADS = 8  # beyond that memory bandwidth is the limit
 LARGEST_KEPT = 8_000_000
 
 
+def limit_threads(limit: int) -> None:
+    """Use so many threads at most from now on; 0 goes back to `MOST_THREADS`."""
+    global _limit  # one number for the process, as are the threads
+    if limit != _limit:
+        _limit = limit
+        n_threads.cache_clear()
+        _pool.cache_clear()
+
+
+_limit = 0
+
+
 @lru_cache(maxsize=1)
 def n_threads() -> int:
-    """Processors that this process may use, at most `MOST_THREADS`."""
+    """Processors that this process may use, at most `MOST_THREADS` or the limit that was set."""
     if hasattr(os, "sched_getaffinity"):
         available = len(os.sched_getaffinity(0))
     else:
         available = os.cpu_count() or 1
-    return min(available, MOST_THREADS)
+    return min(available, _limit or MOST_THREADS)
 
 
 def chunks(n: int, size: int) -> list[slice]:

@@ -3,8 +3,8 @@
 import bpy
 import numpy as np
 import pytest
-from support.meshes import icosphere
-from support.objects import add_object, key_positions, select
+from support.meshes import icosphere, noisy_ball
+from support.objects import add_object, key_positions, select, shown_positions
 
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
 from adaptive_fairing.core import FairingSettings, fair
@@ -153,3 +153,26 @@ class TestVertexGroup:
         sphere.vertex_groups.new(name="Empty")
         with pytest.raises(RuntimeError, match="leave no vertex to smooth"):
             bpy.ops.object.adaptive_fairing(method="adaptive_timestep", vertex_group="Empty")
+
+
+class TestSharpEdges:
+    @pytest.mark.parametrize("method", ["adaptive_timestep", "auto"])
+    def test_vertices_of_marked_edges_are_held_on_request(self, method):
+        obj = add_object(*noisy_ball(4, 0.02))
+        obj.select_set(True)
+        before = read_positions(obj.data).astype(np.float32)
+        marked = np.arange(0, len(obj.data.edges), 50)
+        held = np.zeros(len(before), dtype=bool)
+        for edge in marked.tolist():
+            obj.data.edges[edge].use_edge_sharp = True
+            held[list(obj.data.edges[edge].vertices)] = True
+        for hold_sharp in (True, False):
+            bpy.ops.object.adaptive_fairing(method=method, hold_sharp=hold_sharp)
+            stays = (shown_positions(obj) == before).all(axis=1)
+            assert np.array_equal(stays, held) if hold_sharp else not stays[held].any()
+            bpy.ops.object.adaptive_fairing_discard()
+
+    def test_without_marked_edges_nothing_is_held(self, sphere):
+        positions = expected(sphere, None)
+        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2, hold_sharp=True)
+        assert np.array_equal(key_positions(sphere, "Fairing 2"), positions)

@@ -13,8 +13,9 @@ from adaptive_fairing.blender.data.mesh_arrays import read_positions
 from adaptive_fairing.blender.jobs.frame_sequence import run_frames
 from adaptive_fairing.blender.jobs.solve import Solve, run_solves
 from adaptive_fairing.blender.operators import modal_run
+from adaptive_fairing.blender.operators.questions import hints
 from adaptive_fairing.blender.ui import results_panel, sequence_panel, settings_panel
-from adaptive_fairing.core import DenoiseSettings, FairingSettings, denoise
+from adaptive_fairing.core import DenoiseProgress, DenoiseSettings, FairingSettings, denoise
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -101,13 +102,38 @@ class TestPanel:
         noise = f"{float(f'{2 * 100 * record.noise_length:.3g}'):g} cm"
         first, last = record.shapes[0], record.shapes[record.shown]
         volume = 100 * (last.volume / first.volume - 1)
-        line = f"Noise {noise}  ·  smoothed {record.radius:.2g} edges  ·  volume {volume:+.2f} %"
-        assert line in " ".join(drawn.texts).replace("   ", "  ")
+        parts = (
+            f"Noise {noise}",
+            f"smoothed {record.radius:.2g} edges",
+            f"volume {volume:+.2f} %",
+        )
+        text = " ".join(drawn.texts).replace("\N{NO-BREAK SPACE}", " ")
+        assert " ".join(parts) in text.replace(" · ", " ")
         record.strength = 0.0
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-        assert "volume +0.00 %" in " ".join(drawn.texts)
+        assert any(text.endswith("+0.00\N{NO-BREAK SPACE}%") for text in drawn.texts)
         names = [each["name"].removeprefix("object.adaptive_fairing") for each in drawn.operators]
-        assert names == ["", "_before", "_split", "_paint", "_apply", "_discard"]
+        assert names == ["", "_before", "_split", "_paint", "_surface", "_apply", "_discard"]
+
+    def test_the_surface_that_is_shown(self, noisy):
+        run()
+        for surface, text in (("REFINED_2", "Refined 2"), ("CONTROL", "Control Mesh")):
+            bpy.ops.object.adaptive_fairing_surface(surface=surface)
+            drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+            (button,) = [each for each in drawn.operators if each["name"].endswith("_surface")]
+            assert button["text"] == text
+
+    @pytest.mark.parametrize("method", ["auto", "uniform"])
+    def test_in_edit_mode_its_slider_is_there_but_stands_still(self, noisy, method):
+        run()
+        bpy.context.scene.adaptive_fairing.method = method
+        bpy.ops.object.mode_set(mode="EDIT")
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert drawn.properties.count("strength") == 1
+        assert drawn.disabled == ["strength"]
+        assert "Leave Edit Mode to move the slider" in " ".join(drawn.texts)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert draw(settings_panel.VIEW3D_PT_adaptive_fairing).disabled == []
 
     def test_a_mesh_that_was_changed_is_told_and_has_no_slider(self, noisy):
         run()
@@ -133,20 +159,21 @@ class TestPanel:
         twin = bpy.data.objects.new("Twin", noisy.data)
         settings = bpy.context.scene.adaptive_fairing
         noisy.scale = (1.0, 1.0, 2.0)
-        found = settings_panel.hints(noisy, settings)
+        found = hints([noisy], settings)
         assert found == [
             "Other objects share this mesh: they keep the old one",
             "The scale is not uniform: apply it first",
         ]
+        assert hints([twin, noisy, noisy], settings) == found, "each is said once"
         twin.data = bpy.data.meshes.new("Other")
         noisy.modifiers.new("Levels", "MULTIRES")
         noisy.shape_key_add(name="Basis")
         noisy.shape_key_add(name="Smile")
-        found = settings_panel.hints(noisy, settings)
+        found = hints([noisy], settings)
         assert found[0] == "The result goes to a copy; this object is hidden"
         assert found[1].startswith("Multiresolution")
         settings.result = "MODIFIER"
-        assert found[0] not in settings_panel.hints(noisy, settings)
+        assert found[0] not in hints([noisy], settings)
 
 
 class TestRun:
@@ -155,10 +182,10 @@ class TestRun:
 
         until = 2.0
 
-        def note_progress(self, part):
-            self.parts = [*getattr(self, "parts", []), part]
-            self.is_cancelled = part >= self.until
-            super().note_progress(part)
+        def note_progress(self, progress):
+            self.parts = [*getattr(self, "parts", []), progress.done]
+            self.is_cancelled = progress.done >= self.until
+            super().note_progress(progress)
 
     @pytest.fixture
     def solve(self):
@@ -167,14 +194,14 @@ class TestRun:
     def test_it_tells_its_progress_and_comes_in_one_piece(self, solve):
         assert len(list(run_solves([solve]))) == 1
         assert len(solve.parts) > 20
-        assert solve.progress == 1.0
+        assert solve.progress.done == 1.0
         assert solve.denoised.strengths.tolist() == STRENGTHS
 
     def test_cancelling_ends_it_in_the_middle_without_a_result(self, solve):
         solve.until = 0.3
         other = Solve(solve.vertices, solve.triangles, solve.settings)
         assert list(run_solves([solve, other])) == []
-        assert 0.3 <= solve.progress < 0.5
+        assert 0.3 <= solve.progress.done < 0.5
         assert not (solve.has_result or solve.error or other.has_result)
 
     def test_cancelling_a_sequence_ends_it_and_starts_no_other_frame(self, solve):
@@ -190,7 +217,8 @@ class TestRun:
         next(run_solves([solve]))
         assert len(solve.steps) == 1
 
-    def test_bar_and_text_follow_the_progress(self, solve):
+    @pytest.fixture
+    def current(self, solve, monkeypatch):
         class Worker:
             is_stopping = False
 
@@ -200,20 +228,42 @@ class TestRun:
             def join(self, timeout):
                 pass
 
-        current = modal_run.Progress([solve], Worker())
+        monkeypatch.setattr(modal_run.time, "perf_counter", lambda: self.now)
+        self.now = 100.0
+        current = modal_run.Progress([solve], Worker(), last_news=self.now)
         modal_run._progress[:] = [current]
-        try:
-            solve.progress = 0.45
-            drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-            ((factor, text),) = drawn.progress
-            assert factor == 0.45
-            assert text.startswith("Removing noise: 45 %, ")
-            assert text.endswith(" s left")
-            draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
-            modal_run.stop_run()
-            assert solve.is_cancelled
-        finally:
-            modal_run.forget_run()
+        yield current
+        modal_run.forget_run()
+
+    @staticmethod
+    def bar():
+        ((factor, text),) = draw(settings_panel.VIEW3D_PT_adaptive_fairing).progress
+        return factor, text
+
+    def test_the_bar_moves_within_the_first_second_and_on_in_every_phase(self, solve, current):
+        assert self.bar() == (0.0, "Measuring the noise")
+        solve.progress = DenoiseProgress("noise", done=0.0, until=0.25)
+        self.bar()
+        self.now += 1
+        first, _ = self.bar()
+        assert 0.01 < first < 0.25
+        solve.progress = DenoiseProgress("filter", 3, 5, done=0.5, until=0.75)
+        self.now += 1
+        assert self.bar() == (0.5, "Filtering 3 of 5, 2 s left")
+        self.now += 1  # half of what this phase takes if it is as fast as those before it
+        factor, text = self.bar()
+        assert 0.6 < factor < 0.75
+        assert text == f"Filtering 3 of 5, {3 * (1 - factor) / factor:.0f} s left"
+        self.now += 1000
+        assert 0.7 < self.bar()[0] <= 0.75
+        for phase, name in (("mix", "Mixing the filters"), ("measure", "Measuring the result")):
+            solve.progress = DenoiseProgress(phase, done=0.9, until=1.0)
+            assert self.bar()[1].startswith(name)
+
+    def test_the_other_panel_shows_it_too_and_a_stop_reaches_the_solve(self, solve, current):
+        draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
+        modal_run.stop_run()
+        assert solve.is_cancelled
 
 
 def test_numbers_in_files_keep_their_meaning():

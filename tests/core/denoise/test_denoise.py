@@ -234,12 +234,21 @@ def test_a_boundary_is_held_or_faired_with_the_rest():
 def test_progress_rises_to_one_and_may_end_the_run():
     points, faces = noisy_torus()
     seen = []
-    denoise(points, faces, progress=seen.append)
-    assert seen == sorted(seen)
-    assert seen[-1] == 1
-    assert len(seen) > 50
+    plan = denoise(points, faces, progress=seen.append).plan
+    assert [each.done for each in seen] == sorted(each.done for each in seen)
+    assert seen[-1].done == 1
+    assert len(seen) > 30, "too seldom to end a run"
+    phases = list(dict.fromkeys(seen[:-1]))
+    filters = [("filter", number, 4) for number in range(1, 5)]
+    measured = [each[:3] for each in phases]
+    assert measured == [("noise", 0, 0), *filters, ("mix", 0, 0), ("measure", 0, 0)]
+    assert [each.until for each in phases] == [*(each.done for each in phases[1:]), 1.0]
+    again = []
+    denoise(points, faces, plan=plan, progress=again.append)
+    assert [each[:3] for each in dict.fromkeys(again[:-1])] == measured
+    assert again[0].until == 0, "nothing is measured with a plan"
 
-    def cancel(share):
+    def cancel(progress):
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):

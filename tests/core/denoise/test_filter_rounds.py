@@ -7,10 +7,15 @@ from support import meshes
 from adaptive_fairing.core import DenoiseSettings, PreparedMesh, denoise
 from adaptive_fairing.core.denoise.filter_bank import FilterBank
 from adaptive_fairing.core.denoise.filter_family import FilterFamily
-from adaptive_fairing.core.denoise.filter_rounds import all_families, rounds, rounds_for
+from adaptive_fairing.core.denoise.filter_rounds import mesh_family, rounds, rounds_for
 from adaptive_fairing.core.denoise.plan import STRENGTHS
 
 POINTS, FACES = meshes.noisy_ball(3, 0.03)
+
+
+def all_families():
+    """Filters of the mesh and of all rounds, in the order in which they are used."""
+    return mesh_family(), *(family for families in rounds() for family in families)
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,239 @@
+"""The surface that shows a result: its control mesh, or a mesh on the limit surface.
+
+A refined mesh is another mesh.  The control mesh stays in the file as it is, kept by
+`FairingRecord.control`, and comes back bit by bit when the result is discarded or another surface
+is chosen.  Refinement is linear, so the original, each offset and each shape key are refined alike,
+and what shows a result works on the refined mesh as it does on the control mesh.
+
+The control vertices are the first of a refined mesh.  The weights that they have in vertex groups,
+the values and the animation of keys, and the materials go back to the control mesh.  If anything
+else was changed on the refined mesh, that mesh stays in the file.
+"""
+
+from __future__ import annotations
+
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+
+from ...core import FairingSettings
+from .attribute_arrays import read_attributes
+from .coloring import color_by_field, end_view
+from .key_copies import copy_settings
+from .mesh_arrays import read_key, write_positions
+from .refined_object import RENEWED, RefineOptions, refine_object
+from .results import has_result
+from .rollback import remove_mesh
+from .run_record import remember_coordinates
+from .shape_keys import mixed_keys, show_time
+from .stored_result import (
+    ORIGINAL,
+    forget_weights,
+    offset_name,
+    shown_by,
+    write_shown,
+)
+from .vertex_groups import read_groups, same_groups, write_groups
+
+CONTROL = "CONTROL"
+LEVELS = {"LIMIT": 0, "REFINED_1": 1, "REFINED_2": 2, "REFINED_3": 3}
+"""Steps of refinement by surface; without any the vertices move to their limit points."""
+
+LARGEST_EXACT = 500_000
+"""Triangles of a refined mesh up to which it gets exact normals.
+
+Normals that follow the slider take Blender seconds from there on, and its own differ little.
+"""
+
+OWN_PREFIXES = (".", "fairing_")
+"""How the names of attributes begin that nobody else's work is in."""
+
+
+def is_refined(obj: bpy.types.Object) -> bool:
+    """Whether an object shows its result on another mesh than the control mesh."""
+    return obj.adaptive_fairing.control not in (None, obj.data) and has_result(obj)
+
+
+def show_surface(obj: bpy.types.Object, surface: str) -> tuple[tuple[str, ...], str | None]:
+    """Show the result of an object on a surface; colours of a view are made anew.
+
+    Parameters
+    ----------
+    obj
+        Object in Object Mode that has a result.
+    surface
+        `CONTROL` or a key of `LEVELS`.
+
+    Returns
+    -------
+    tuple of str, str or None
+        As `refine_result` and `show_control` return.
+
+    Raises
+    ------
+    FairingError
+        As `refine_result`.
+    """
+    record = obj.adaptive_fairing
+    view = record.view
+    end_view(obj)
+    kept = show_control(obj)
+    record.surface = surface
+    notes = refine_result(obj)
+    if view:
+        color_by_field(obj, view, FairingSettings())
+    return notes, kept
+
+
+def show_control(obj: bpy.types.Object) -> str | None:
+    """Bring the control mesh of a result back, with what is shown now.
+
+    Returns
+    -------
+    str or None
+        Name of the refined mesh, if it stays in the file because something was changed on it.
+    """
+    if not is_refined(obj):
+        return None
+    end_view(obj)
+    refined, record = obj.data, obj.adaptive_fairing
+    is_changed = _print_of(obj.data) != record.refined_print
+    _take_control(obj)
+    record.control = None
+    name = refined.name
+    if is_changed:
+        refined.name, refined.use_fake_user = f"{name} refined", True
+    else:
+        remove_mesh(refined)
+    obj.data.name = name
+    return refined.name if is_changed else None
+
+
+def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
+    """Show the result of an object, which is on its control mesh, on the surface of its record.
+
+    Returns
+    -------
+    tuple of str
+        What had to be cut, turned or left out because the mesh is no oriented manifold.
+
+    Raises
+    ------
+    FairingError
+        The refined mesh does not fit into memory; then the control mesh stays.
+    """
+    record = obj.adaptive_fairing
+    if record.surface not in LEVELS or not has_result(obj):
+        record.surface = CONTROL
+        return ()
+    view = record.view
+    end_view(obj)
+    if obj.data.users - obj.data.use_fake_user > 1:
+        obj.data = obj.data.copy()
+    control = obj.data
+    names = [ORIGINAL, *(offset_name(i + 1) for i in range(record.n_strengths))]
+    levels = LEVELS[record.surface]
+    is_exact = (len(control.loops) - 2 * len(control.polygons)) * 4**levels <= LARGEST_EXACT
+    obj.data = control.copy()
+    try:
+        notes = refine_object(obj, RefineOptions(levels, exact_normals=is_exact), names)
+    except BaseException:
+        copy, obj.data = obj.data, control
+        remove_mesh(copy)
+        record.surface = CONTROL
+        raise
+    name = control.name
+    control.name, obj.data.name = f"{name} control", name
+    record.control = control
+    _show_again(obj)
+    record.refined_print = _print_of(obj.data)
+    if view:
+        color_by_field(obj, view, FairingSettings())
+    return notes
+
+
+@contextmanager
+def control_read(obj: bpy.types.Object) -> Iterator[None]:
+    """Let an object have its control mesh, with what is shown now, for the body to read."""
+    record = obj.adaptive_fairing
+    if not is_refined(obj):
+        yield
+        return
+    refined, checksum = obj.data, record.checksum
+    _take_control(obj)
+    try:
+        yield
+    finally:
+        record.control, obj.data, record.checksum = obj.data, refined, checksum
+        forget_weights()
+
+
+@contextmanager
+def control_written(obj: bpy.types.Object) -> Iterator[str | None]:
+    """Let the body write another result to the control mesh, and refine it after that.
+
+    Yields
+    ------
+    str or None
+        As `show_control` returns.
+    """
+    record = obj.adaptive_fairing
+    if not is_refined(obj):  # or no longer, because somebody has changed the refined mesh
+        record.surface = CONTROL
+    view = record.view
+    kept = show_control(obj)
+    record.view = view  # for the body to colour anew
+    try:
+        yield kept
+    finally:
+        refine_result(obj)
+
+
+def _take_control(obj: bpy.types.Object) -> None:
+    """Put the control mesh in place of the refined one, which is left as it is."""
+    refined, record = obj.data, obj.adaptive_fairing
+    groups = read_groups(obj)
+    if record.control.users - record.control.use_fake_user > 1:  # of a copy of the object
+        record.control = record.control.copy()
+    obj.data = control = record.control
+    n = len(control.vertices)
+    groups = [group.with_weights(lambda values: values[:n]) for group in groups]
+    if not same_groups(groups, read_groups(obj)):
+        write_groups(obj, groups)
+    if list(control.materials) != list(refined.materials):
+        control.materials.clear()
+        for material in refined.materials:
+            control.materials.append(material)
+    if control.shape_keys is not None and refined.shape_keys is not None:
+        copy_settings(refined.shape_keys, control.shape_keys)
+    _show_again(obj)
+
+
+def _show_again(obj: bpy.types.Object) -> None:
+    """Bring the coordinates of the mesh that an object has now to what its record says."""
+    forget_weights()
+    record, keys = obj.adaptive_fairing, obj.data.shape_keys
+    if record.result == "LIVE":
+        write_shown(obj, shown_by(obj))
+    elif record.result == "MODIFIER":
+        remember_coordinates(record)
+    elif not keys.use_relative:
+        show_time(keys, keys.eval_time)
+    else:
+        write_positions(obj.data, mixed_keys(keys))
+
+
+def _print_of(mesh: bpy.types.Mesh) -> str:
+    """Tell a refined mesh from one that was changed; what goes back to the control mesh aside."""
+    crc = 0
+    for array in read_attributes(mesh, RENEWED):
+        if not array.name.startswith(OWN_PREFIXES):
+            values = array.values
+            content = repr(values.tolist()).encode() if values.dtype == object else values.tobytes()
+            crc = zlib.crc32(content, zlib.crc32(repr(array[:3]).encode(), crc))
+    if mesh.shape_keys is not None:
+        for block in mesh.shape_keys.key_blocks:
+            crc = zlib.crc32(read_key(block), zlib.crc32(block.name.encode(), crc))
+    return f"{len(mesh.vertices)}-{len(mesh.polygons)}-{crc}"

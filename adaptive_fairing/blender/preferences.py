@@ -1,0 +1,99 @@
+"""Preferences of the add-on: what new files begin with, and how many processors a run uses."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+from bpy.props import EnumProperty, IntProperty
+
+from .properties import AUTO, LIVE, METHODS, RESULTS
+
+DEFAULTS = ("method", "result")
+"""Settings of a scene that the preferences have too."""
+
+
+def addon_name() -> str:
+    """Name under which Blender knows the add-on: an extension has that of its repository before."""
+    parts = __package__.split(".")
+    return ".".join(parts[:3]) if parts[0] == "bl_ext" else parts[0]
+
+
+def _set_in_all_scenes(name: str) -> Callable[[FairingPreferences, bpy.types.Context], None]:
+    """Make what hands a default on to the scenes of the open file when it was changed."""
+
+    def update(preferences: FairingPreferences, context: bpy.types.Context) -> None:
+        for scene in bpy.data.scenes:
+            setattr(scene.adaptive_fairing, name, getattr(preferences, name))
+
+    return update
+
+
+class FairingPreferences(bpy.types.AddonPreferences):
+    bl_idname = addon_name()
+
+    method: EnumProperty(
+        name="Method",
+        description="What the panel of a new file is set to, and now that of this one",
+        items=METHODS,
+        default=AUTO,
+        update=_set_in_all_scenes("method"),
+    )
+    result: EnumProperty(
+        name="Result",
+        description="What Denoise gives an object in a new file, and now in this one",
+        items=RESULTS,
+        default=LIVE,
+        update=_set_in_all_scenes("result"),
+    )
+    threads: IntProperty(
+        name="Threads",
+        description="Processors that a run may use; 0 takes all, but at most 8",
+        default=0,
+        min=0,
+        soft_max=16,
+        max=256,
+    )
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        for name in (*DEFAULTS, "threads"):
+            layout.prop(self, name)
+
+
+def preferences() -> FairingPreferences | None:
+    """Give the preferences; None where the add-on was not enabled as one, as in scripts."""
+    addon = bpy.context.preferences.addons.get(addon_name())
+    return None if addon is None else addon.preferences
+
+
+@bpy.app.handlers.persistent
+def _set_up_scenes(*_arguments) -> None:
+    """Give the scenes of a file that was loaded what was not chosen in them."""
+    wanted = preferences()
+    if wanted is None or not hasattr(bpy.data, "scenes"):  # while Blender starts
+        return
+    for scene in bpy.data.scenes:
+        settings = scene.adaptive_fairing
+        for name in DEFAULTS:
+            value = getattr(wanted, name)
+            if not settings.is_property_set(name) and getattr(settings, name) != value:
+                setattr(settings, name, value)
+
+
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory((FairingPreferences,))
+
+
+def register() -> None:
+    """Offer the preferences, and heed them from now on."""
+    _register_classes()
+    bpy.app.handlers.load_post.append(_set_up_scenes)
+    _set_up_scenes()
+
+
+def unregister() -> None:
+    """Take them back."""
+    bpy.app.handlers.load_post.remove(_set_up_scenes)
+    _unregister_classes()

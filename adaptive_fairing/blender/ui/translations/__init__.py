@@ -1,0 +1,36 @@
+"""Texts of the interface in other languages: one file a language, named by its code.
+
+The keys of a file are the English texts of the source. Placeholders stay as they are: texts are
+translated before they are filled in. Messages of the numeric core are English only.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import bpy
+
+from ...properties import CONTEXT
+
+
+def languages() -> dict[str, dict[str, str]]:
+    """Read the files of this folder: texts by English texts, by the code of the language."""
+    files = Path(__file__).parent.glob("*.json")
+    return {path.stem: json.loads(path.read_text("utf-8")) for path in sorted(files)}
+
+
+def register() -> None:
+    """Offer the translations to Blender, which takes ``de`` for ``de_DE`` as well."""
+    # Labels of operators have a context of their own.
+    contexts = ("*", bpy.app.translations.contexts.operator_default, CONTEXT)
+    offered = {
+        code: {(context, key): text for key, text in texts.items() for context in contexts}
+        for code, texts in languages().items()
+    }
+    bpy.app.translations.register(__package__, offered)
+
+
+def unregister() -> None:
+    """Withdraw the translations."""
+    bpy.app.translations.unregister(__package__)
