@@ -11,14 +11,15 @@ from ...core import FairingSettings, InputError, LimitSurface, mesh_density
 from ...core.mesh.solver_mesh import SolverFrame, solvable_surface
 from ...core.surface.refined_net import RefinedNet
 from .attributes import COMPARED_FIELDS
+from .control_mesh import LEVELS, control_read, is_refined
 from .mesh_arrays import read_positions, read_triangles
 from .refined_object import control_surface
 from .results import original_positions, shown_positions
 
 FloatArray = NDArray[np.float64]
 
-CURVATURES = {"CURVATURE": "mean_curvature", "GAUSSIAN": "gaussian_curvature"}
-"""Attribute of `LimitSurface` by field."""
+CURVATURES = {"CURVATURE": 0, "GAUSSIAN": 1}
+"""Row of `LimitSurface.refined_curvature` by field."""
 
 
 def field_values(
@@ -69,10 +70,21 @@ def field_values(
         removed = np.einsum("id,id->i", original - shown, normals)
         return np.where(normals.any(axis=1), removed, np.nan)
     if field in CURVATURES:
-        net = RefinedNet(control_surface(obj.data), levels=0)
-        surface = LimitSurface.from_levels(net.cut.levels, shown[net.cut.vertex_of])
-        return net.joined(getattr(surface, CURVATURES[field]))
+        return _curvatures(obj)[CURVATURES[field]]
     return shown_density(shown, triangles, settings)
+
+
+def _curvatures(obj: bpy.types.Object) -> FloatArray:
+    """Compute both curvatures of the limit surface, (2, n); of refined results the control mesh's.
+
+    NaN at loose vertices.
+    """
+    levels = LEVELS[obj.adaptive_fairing.surface] if is_refined(obj) else 0
+    with control_read(obj):
+        cut = control_surface(obj.data)
+        positions = shown_positions(obj).astype(np.float64)[cut.vertex_of]
+    values = LimitSurface.from_levels(cut.levels, positions).refined_curvature(levels)
+    return RefinedNet(cut, levels).joined(values.T).T
 
 
 def shown_density(

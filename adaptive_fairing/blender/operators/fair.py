@@ -137,8 +137,8 @@ class OBJECT_OT_adaptive_fairing(
 
     def _solve(self, obj, mode, settings):
         from ...core import FairingError, InputError
+        from ..data.control_mesh import control_read
         from ..data.mesh_arrays import read_triangles
-        from ..data.shown_surface import control_read
         from ..data.targets import needs_copy
         from ..jobs.solve import Solve
         from ..jobs.store_result import start_positions

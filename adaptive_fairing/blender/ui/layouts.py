@@ -10,7 +10,8 @@ from bpy.app.translations import pgettext_iface as iface_
 PIXELS_PER_CHARACTER = 6.2
 """Width of an average letter at the interface's scale 1."""
 
-MARGIN_PIXELS = 70
+MARGIN_PIXELS = 50
+ICON_PIXELS = 20
 
 UNITS = {"NONE": ("", 1.0), "METRIC": ("m", 1.0), "IMPERIAL": ("ft", 1 / 0.3048)}
 """Unit of length and what it is worth, of every system of units: a metre has that many."""
@@ -27,11 +28,12 @@ class FairingPanel:
 def draw_lines(context: bpy.types.Context, layout, text: str, *, icon: str) -> None:
     """Draw a text over as many lines as the region's width asks for: labels do not wrap."""
     scale = context.preferences.system.ui_scale
-    room = context.region.width / scale - MARGIN_PIXELS
+    margin = MARGIN_PIXELS + (ICON_PIXELS if icon != "NONE" else 0)
+    room = context.region.width / scale - margin
     column = layout.column(align=True)
     column.scale_y = 0.8
     for line in textwrap.wrap(text, max(int(room / PIXELS_PER_CHARACTER), 20)):
-        column.label(text=line, icon=icon, translate=False)
+        column.label(text=line.strip(" ·"), icon=icon, translate=False)
         icon = "BLANK1" if icon != "NONE" else icon
 
 

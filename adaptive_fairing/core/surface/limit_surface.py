@@ -14,7 +14,7 @@ from ..mesh.input_checks import checked_vertices
 from ..mesh.normals import unit_vectors
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, IntArray
-from .curvature import curvature
+from .curvature import curvature, refined_curvature
 from .edge_points import edge_control_points, edge_limits, unit_cross
 from .masks import limit_matrix, refinement_matrix, tangent_matrices, vertex_matrix
 from .refined_mesh import RefinedMesh, unrefined_mesh
@@ -262,6 +262,13 @@ class LimitSurface:
     @cached_property
     def _curvature(self) -> FloatArray:
         return curvature(self.levels.mesh(0), *self.levels.control_points(self.positions, 1))
+
+    def refined_curvature(self, levels: int) -> FloatArray:
+        """Mean and Gaussian curvature at the vertices of `refined(levels)`, (2, n)."""
+        if levels == 0:
+            return self._curvature
+        control = self.levels.control_points(self.positions, levels)
+        return refined_curvature(self.levels.mesh(levels), control[-1])
 
 
 def _control_points(positions: ArrayLike, n_vertices: int) -> FloatArray:

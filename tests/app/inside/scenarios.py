@@ -5,6 +5,7 @@ Usage: blender --python scenarios.py -- SCENARIO DIRECTORY
 
 from __future__ import annotations
 
+import subprocess
 import sys
 import time
 from collections.abc import Callable, Generator
@@ -559,6 +560,39 @@ def languages(stage: Stage) -> Scenario:
             stage.scroll_down("UI")
             yield 0.5
             yield from stage.picture(f"{language}-{method}-below")
+
+
+def manual(stage: Stage) -> Scenario:
+    """Take the pictures of assets/screenshots, with the sample head."""
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    assets = Path(__file__).resolve().parents[3] / "assets"
+    bpy.context.preferences.system.viewport_aa = "8"
+    with stage.context():
+        bpy.ops.wm.ply_import(filepath=str(assets / "head_noisy.ply"))
+        bpy.ops.view3d.view_selected()
+    obj = bpy.context.object
+    yield from stage.open_sidebar("Fairing")
+    yield from stage.picture("before")
+    yield from press_fairing(stage)
+    yield stage.until(lambda: finished_part() > 0.3, 120, "progress of the run")
+    yield from stage.picture("running")
+    yield stage.until(lambda: not stage.is_running(), 120, "end of the run")
+    yield from stage.point_at_view()
+    yield 1.0
+    yield from stage.picture("after")
+    with stage.context():
+        bpy.ops.object.adaptive_fairing_split()
+    yield from stage.picture("split")
+    with stage.context():
+        bpy.ops.object.adaptive_fairing_split()
+        bpy.ops.object.adaptive_fairing_view(field="REMOVED")
+    yield from stage.picture("removed")
+    stage.results["shows"] = obj.adaptive_fairing.view
+    for name in stage.pictures:
+        path = stage.directory / f"{name}.png"
+        part = ["-crop", "982x655+340+81", "+repage", "-resize", "748x"]
+        subprocess.run(["convert", path, *part, path.with_name(f"manual-{name}.png")], check=True)
 
 
 def open_at_first(panel: str) -> None:

@@ -14,12 +14,14 @@ from support.objects import (
     shown_positions,
 )
 
+from adaptive_fairing.blender.data import shown_surface
+from adaptive_fairing.blender.data.fields import CURVATURES, field_values
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
 from adaptive_fairing.blender.data.run_record import end_comparison
 from adaptive_fairing.blender.data.shape_keys import animated_frames
 from adaptive_fairing.blender.data.stored_result import PAINT_GROUP
 from adaptive_fairing.blender.operators import following
-from adaptive_fairing.core import LimitSurface, TriangleTopology
+from adaptive_fairing.core import FairingSettings, LimitSurface, TriangleTopology
 from adaptive_fairing.core.surface import memory_estimate
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -112,6 +114,15 @@ class TestStrength:
         exact = LimitSurface(TriangleTopology(triangles, len(positions)), positions).refined(1)
         assert np.abs(flat.reshape(-1, 3) - exact.normals[corners(noisy.data)]).max() < 1e-3
 
+    def test_large_meshes_have_blenders_own_normals(self, noisy, monkeypatch):
+        run()
+        monkeypatch.setattr(shown_surface, "LARGEST_EXACT", 4 * 1280)
+        surface("REFINED_1")
+        assert noisy.data.has_custom_normals
+        surface("REFINED_2")
+        assert not noisy.data.has_custom_normals
+        assert all(polygon.use_smooth for polygon in noisy.data.polygons)
+
     def test_meshes_that_have_to_be_cut(self):
         obj = add_object(*bad_meshes.three_sheets())
         obj.select_set(True)
@@ -182,6 +193,32 @@ class TestNothingIsLost:
         assert "it stays in the file" in capfd.readouterr().out
         assert mesh.name.endswith("refined") and mesh.use_fake_user
         assert noisy.data != mesh
+
+    def test_weights_of_another_net_do_not_go_back(self, noisy):
+        """Deleting vertices of an evolution gives all others new numbers."""
+        paper()
+        noisy.vertex_groups.new(name="Odd").add(range(1, 600, 2), 1.0, "REPLACE")
+        before = everything(noisy)
+        surface("REFINED_1")
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="DESELECT")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        noisy.data.vertices[0].select = True
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.delete(type="VERT")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        edited = noisy.data
+        surface("CONTROL")
+        assert everything(noisy) == before
+        assert edited.use_fake_user
+
+    def test_unused_data_can_be_purged(self, noisy):
+        before = coordinates(noisy)
+        run()
+        surface("REFINED_1")
+        bpy.data.orphans_purge(do_recursive=True)
+        bpy.ops.object.adaptive_fairing_discard()
+        assert np.array_equal(coordinates(noisy), before)
 
     def test_materials_and_painting_go_back_to_the_control_mesh(self, noisy):
         run()
@@ -347,6 +384,24 @@ class TestViews:
         bpy.ops.object.adaptive_fairing_view_end()
         surface("REFINED_1")
         assert "fairing_removed" not in noisy.data.attributes
+
+    @pytest.mark.parametrize("name", LEVELS)
+    def test_curvature_is_that_of_the_control_meshs_surface(self, noisy, name):
+        triangles = read_triangles(noisy.data)
+        run()
+        noisy.adaptive_fairing.strength = 0.5
+        positions = coordinates(noisy)
+        limit = LimitSurface(TriangleTopology(triangles, len(positions)), positions)
+        noisy.adaptive_fairing.strength = 1.0
+        surface(name)
+        noisy.adaptive_fairing.strength = 0.5
+        refined_mesh, shown = noisy.data, coordinates(noisy)
+        for row, field in enumerate(CURVATURES):
+            values = field_values(noisy, field, FairingSettings())
+            assert np.array_equal(values, limit.refined_curvature(LEVELS[name])[row])
+        assert noisy.data == refined_mesh and np.array_equal(coordinates(noisy), shown)
+        noisy.adaptive_fairing.strength = 1.0
+        assert not np.array_equal(coordinates(noisy), shown)
 
     def test_before_and_split(self, noisy):
         run()
