@@ -108,7 +108,8 @@ def evaluated_mesh(obj: bpy.types.Object, frame: int) -> tuple[bpy.types.Mesh, o
 def go_to_frame(obj: bpy.types.Object, frame: int) -> bpy.types.Depsgraph:
     """Evaluate the scene of an object at a frame."""
     scene = obj.users_scene[0]
-    if bpy.context.window is not None:
-        bpy.context.window.scene = scene
+    window = bpy.context.window
+    if window is not None and window.scene != scene:  # Blender 4.2 may crash when it is the same
+        window.scene = scene
     scene.frame_set(frame)
     return bpy.context.evaluated_depsgraph_get()
