@@ -84,10 +84,11 @@ def remove_drafts(path: str | os.PathLike[str]) -> None:
         # Blender writes a .blend under a name with one more letter first.
         name = draft.name.removeprefix(start).removesuffix("@").removesuffix(final.suffix)
         if len(name) == 12 and set(name) <= set("0123456789abcdef"):
-            if draft.is_dir():
-                shutil.rmtree(draft)
-            else:
-                draft.unlink()
+            with contextlib.suppress(PermissionError):  # still open somewhere, on Windows
+                if draft.is_dir():
+                    shutil.rmtree(draft)
+                else:
+                    draft.unlink()
 
 
 def _draft_start(final: Path) -> str:

@@ -95,6 +95,7 @@ def test_a_draft_that_a_program_has_open_hides_no_error_and_goes_later(old, wind
         draft.write_text("half")
         windows.add(draft)
         raise ValueError("of the body")
+    remove_drafts(old)
     assert sorted(old.parent.iterdir()) == sorted([old, draft])
     windows.clear()
     remove_drafts(old)

@@ -262,7 +262,8 @@ class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
             bpy.ops.object.mode_set(mode="OBJECT")
         paint_group(obj)
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-        weight_paint_settings(context).weight = 0.0
+        settings = weight_paint_settings(context)
+        settings.use_unified_weight, settings.weight = True, 0.0  # of every brush
         self.report({"INFO"}, rpt_("Paint with weight 0 to bring the original back"))
         return {"FINISHED"}
 

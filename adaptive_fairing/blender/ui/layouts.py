@@ -33,7 +33,7 @@ def draw_lines(context: bpy.types.Context, layout, text: str, *, icon: str) -> N
     column = layout.column(align=True)
     column.scale_y = 0.8
     for line in textwrap.wrap(text, max(int(room / PIXELS_PER_CHARACTER), 20)):
-        column.label(text=line.rstrip(" ·"), icon=icon, translate=False)
+        column.label(text=line.strip(" ·"), icon=icon, translate=False)
         icon = "BLANK1" if icon != "NONE" else icon
 
 

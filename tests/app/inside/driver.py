@@ -266,6 +266,7 @@ def adjust_preferences(preferences: bpy.types.Preferences) -> None:
     preferences.view.show_tooltips = False
     preferences.view.smooth_view = 0
     preferences.view.use_save_prompt = False
+    preferences.use_preferences_save = False  # every scenario begins with the same ones
     # During a drag Blender would put the pointer back, away from where xdotool has left it.
     preferences.inputs.use_mouse_continuous = False
     # Rendering in software is slow: no antialiasing, and the view is not drawn with each sidebar.

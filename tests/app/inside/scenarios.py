@@ -5,6 +5,7 @@ Usage: blender --python scenarios.py -- SCENARIO DIRECTORY
 
 from __future__ import annotations
 
+import subprocess
 import sys
 import time
 from collections.abc import Callable, Generator
@@ -210,15 +211,17 @@ def walk(stage: Stage) -> Scenario:
 
     yield from stage.click_button("adaptive_fairing_paint(", 0.85)
     seen["mode"] = obj.mode
-    for _ in range(3):
-        yield from stage.drag(*stage.middle("WINDOW"), 30)
+    take_brush(stage)
+    x, y = stage.middle("WINDOW")
+    for across in range(-40, 41, 20):
+        yield from stage.drag(x - 40, y + across, 80)
     yield 1.0
     yield from stage.picture("walk-painted")
     yield from stage.click_button("adaptive_fairing_paint(", 0.85)
     seen["mode after"] = obj.mode
     weights = np.array([obj.vertex_groups["Fairing"].weight(i) for i in range(len(noisy))])
     painted = vertex_positions(obj)
-    is_nose = noisy @ to_viewer > 1.15
+    is_nose = noisy @ to_viewer > 1.25
     seen["nose back"] = bool(np.array_equal(painted[is_nose], noisy[is_nose]))
     seen["painted"] = float((weights < 1).mean())
     seen["rest faired"] = bool(np.array_equal(painted[weights == 1], faired[weights == 1]))
@@ -239,6 +242,18 @@ def walk(stage: Stage) -> Scenario:
         bpy.ops.import_scene.gltf(filepath=str(stage.directory / "faired.glb"))
         (imported,) = [each for each in bpy.data.objects if each.type == "MESH"]
         seen["glb"] = largest_gap(imported, painted)
+
+
+def take_brush(stage: Stage) -> None:
+    """Take a brush with a hard edge in Weight Paint: Debian's Blender 4.3 comes without brushes."""
+    brush = bpy.data.brushes.new("Hard", mode="WEIGHT_PAINT")
+    names = ("curve_distance_falloff_preset", "curve_preset")  # since Blender 5.0, before
+    setattr(brush, next(name for name in names if hasattr(brush, name)), "CONSTANT")
+    brush.asset_mark()
+    with stage.context():
+        bpy.ops.brush.asset_activate(
+            asset_library_type="LOCAL", relative_asset_identifier="Brush/Hard"
+        )
 
 
 def modifier(stage: Stage) -> Scenario:
@@ -545,6 +560,39 @@ def languages(stage: Stage) -> Scenario:
             stage.scroll_down("UI")
             yield 0.5
             yield from stage.picture(f"{language}-{method}-below")
+
+
+def manual(stage: Stage) -> Scenario:
+    """Take the pictures of assets/screenshots, with the sample head."""
+    for obj in list(bpy.data.objects):
+        bpy.data.objects.remove(obj)
+    assets = Path(__file__).resolve().parents[3] / "assets"
+    bpy.context.preferences.system.viewport_aa = "8"
+    with stage.context():
+        bpy.ops.wm.ply_import(filepath=str(assets / "head_noisy.ply"))
+        bpy.ops.view3d.view_selected()
+    obj = bpy.context.object
+    yield from stage.open_sidebar("Fairing")
+    yield from stage.picture("before")
+    yield from press_fairing(stage)
+    yield stage.until(lambda: finished_part() > 0.3, 120, "progress of the run")
+    yield from stage.picture("running")
+    yield stage.until(lambda: not stage.is_running(), 120, "end of the run")
+    yield from stage.point_at_view()
+    yield 1.0
+    yield from stage.picture("after")
+    with stage.context():
+        bpy.ops.object.adaptive_fairing_split()
+    yield from stage.picture("split")
+    with stage.context():
+        bpy.ops.object.adaptive_fairing_split()
+        bpy.ops.object.adaptive_fairing_view(field="REMOVED")
+    yield from stage.picture("removed")
+    stage.results["shows"] = obj.adaptive_fairing.view
+    for name in stage.pictures:
+        path = stage.directory / f"{name}.png"
+        part = ["-crop", "982x655+340+81", "+repage", "-resize", "748x"]
+        subprocess.run(["convert", path, *part, path.with_name(f"manual-{name}.png")], check=True)
 
 
 def open_at_first(panel: str) -> None:

@@ -6,7 +6,7 @@ import pytest
 from support.meshes import noisy_ball
 from support.objects import add_object, key_positions, select, shown_positions
 
-from adaptive_fairing.blender.compatibility import set_modifier_input
+from adaptive_fairing.blender.compatibility import set_modifier_input, weight_paint_settings
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
 from adaptive_fairing.blender.data.run_record import end_comparison
 from adaptive_fairing.blender.data.shape_keys import animated_frames
@@ -498,6 +498,8 @@ class TestPaintBack:
         after = shown_positions(noisy)
         assert bpy.ops.object.adaptive_fairing_paint() == {"FINISHED"}
         assert noisy.mode == "WEIGHT_PAINT"
+        settings = weight_paint_settings(bpy.context)
+        assert (settings.use_unified_weight, settings.weight) == (True, 0.0), "of every brush"
         assert np.array_equal(shown_positions(noisy), after)
         group = noisy.vertex_groups[PAINT_GROUP]
         group.add([0, 1], 0.0, "REPLACE")
