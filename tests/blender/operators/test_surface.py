@@ -338,7 +338,9 @@ class TestAnotherRun:
 
     def test_the_result_goes_to_a_copy_of_an_object_with_keys_of_its_own(self, noisy):
         noisy.shape_key_add(name="Basis", from_mix=False)
-        noisy.shape_key_add(name="Smile", from_mix=False).data[3].co.x += 1.0
+        smile = noisy.shape_key_add(name="Smile", from_mix=False)
+        smile.data[3].co.x += 1.0
+        smile.value = 0.0
         before, n = coordinates(noisy), len(noisy.data.vertices)
         run(result="MODIFIER")
         noisy.adaptive_fairing.strength = 0.5
@@ -350,7 +352,7 @@ class TestAnotherRun:
         assert len(copy.data.vertices) == len(noisy.data.vertices) > n
         assert near(shown_positions(noisy), refined(triangles, shown, "REFINED_1"))
         bpy.ops.object.adaptive_fairing_discard()
-        assert near(coordinates(copy), shown)
+        assert np.array_equal(coordinates(copy), before)
         bpy.context.view_layer.objects.active = noisy
         bpy.ops.object.adaptive_fairing_discard()
         assert np.array_equal(coordinates(noisy), before)
