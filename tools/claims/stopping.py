@@ -111,8 +111,8 @@ def _stops(courses: Sequence[Course]) -> Table:
             ]
         )
     return Table(
-        "Step at which (3.11), H ≤ ε2, and (3.10), |H'| ≤ ε1 as a fraction of the first step's |H'|, "
-        f"stop (–: not within {STEPS} steps)",
+        "Step at which (3.11), H ≤ ε2, and (3.10), |H'| ≤ ε1 as a fraction of the first "
+        f"step's |H'|, stop (–: not within {STEPS} steps)",
         columns,
         rows,
     )
