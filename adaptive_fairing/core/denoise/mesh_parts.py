@@ -47,11 +47,14 @@ class MeshParts:
     ----------
     is_counted : (n,) bool
         Vertices to judge from.
+    may_move : (n,) bool
+        These and those of the rims.
     """
 
     def __init__(self, topology: TriangleTopology, frame: LocalFrame, is_still: BoolArray) -> None:
         tuned = parameters()
-        self.is_counted = ~(is_still | topology.is_loose | topology.on_boundary)
+        self.may_move = ~(is_still | topology.is_loose)
+        self.is_counted = self.may_move & ~topology.on_boundary
         self._topology, self._frame = topology, frame
         self._size = frame.spread(np.log(frame.spacing), tuned.density_passes)
         _, label = csgraph.connected_components(topology.adjacency(), directed=False)
@@ -112,7 +115,8 @@ class MeshParts:
             if found.is_model:
                 models.append(found.reason)
             elif found.is_noise:
-                noise[counted], impulsive[counted] = level[counted], spiky
+                noise[counted] = level[counted]
+                impulsive[members] = spiky * self.may_move[members]
             else:
                 noise[counted] = np.minimum(level[counted], clean)
         if beyond_clean(strength * noise).any():

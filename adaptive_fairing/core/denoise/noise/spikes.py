@@ -4,6 +4,9 @@ Filters spread a spike over its neighbours.  It is taken off first: a vertex tha
 every straight line through it, further than its neighbours do, moves onto the nearest of those
 lines, but for as much as its neighbours stand out, where the surface bends.  Vertices on creases
 lie on the line along the crease and are no spikes.
+
+Spikes stand beside spikes, so the first place of one goes by neighbours that were not all in
+theirs.  In the end all that were moved settle together.
 """
 
 from __future__ import annotations
@@ -45,7 +48,11 @@ def impulsive_certainty(rough: FloatArray, frame: LocalFrame, is_counted: BoolAr
 
 
 def without_spikes(
-    topology: TriangleTopology, positions: FloatArray, frame: LocalFrame, is_counted: BoolArray
+    topology: TriangleTopology,
+    positions: FloatArray,
+    frame: LocalFrame,
+    is_counted: BoolArray,
+    may_move: BoolArray,
 ) -> FloatArray:
     """Return positions (n, 3) whose spikes lie on the lines through their neighbours.
 
@@ -55,7 +62,9 @@ def without_spikes(
     positions : (n, 3)
     frame : LocalFrame
     is_counted : (n,) bool
-        Vertices that may be spikes.
+        Vertices that tell how far others stand out.
+    may_move : (n,) bool
+        Vertices that may be spikes: rims too.
     """
     tuned = parameters()
     lines = OppositeLines(topology, frame)
@@ -63,9 +72,10 @@ def without_spikes(
     unit = np.median(np.abs(lines.least_deviation(noise, lines.passing(positions)))[is_counted])
     result = positions.copy()
     centre = np.repeat(np.arange(topology.n_vertices), topology.ring_size)
+    was_moved = np.zeros(len(result), dtype=bool)
     for _ in range(tuned.most_spike_rounds):
         height = lines.least_deviation(result, lines.passing(result))
-        size = np.where(is_counted, np.abs(height), 0)
+        size = np.where(may_move, np.abs(height), 0)
         level = max(float(np.median(size[is_counted])), tuned.clean_roughness * unit)
         limit = tuned.spike_factor * level / unit
         around = np.zeros(len(result))
@@ -76,4 +86,9 @@ def without_spikes(
         is_calm = (size <= limit).astype(float)
         usual = frame.mean @ (height * is_calm) / np.maximum(frame.mean @ is_calm, 1e-9)
         result -= frame.raised(np.where(is_spike, height - usual, 0))
+        was_moved |= is_spike
+    for _ in range(tuned.settling_rounds):
+        height = lines.least_deviation(result, lines.passing(result))
+        # Half of the way: neighbours move at the same time.
+        result -= frame.raised(np.where(was_moved, (height - frame.mean @ height) / 2, 0))
     return result
