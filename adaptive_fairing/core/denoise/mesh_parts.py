@@ -102,10 +102,13 @@ class MeshParts:
                 continue
             model = noise_model(rough, self._frame.spacing, counted, self._averaged)
             level[counted] = model.level(self._frame.spacing[counted])
-            relative = rough.value / np.maximum(model.expected(rough), clean)
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
             may_be_spiky = np.median(level[counted]) > clean and not fading.fades(counted)
-            spiky = impulsive_certainty(relative, self._frame, counted) if may_be_spiky else 0.0
+            spiky = (
+                impulsive_certainty(self._topology, positions, self._frame, level, counted)
+                if may_be_spiky
+                else 0.0
+            )
             if keeps_clean:
                 found = detail.found(level, counted, spiky > 0)
             else:

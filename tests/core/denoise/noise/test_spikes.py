@@ -26,12 +26,33 @@ def with_spikes(shape, below=0.0, seed=0):
     return vertices + frame_of(shape)[1].raised(heights)
 
 
+def certainty(shape, heights):
+    """For heights (n,) in local edge lengths, with the level that their median tells."""
+    topology, frame = frame_of(shape)
+    points = SHAPES[shape][0] + frame.raised(heights)
+    level = np.full(len(heights), np.median(np.abs(heights)) / 0.6745)
+    everywhere = np.ones(len(heights), dtype=bool)
+    return impulsive_certainty(topology, points, frame, level, everywhere)
+
+
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("seed", range(10))
 def test_normal_noise_is_not_impulsive(shape, seed):
-    _, frame = frame_of(shape)
-    rough = np.abs(np.random.default_rng(seed).normal(size=len(frame.spacing)))
-    assert impulsive_certainty(rough, frame, np.ones(len(rough), dtype=bool)) == 0
+    n = len(SHAPES[shape][0])
+    assert certainty(shape, 0.2 * np.random.default_rng(seed).normal(size=n)) == 0
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_heavy_tails_are_told_from_normal_noise(shape):
+    """One vertex in ten has three times the standard deviation of the others."""
+    found = []
+    for seed in range(10):
+        generator = np.random.default_rng(seed)
+        n = len(SHAPES[shape][0])
+        scale = np.where(generator.random(n) < 0.1, 0.6, 0.2)
+        found.append(certainty(shape, scale * generator.normal(size=n)))
+    # A few thousand vertices may look calm by chance.
+    assert np.count_nonzero(found) >= 9
 
 
 @pytest.mark.parametrize("shape", SHAPES)
