@@ -98,7 +98,7 @@ class FilterBank:
         surface: FloatArray,
         families: Sequence[FilterFamily | NormalFamily],
     ) -> Iterator[tuple[Filter, FloatArray]]:
-        """Filter positions in the metrics of a surface, or that surface by its normals.
+        """Filter positions in the metrics of a surface, or either of them by its normals.
 
         Parameters
         ----------
@@ -116,7 +116,8 @@ class FilterBank:
         spacing = spacing_of(self.topology, surface, tuned.spacing_passes)
         for family in families:
             if isinstance(family, NormalFamily):
-                fits = self._fitted(surface, spacing, family)
+                start = positions if family.is_of_noisy else surface
+                fits = self._fitted(start, spacing, family)
                 yield from zip(family.filters, fits, strict=True)
                 continue
             squares = family.metric.lengths(self._pattern, surface, spacing)

@@ -502,7 +502,7 @@ def sequence(stage: Stage) -> Scenario:
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = 1, 5
     scene.adaptive_fairing.steps = 2
-    open_at_first("VIEW3D_PT_adaptive_fairing_sequence")
+    open_panel("VIEW3D_PT_adaptive_fairing_sequence")
     yield from stage.open_sidebar("Fairing")
     x, y = yield from stage.find_button("object.adaptive_fairing_sequence(")
     yield from stage.picture("sequence-before")
@@ -542,7 +542,7 @@ def languages(stage: Stage) -> Scenario:
     """Show every panel in other languages, before and after runs of both kinds."""
     view = bpy.context.preferences.view
     for panel in ("options", "advanced", "animation", "view", "statistics", "compare", "sequence"):
-        open_at_first(f"VIEW3D_PT_adaptive_fairing_{panel}")
+        open_panel(f"VIEW3D_PT_adaptive_fairing_{panel}")
     for language in ("de_DE", "es"):
         view.language = language
         view.use_translate_interface = True
@@ -589,17 +589,43 @@ def manual(stage: Stage) -> Scenario:
         bpy.ops.object.adaptive_fairing_view(field="REMOVED")
     yield from stage.picture("removed")
     stage.results["shows"] = obj.adaptive_fairing.view
+    with stage.context():
+        bpy.ops.object.adaptive_fairing_view_end()
+        bpy.ops.object.adaptive_fairing_paint()
+    positions = vertex_positions(obj)
+    nose = positions[positions[:, 1].argmin()]
+    distance = np.linalg.norm(positions - nose, axis=1) / np.ptp(positions[:, 2])
+    for index in np.flatnonzero(distance < 0.14):
+        weight = float(np.clip((distance[index] - 0.1) / 0.04, 0, 1))
+        obj.vertex_groups["Fairing"].add([int(index)], weight, "REPLACE")
+    obj.data.update()
+    yield 1.0
+    yield from stage.picture("paint")
+    with stage.context():
+        bpy.ops.object.adaptive_fairing_paint()
+        bpy.ops.object.adaptive_fairing_discard()
+        bpy.ops.object.adaptive_fairing(result="MODIFIER")  # what the run found is still known
+    for area in stage.window.screen.areas:
+        if area.type == "PROPERTIES":
+            area.spaces.active.context = "MODIFIER"
+    yield 1.0
+    yield from stage.picture("modifier")
+    open_panel("VIEW3D_PT_adaptive_fairing_statistics")
+    yield 1.0
+    yield from stage.picture("statistics")
+    parts = {"modifier": "1260x655+340+81", "statistics": "982x720+340+81"}
     for name in stage.pictures:
         path = stage.directory / f"{name}.png"
-        part = ["-crop", "982x655+340+81", "+repage", "-resize", "748x"]
+        part = ["-crop", parts.get(name, "982x655+340+81"), "+repage", "-resize", "748x"]
         subprocess.run(["convert", path, *part, path.with_name(f"manual-{name}.png")], check=True)
 
 
-def open_at_first(panel: str) -> None:
-    """Let a panel that is closed at first be open, as a click on its header would."""
+def open_panel(panel: str) -> None:
+    """Open a panel that is closed at first, as a click on its header would."""
     panel_class = getattr(bpy.types, panel)
     bpy.utils.unregister_class(panel_class)
     panel_class.bl_options = set()
+    panel_class.bl_idname = f"{panel}_open"  # Blender remembers which panels are closed
     bpy.utils.register_class(panel_class)
 
 

@@ -266,6 +266,19 @@ class TestRun:
         assert solve.is_cancelled
 
 
+@pytest.mark.parametrize("method", ["auto", "adaptive_timestep"])
+def test_who_waits_for_a_run_sees_its_progress_at_the_pointer(noisy, monkeypatch, method):
+    """In the redo panel, which blocks the window."""
+    parts = []
+    factor = modal_run.Progress.factor.fget
+    watched = property(lambda progress: parts.append(factor(progress)) or parts[-1])
+    monkeypatch.setattr(modal_run.Progress, "factor", watched)
+    run(method=method)
+    assert parts == sorted(parts)
+    assert len(parts) >= 4
+    assert parts[-1] == 1.0
+
+
 def test_numbers_in_files_keep_their_meaning():
     items = bpy.context.scene.adaptive_fairing.bl_rna.properties["method"].enum_items
     assert {item.identifier: item.value for item in items} == {

@@ -122,7 +122,7 @@ def test_a_fit_turns_a_noisy_roof_to_the_clean_one(seed):
     vertices, faces, left, right = roof(noise=0.05, seed=seed)
     true = normals_of(roof()[0], faces)
     bank = FilterBank(TriangleTopology(faces, len(vertices)), vertices, lambda report: None)
-    family = NormalFamily((Smoothing(ANGLE, (1, 3, 8)),))
+    family = NormalFamily("normals", (Smoothing(ANGLE, (1, 3, 8)),))
     fits = dict(bank.filtered(vertices, vertices, [family]))
     assert tuple(fits) == family.filters
     surfaces = [vertices, *fits.values()]
@@ -139,5 +139,15 @@ def test_a_fit_turns_a_noisy_roof_to_the_clean_one(seed):
 def test_a_fit_leaves_a_clean_roof_as_it_is():
     vertices, faces, *_ = roof()
     bank = FilterBank(TriangleTopology(faces, len(vertices)), vertices, lambda report: None)
-    ((_, fit),) = bank.filtered(vertices, vertices, [NormalFamily((Smoothing(ANGLE, (8,)),))])
+    family = NormalFamily("normals", (Smoothing(ANGLE, (8,)),))
+    ((_, fit),) = bank.filtered(vertices, vertices, [family])
+    np.testing.assert_allclose(fit, vertices, atol=1e-9)
+
+
+def test_normals_of_the_noisy_mesh_are_not_those_of_the_surface():
+    vertices, faces, *_ = roof()
+    rounded = vertices * [1, 1, 0.5]
+    bank = FilterBank(TriangleTopology(faces, len(vertices)), vertices, lambda report: None)
+    family = NormalFamily("noisy normals", (Smoothing(ANGLE, (8,)),), is_of_noisy=True)
+    ((_, fit),) = bank.filtered(vertices, rounded, [family])
     np.testing.assert_allclose(fit, vertices, atol=1e-9)
