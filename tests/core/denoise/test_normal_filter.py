@@ -7,16 +7,11 @@ from support import meshes
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoise.filter_bank import FilterBank
 from adaptive_fairing.core.denoise.filter_family import NormalFamily
-from adaptive_fairing.core.denoise.lifted_metric import (
-    area_elements,
-    half_cotangents,
-    squared_edges,
-)
 from adaptive_fairing.core.denoise.normal_filter import (
     Smoothing,
+    TurningLoads,
     smoothed_normals,
     triangles_around,
-    turning_load,
 )
 from adaptive_fairing.core.linalg.edge_matrix import EdgePattern
 from adaptive_fairing.core.mesh.normals import triangle_normals, unit_vectors
@@ -73,9 +68,7 @@ def test_the_load_is_that_of_the_shortest_turns_of_the_tangents():
         slopes = np.array([a, b, c]).T @ gradients
         bent = slopes - shortest_turn(before, after) @ slopes
         expected[triangle] += np.linalg.norm(normal) / 2 * gradients @ bent.T
-    squares = squared_edges(pattern, vertices)
-    cotangents = half_cotangents(squares, area_elements(squares))
-    load = turning_load(pattern, vertices, cotangents, turned)
+    load = TurningLoads(pattern, vertices).of(turned)
     np.testing.assert_allclose(load, expected, atol=1e-12)
 
 
