@@ -25,6 +25,7 @@ CASES = {
     "sphere 5, tight": (lambda: meshes.icosphere(5), 1e-6),
     "sphere 5, denoise": (lambda: meshes.noisy_ball(5, 0.003), None),
     "sphere 6, denoise": (lambda: meshes.noisy_ball(6, 0.001), None),
+    "sphere 7, denoise": (lambda: meshes.noisy_ball(7, 0.0005), None),
     "irregular": (lambda: meshes.random_closed(1), 1e-3),
     "irregular, tight": (lambda: meshes.random_closed(1), 1e-6),
     "grid": (lambda: meshes.flat_grid(200, 200), 1e-3),

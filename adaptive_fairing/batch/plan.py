@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..files.formats import BLEND, MESH_FORMATS, suffix_of
+from ..files.letter_case import folded, ignores_case
 from .inputs import ArgumentsError, Source, frame_numbers
 
 RECORDS = "fairing_records"
@@ -74,15 +75,23 @@ def plan_files(sources: Sequence[Source], folder: Path, suffix: str | None) -> l
     for source in sources:
         relative = source.relative.with_suffix(suffix or suffix_of(source.path))
         items.append(_item(relative, folder, source.path))
-    outputs: dict[Path, Path] = {}
-    for item in items:
-        other = outputs.setdefault(item.output, item.input)
-        if other != item.input:
-            raise ArgumentsError(
-                f"{other} and {item.input} have the same output {item.name}: give the folder that "
-                "both are in, or fair them into two folders"
-            )
+    _require_different_outputs(items, folder)
     return items
+
+
+def _require_different_outputs(items: Sequence[Item], folder: Path) -> None:
+    seen: dict[Path | str, Item] = {}
+    for item in items:
+        for key in (item.output, folded(item.output)):
+            other = seen.setdefault(key, item)
+            if other.input == item.input:
+                continue
+            if other.output == item.output or ignores_case(folder):
+                same = "" if other.output == item.output else f", which is {other.name} there"
+                raise ArgumentsError(
+                    f"{other.input} and {item.input} have the same output {item.name}{same}: give "
+                    "the folder that both are in, or fair them into two folders"
+                )
 
 
 def plan_file_frames(sources: Sequence[Source], folder: Path, suffix: str | None) -> list[Item]:

@@ -28,6 +28,7 @@ def _modules() -> tuple[ModuleType, ...]:
         viewport,
     )
     from .ui import (
+        manual,
         menus,
         presets,
         results_panel,
@@ -59,6 +60,7 @@ def _modules() -> tuple[ModuleType, ...]:
         sequence_panel,
         results_panel,
         menus,
+        manual,
         command,
     )
 

@@ -6,17 +6,17 @@ because both names are in one folder, hence on one file system.
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import glob
 import os
 import secrets
 import shutil
 from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 
-@contextmanager
+@contextlib.contextmanager
 def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a free path beside `path` with the same suffix; rename it to `path` at the end.
 
@@ -43,11 +43,13 @@ def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
             _require_whole(draft)
             _move(draft, final)
     finally:
-        for left in (draft, draft.with_name(f"{draft.name}@")):
-            left.unlink(missing_ok=True)
+        # What cannot be removed now, as a scanner for viruses has it open, `remove_drafts` will.
+        with contextlib.suppress(PermissionError):
+            for left in (draft, draft.with_name(f"{draft.name}@")):
+                left.unlink(missing_ok=True)
 
 
-@contextmanager
+@contextlib.contextmanager
 def replaced_files(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a path of the same name in a new folder beside `path`; move all its files at the end.
 
@@ -82,10 +84,11 @@ def remove_drafts(path: str | os.PathLike[str]) -> None:
         # Blender writes a .blend under a name with one more letter first.
         name = draft.name.removeprefix(start).removesuffix("@").removesuffix(final.suffix)
         if len(name) == 12 and set(name) <= set("0123456789abcdef"):
-            if draft.is_dir():
-                shutil.rmtree(draft)
-            else:
-                draft.unlink()
+            with contextlib.suppress(PermissionError):  # still open somewhere, on Windows
+                if draft.is_dir():
+                    shutil.rmtree(draft)
+                else:
+                    draft.unlink()
 
 
 def _draft_start(final: Path) -> str:
@@ -146,7 +149,11 @@ def _move(draft: Path, final: Path) -> None:
     """Put a finished file into its place; it may be read and written by those who could before."""
     if final.exists():
         shutil.copymode(final, draft)
-    os.replace(draft, final)
+    try:
+        os.replace(draft, final)
+    except PermissionError as error:  # Windows replaces no file that is open
+        reason = f"{error.strerror}; close it in other programs"
+        raise PermissionError(error.errno, reason) from error
 
 
 def _require_whole(file: Path) -> None:
@@ -175,7 +182,7 @@ def _append_zeros(file: Path, n_bytes: int) -> None:
         os.fsync(stream.fileno())
 
 
-@contextmanager
+@contextlib.contextmanager
 def _named_errors(final: Path) -> Iterator[None]:
     """Name the file and the reason, not the draft, in errors of the operating system."""
     try:

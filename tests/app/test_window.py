@@ -130,6 +130,100 @@ class TestAutomatic:
             assert pictures[earlier][part]["checksum"] != pictures[later][part]["checksum"]
 
 
+class TestWalk:
+    """From the scan to the print, as a new user would go."""
+
+    @pytest.fixture
+    def seen(self, app) -> dict:
+        return app.play("walk")
+
+    def test_one_press_removes_the_noise(self, seen):
+        assert seen["moved"] > 0.01
+
+    def test_the_brush_brings_the_nose_back_and_nothing_else(self, seen):
+        assert (seen["mode"], seen["mode after"]) == ("WEIGHT_PAINT", "OBJECT")
+        assert seen["nose back"]
+        assert 0.001 < seen["painted"] < 0.3
+        assert seen["rest faired"]
+
+    def test_apply_keeps_the_shape_and_nothing_else(self, seen):
+        assert seen["shape kept"]
+        assert seen["result left"] == ""
+
+    def test_the_exported_files_have_the_shape_that_was_seen(self, seen):
+        assert seen["stl"] <= 4 * FLOAT32_STEP
+        assert seen["glb"] <= 4 * FLOAT32_STEP
+
+    def test_the_window_shows_every_step(self, seen):
+        checksums = {parts["WINDOW"]["checksum"] for parts in seen["pictures"].values()}
+        assert len(checksums) == len(seen["pictures"])
+
+
+def test_the_result_as_a_modifier(app):
+    seen = app.play("modifier")
+    assert seen["mesh stays"]
+    assert seen["moved"] > seen["moved at half"] > 0.0
+    assert 0.3 < seen["original in the split"] < 0.7
+    assert seen["modifiers in the split"] == ["Adaptive Fairing", "Adaptive Fairing Split"]
+    assert seen["modifiers after undo"] == ["Adaptive Fairing"]
+    assert seen["discarded"]
+    assert seen["modifiers left"] == []
+    pictures = seen["pictures"]
+    after, split = pictures["modifier-after"]["WINDOW"], pictures["modifier-split"]["WINDOW"]
+    assert after["checksum"] != split["checksum"]
+
+
+def test_the_mask_brings_the_original_back_in_one_undo_step(app):
+    seen = app.play("mask_back")
+    assert seen["moved"] > seen["moved at half"] > 0.0
+    assert seen["mode"] == "SCULPT"
+    assert seen["masked"]
+    assert seen["rest"]
+    assert seen["after undo"] == {"mode": "SCULPT", "same": True, "mask": 1.0}
+
+
+def test_without_undo_a_run_is_asked_for(app):
+    seen = app.play("question")
+    assert not seen["running without an answer"]
+    assert not seen["running after Esc"]
+    assert seen["result"] == "LIVE"
+    pictures = seen["pictures"]
+    before, asked = pictures["question-before"]["UI"], pictures["question-asked"]["UI"]
+    assert before["checksum"] != asked["checksum"]
+
+
+class TestRefinedSurface:
+    """The result of Denoise on a refined mesh, chosen in the panel."""
+
+    @pytest.fixture
+    def seen(self, app) -> dict:
+        return app.play("refined_surface")
+
+    def test_the_menu_refines_the_result(self, seen):
+        assert seen["surface"] == "REFINED_2"
+        assert seen["triangles"] == 1280 * 4**2
+
+    def test_the_slider_works_on_it(self, seen):
+        assert 0.05 < seen["strength dragged"] < 1.0
+        assert seen["moved when dragged"] > 0.0
+        assert seen["slider back"]
+
+    def test_there_is_a_way_back(self, seen):
+        assert seen["back"]
+        assert seen["refined after undo"]
+        assert seen["discarded"]
+
+    def test_the_window_shows_each(self, seen):
+        pictures = seen["pictures"]
+        for earlier, later in (
+            ("surface-control", "surface-refined"),
+            ("surface-refined", "surface-original"),
+            ("surface-refined", "surface-curvature"),
+            ("surface-refined", "surface-discarded"),
+        ):
+            assert pictures[earlier]["WINDOW"]["checksum"] != pictures[later]["WINDOW"]["checksum"]
+
+
 def test_deleting_the_object_during_a_run_is_survived(app):
     assert app.play("delete_object")["second run"] == ["Basis", "Fairing 1", "Fairing 2"]
 
@@ -189,3 +283,14 @@ def test_every_panel_is_drawn_in_every_language(app):
     sidebars = [parts["UI"] for parts in seen["pictures"].values()]
     assert all(picture["colours"] > N_COLOURS_OF_AN_INTERFACE for picture in sidebars)
     assert len({picture["checksum"] for picture in sidebars}) == len(sidebars) == 12
+
+
+def test_the_pictures_of_the_manual_can_be_taken_again(app):
+    """With APP_ARTEFACTS they stay; those that begin with "manual" belong into assets."""
+    seen = app.play("manual")
+    assert seen["shows"] == "REMOVED"
+    different = ("before", "after", "split", "removed", "paint")
+    checksums = {seen["pictures"][name]["WINDOW"]["checksum"] for name in different}
+    assert len(checksums) == len(different)
+    for name in seen["pictures"]:
+        assert (app.directory / "manual" / f"manual-{name}.png").is_file()

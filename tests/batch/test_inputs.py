@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from adaptive_fairing.batch import plan
 from adaptive_fairing.batch.inputs import (
     ArgumentsError,
     Source,
@@ -105,6 +106,28 @@ def test_two_inputs_with_one_output_are_refused():
     for suffix, pair in ((None, ("x/a.ply", "y/a.ply")), (".blend", ("x/a.ply", "x/a.obj"))):
         with pytest.raises(ArgumentsError, match="have the same output a"):
             plan_files(sources(*pair), OUT, suffix)
+
+
+@pytest.mark.parametrize(
+    ("suffix", "pair"),
+    [
+        (None, ("x/A.ply", "y/a.ply")),
+        (".ply", ("x/A.obj", "x/a.ply")),
+        (None, ("x/\u00e9.ply", "y/e\u0301.ply")),
+    ],
+)
+def test_outputs_that_differ_in_case_are_refused_where_they_are_one_file(monkeypatch, suffix, pair):
+    """On Windows and macOS; Linux keeps both."""
+    monkeypatch.setattr(plan, "ignores_case", lambda folder: False)
+    assert len(plan_files(sources(*pair), OUT, suffix)) == 2
+    monkeypatch.setattr(plan, "ignores_case", lambda folder: folder == OUT)
+    with pytest.raises(ArgumentsError, match=r"have the same output .*, which is .* there"):
+        plan_files(sources(*pair), OUT, suffix)
+
+
+def test_the_disk_is_not_asked_about_names_that_differ_anyway(monkeypatch):
+    monkeypatch.setattr(plan, "ignores_case", lambda folder: pytest.fail("asked"))
+    assert len(plan_files(sources("x/a.ply", "x/b.ply"), OUT, None)) == 2
 
 
 def test_frames_are_ordered_by_their_numbers():

@@ -11,7 +11,14 @@ PAGES = (
     "README.md",
     *(
         f"docs/{name}.md"
-        for name in ("clean-a-scan", "keep-a-region", "hard-surface", "sequences", "colours")
+        for name in (
+            "clean-a-scan",
+            "keep-a-region",
+            "hard-surface",
+            "sequences",
+            "colours",
+            "surface",
+        )
     ),
 )
 SOURCES = "\n".join(

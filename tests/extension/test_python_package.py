@@ -19,6 +19,7 @@ from adaptive_fairing.version import program_version
 pytestmark = pytest.mark.thorough
 
 ROOT = Path(__file__).resolve().parents[2]
+PACKAGED = (".py", ".json")
 VERTICES = [[0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, -1.5]]
 TRIANGLES = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1), (5, 2, 1), (5, 3, 2), (5, 4, 3), (5, 1, 4)]
 OCTAHEDRON = "".join(
@@ -58,8 +59,8 @@ def test_wheel_holds_the_package_alone(distributions):
     with zipfile.ZipFile(distributions["wheel"]) as archive:
         names = set(archive.namelist())
     metadata = {entry for entry in names if entry.startswith(f"{name}.dist-info/")}
-    modules = (ROOT / "adaptive_fairing").rglob("*.py")
-    assert names - metadata == {path.relative_to(ROOT).as_posix() for path in modules}
+    files = [path for path in (ROOT / "adaptive_fairing").rglob("*") if path.suffix in PACKAGED]
+    assert names - metadata == {path.relative_to(ROOT).as_posix() for path in files}
 
 
 def test_sdist_holds_what_builds_and_tests_need(distributions):

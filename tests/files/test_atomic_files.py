@@ -54,6 +54,54 @@ def test_errors_of_the_system_name_the_file_and_the_reason(old, replaced):
     assert str(caught.value) == f"cannot write {old}: No space left on device"
 
 
+@pytest.fixture
+def windows(monkeypatch):
+    """Imitate Windows, where no file that a program has open can be replaced or removed."""
+    held: set[Path] = set()
+    message = "The process cannot access the file because it is being used by another process"
+
+    def unless_held(change):
+        def changed(*paths, **options):
+            if held & {Path(path) for path in paths}:
+                raise PermissionError(errno.EACCES, message, str(paths[0]), 32, str(paths[-1]))
+            return change(*paths, **options)
+
+        return changed
+
+    monkeypatch.setattr(os, "replace", unless_held(os.replace))
+    monkeypatch.setattr(Path, "unlink", unless_held(Path.unlink))
+    return held
+
+
+@pytest.mark.parametrize("replaced", [replaced_file, replaced_files])
+def test_a_file_that_a_program_has_open_stays_and_the_draft_goes(old, windows, replaced):
+    windows.add(old)
+    with pytest.raises(OSError) as caught, replaced(old) as draft:
+        draft.write_text("new")
+    assert str(caught.value) == (
+        f"cannot write {old}: The process cannot access the file because it is being used by "
+        "another process; close it in other programs"
+    )
+    assert old.read_text() == "old"
+    assert list(old.parent.iterdir()) == [old]
+    windows.clear()
+    with replaced(old) as draft:
+        draft.write_text("new")
+    assert old.read_text() == "new"
+
+
+def test_a_draft_that_a_program_has_open_hides_no_error_and_goes_later(old, windows):
+    with pytest.raises(ValueError, match="of the body"), replaced_file(old) as draft:
+        draft.write_text("half")
+        windows.add(draft)
+        raise ValueError("of the body")
+    remove_drafts(old)
+    assert sorted(old.parent.iterdir()) == sorted([old, draft])
+    windows.clear()
+    remove_drafts(old)
+    assert list(old.parent.iterdir()) == [old]
+
+
 @pytest.mark.parametrize("replaced", [replaced_file, replaced_files])
 def test_the_content_is_what_was_written(old, replaced):
     content = bytes(range(256)) * 1000

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support.meshes import icosphere
@@ -52,7 +54,9 @@ def test_numbers_beyond_single_precision_are_not_finite(tmp_path, text):
 def test_a_large_number_that_is_finite_is_taken(tmp_path):
     path = tmp_path / "far.obj"
     path.write_text("v 0 0 0\nv 3.4028234e38 -1e-45 +.5\nv 0\t1. 0 # right\r\nf 1 2 3\n")
-    assert inspect(path) == Contents(3, 1, repeated_faces=inspect(path).repeated_faces)
+    found = inspect(path)
+    assert found.repeated_faces.size == 0
+    assert replace(found, repeated_faces=None) == Contents(3, 1, repeated_faces=None)
 
 
 @pytest.mark.parametrize("line", ["v 1,0 0 0", "v 1 2", "v one 0 0", "v 1_0 0 0"])

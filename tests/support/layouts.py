@@ -15,8 +15,11 @@ class FakeLayout:
         self.drawn = (
             drawn
             if drawn is not None
-            else SimpleNamespace(texts=[], marked=[], properties=[], operators=[], progress=[])
+            else SimpleNamespace(
+                texts=[], marked=[], properties=[], disabled=[], operators=[], progress=[]
+            )
         )
+        self.enabled = True
 
     def _nested(self, *arguments, **options):
         return FakeLayout(self.drawn)
@@ -42,12 +45,14 @@ class FakeLayout:
             return
         assert name in data.bl_rna.properties.keys() or hasattr(type(data), name), name
         self.drawn.properties.append(name)
+        if not self.enabled:
+            self.drawn.disabled.append(name)
 
     def prop_search(self, data, name, search_data, search_name):
         getattr(search_data, search_name)
         self.prop(data, name)
 
-    def operator(self, name, *, text="", icon="NONE", depress=False, emboss=True):
+    def operator(self, name, *, text="", icon="NONE", depress=False, emboss=True, translate=True):
         known_icon(icon)
         category, _, function = name.partition(".")
         names = getattr(getattr(bpy.ops, category), function).get_rna_type().properties.keys()

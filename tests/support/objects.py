@@ -3,6 +3,8 @@
 import bpy
 import numpy as np
 
+from adaptive_fairing.blender.data.attribute_arrays import read_attributes
+from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
 from adaptive_fairing.blender.files.mesh_files import empty_scene, export_mesh
 
 GRID = 5
@@ -124,6 +126,31 @@ def materials_by_polygon(mesh):
         tuple(polygon.vertices): mesh.materials[polygon.material_index].name
         for polygon in mesh.polygons
     }
+
+
+def everything(obj):
+    """Return all that a mesh is, to be compared bit by bit."""
+    mesh = obj.data
+    found = {
+        array.name: (array.data_type, array.domain, array.values.tolist())
+        for array in read_attributes(mesh)
+        if not array.name.startswith(".select")
+    }
+    found["coordinates"] = read_mesh_coordinates(mesh).tobytes()
+    found["corners"] = [tuple(polygon.vertices) for polygon in mesh.polygons]
+    found["edges"] = [tuple(edge.vertices) for edge in mesh.edges]
+    found["materials"] = [material.name for material in mesh.materials]
+    found["groups"] = [
+        (group.name, [[(e.group, e.weight) for e in v.groups] for v in mesh.vertices])
+        for group in obj.vertex_groups
+    ]
+    keys = mesh.shape_keys
+    found["keys"] = None
+    if keys is not None:
+        found["keys"] = [
+            (b.name, b.value, key_positions(obj, b.name).tobytes()) for b in keys.key_blocks
+        ]
+    return found
 
 
 def shown_positions(obj):

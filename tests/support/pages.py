@@ -1,4 +1,4 @@
-"""The pages of the manual and the README, and the code blocks in them."""
+"""The pages of the manual and the README, with their headings and code blocks."""
 
 from __future__ import annotations
 
@@ -37,3 +37,10 @@ def blocks(language: str) -> list[Block]:
                 line = text.count("\n", 0, match.start()) + 1
                 found.append(Block(page, line, language, match[2]))
     return found
+
+
+def anchors(page: Path) -> set[str]:
+    """Anchors of a page's headings, as GitHub makes them."""
+    headings = re.findall(r"^#+ (.*)$", page.read_text("utf-8"), re.M)
+    plain = (re.sub(r"\[(.*?)\]\(.*?\)|[*`]", r"\1", text) for text in headings)
+    return {re.sub(r"[^\w\- ]", "", text).strip().lower().replace(" ", "-") for text in plain}

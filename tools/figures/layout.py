@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from adaptive_fairing.core import LimitSurface, TriangleTopology
 from render import Look, View, render
 
 matplotlib.use("Agg")
@@ -52,6 +53,7 @@ def figure(
     triangles: NDArray[np.int32],
     shots: Sequence[Sequence[Shot]],
     samples: int = 12,
+    levels: int | None = None,
 ) -> None:
     """Render all panels and write them as one PNG.
 
@@ -67,6 +69,9 @@ def figure(
         The views of every panel: columns, from left to right, of views from top to bottom.
     samples
         Cycles samples per pixel.
+    levels
+        Draw the limit surfaces smoothly, with each triangle cut into 4 ** levels; by default the
+        meshes themselves, flat.
     """
     width = sum(max(shot.size[0] for shot in column) for column in shots)
     height = max(sum(shot.size[1] for shot in column) for column in shots)
@@ -77,7 +82,7 @@ def figure(
         for k, panel in enumerate(row):
             left, bottom = GAP + k * (width + GAP), sheet[1] - (i + 1) * (height + HEAD + GAP)
             axis = drawing.add_axes([*([left, bottom] / sheet), *([width, height] / sheet)])
-            axis.imshow(_rendered(panel, triangles, shots, (height, width), samples))
+            axis.imshow(_rendered(panel, triangles, shots, (height, width), samples, levels))
             axis.set(xticks=[], yticks=[])
             axis.spines[:].set_color("#c8c8c8")
             axis.annotate(
@@ -98,17 +103,21 @@ def figure(
     reduced.save(path, optimize=True)
 
 
-def _rendered(panel, triangles, shots, size, samples) -> NDArray[np.float64]:
+def _rendered(panel, triangles, shots, size, samples, levels) -> NDArray[np.float64]:
     """Render the shots of a panel over white."""
     image = np.ones((*size, 3))
     left = 0
+    positions, is_smooth = panel.positions, levels is not None
+    if is_smooth:
+        topology = TriangleTopology(triangles, len(positions))
+        positions, triangles, _ = LimitSurface(topology, positions).refined(levels)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "shot.png"
         for column in shots:
             top = 0
             for shot in column:
-                look = Look(size=shot.size, samples=samples)
-                render(path, panel.positions, triangles, shot.view, look)
+                look = Look(size=shot.size, samples=samples, smooth=is_smooth)
+                render(path, positions, triangles, shot.view, look)
                 color, alpha = np.split(pyplot.imread(path), [3], axis=2)
                 across, down = shot.size
                 image[top : top + down, left : left + across] = color * alpha + 1 - alpha

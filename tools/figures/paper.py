@@ -1,5 +1,6 @@
 """Figs 1.1 (head), 4.1 (foot), 4.2 (crocodile) of the paper: `python -m figures.paper` in tools/.
 
+Fig 1.1 is also drawn on the limit surfaces, which the method solves for, instead of their nets.
 Each shows the paper's settings, then all schemes with equally smooth coarse parts.
 """
 
@@ -87,6 +88,12 @@ def head() -> tuple[Comparison, list[list[Panel]], list[list[Shot]]]:
     return mesh, [published, mesh.matched(TIMESTEP, TENSOR, UNIFORM, TIMESTEP_AREA)], HEAD_SHOTS
 
 
+def head_surface() -> tuple[Comparison, list[list[Panel]], list[list[Shot]]]:
+    """Return fig 1.1 with the paper's settings alone, for its limit surfaces."""
+    mesh, (published, _), shots = head()
+    return mesh, [published], shots
+
+
 def foot() -> tuple[Comparison, list[list[Panel]], list[list[Shot]]]:
     """Return fig 4.1, as `head`."""
     mesh = Comparison("foot", 3)
@@ -108,7 +115,14 @@ def crocodile() -> tuple[Comparison, list[list[Panel]], list[list[Shot]]]:
     return mesh, rows, CROCODILE_SHOTS
 
 
-FIGURES: dict[str, Callable] = {"fig_1_1": head, "fig_4_1": foot, "fig_4_2": crocodile}
+FIGURES: dict[str, Callable] = {
+    "fig_1_1": head,
+    "fig_1_1_surface": head_surface,
+    "fig_4_1": foot,
+    "fig_4_2": crocodile,
+}
+ON_SURFACE = {"fig_1_1_surface": 2}
+"""Steps of refinement of the figures that show limit surfaces."""
 
 
 def main() -> None:
@@ -117,7 +131,9 @@ def main() -> None:
     parser.add_argument("figures", nargs="*", choices=[[], *FIGURES], metavar=", ".join(FIGURES))
     for name in parser.parse_args().figures or FIGURES:
         mesh, rows, shots = FIGURES[name]()
-        figure(FOLDER / f"{name}.png", rows, mesh.pair.triangles, shots)
+        figure(
+            FOLDER / f"{name}.png", rows, mesh.pair.triangles, shots, levels=ON_SURFACE.get(name)
+        )
 
 
 if __name__ == "__main__":

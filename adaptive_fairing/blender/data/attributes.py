@@ -15,6 +15,7 @@ FIELD_ATTRIBUTES = {
     "DENSITY": DENSITY,
     "DISPLACEMENT": "fairing_displacement",
     "CURVATURE": "fairing_mean_curvature",
+    "GAUSSIAN": "fairing_gaussian_curvature",
     "REMOVED": "fairing_removed",
 }
 """Float attribute of each field that can be looked at."""
@@ -84,6 +85,14 @@ def write_density(mesh: bpy.types.Mesh, density: ArrayLike) -> None:
     """Store the density of a step under its two names, as number and as colour."""
     write_scalar(mesh, DENSITY, density)
     write_color(mesh, color_name(DENSITY), density, *color_range(density))
+
+
+def remove_density(mesh: bpy.types.Mesh) -> None:
+    """Remove what `write_density` has stored."""
+    for name in (DENSITY, color_name(DENSITY)):
+        attribute = mesh.attributes.get(name)
+        if attribute is not None:
+            mesh.attributes.remove(attribute)
 
 
 def _per_vertex(mesh: bpy.types.Mesh, values: ArrayLike) -> np.ndarray:

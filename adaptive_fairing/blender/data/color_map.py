@@ -61,28 +61,42 @@ DIVERGING_ANCHORS.setflags(write=False)
 RANGE_PERCENTILES = (1.0, 99.0)
 """Ends of the colour range: a few extreme vertices must not leave the rest in one colour."""
 
-SIGNED_FIELDS = ("REMOVED",)
+CURVATURE_PERCENTILES = (5.0, 95.0)
+"""The same for curvatures, of which noise makes more extremes: they are second derivatives."""
+
+CURVATURE_FIELDS = ("CURVATURE", "GAUSSIAN")
+SIGNED_FIELDS = ("REMOVED", *CURVATURE_FIELDS)
 """Fields with a zero that matters: it gets the middle of the colours for both sides of zero."""
 
 NO_VALUE = (0.5, 0.5, 0.5)
 """sRGB colour of a value that is not a number."""
 
 
-def color_range(values: ArrayLike) -> tuple[float, float]:
+def color_range(
+    values: ArrayLike, percentiles: tuple[float, float] = RANGE_PERCENTILES
+) -> tuple[float, float]:
     """Choose the values of the darkest and the brightest colour; (0, 0) without a finite value."""
     array = np.asarray(values, dtype=np.float64)
     finite = array[np.isfinite(array)]
     if not len(finite):
         return 0.0, 0.0
-    low, high = np.percentile(finite, RANGE_PERCENTILES)
+    low, high = np.percentile(finite, percentiles)
     return float(low), float(high)
 
 
-def symmetric_range(values: ArrayLike) -> tuple[float, float]:
+def symmetric_range(
+    values: ArrayLike, percentiles: tuple[float, float] = RANGE_PERCENTILES
+) -> tuple[float, float]:
     """Choose the values of the end colours with 0 in the middle; (0, 0) without a finite value."""
     array = np.asarray(values, dtype=np.float64)
-    low, high = color_range(np.concatenate([array, -array]))
-    return low, high
+    return color_range(np.concatenate([array, -array]), percentiles)
+
+
+def field_range(field: str, values: ArrayLike) -> tuple[float, float]:
+    """Choose the values of the end colours of a field."""
+    percentiles = RANGE_PERCENTILES if field not in CURVATURE_FIELDS else CURVATURE_PERCENTILES
+    choose = symmetric_range if field in SIGNED_FIELDS else color_range
+    return choose(values, percentiles)
 
 
 def normalized(

@@ -7,7 +7,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core import FairingSettings, InputError
 from .attributes import FIELD_ATTRIBUTES, color_name, write_color, write_scalar
-from .color_map import ANCHORS, DIVERGING_ANCHORS, SIGNED_FIELDS, color_range, symmetric_range
+from .color_map import ANCHORS, DIVERGING_ANCHORS, SIGNED_FIELDS, field_range
 from .fields import field_values
 
 
@@ -35,9 +35,8 @@ def color_by_field(
     if obj.data.library is not None:
         raise InputError(rpt_("the mesh is linked from another file: make it local to colour it"))
     values = field_values(obj, field, settings)
-    is_signed = field in SIGNED_FIELDS
-    low, high = symmetric_range(values) if is_signed else color_range(values)
-    anchors = DIVERGING_ANCHORS if is_signed else ANCHORS
+    low, high = field_range(field, values)
+    anchors = DIVERGING_ANCHORS if field in SIGNED_FIELDS else ANCHORS
     if obj.adaptive_fairing.view != field:
         end_view(obj)
     name = FIELD_ATTRIBUTES[field]

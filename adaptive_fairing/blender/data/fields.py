@@ -1,4 +1,4 @@
-"""Numbers per vertex worth looking at: density, displacement, what was removed, curvature."""
+"""Numbers per vertex worth looking at: density, displacement, what was removed, curvatures."""
 
 from __future__ import annotations
 
@@ -7,14 +7,19 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import NDArray
 
-from ...core import FairingSettings, InputError, LoopSpace, TriangleTopology, mesh_density
-from ...core.mesh.normals import vertex_normals
+from ...core import FairingSettings, InputError, LimitSurface, mesh_density
 from ...core.mesh.solver_mesh import SolverFrame, solvable_surface
+from ...core.surface.refined_net import RefinedNet
 from .attributes import COMPARED_FIELDS
+from .control_mesh import LEVELS, control_read, is_refined
 from .mesh_arrays import read_positions, read_triangles
+from .refined_object import control_surface
 from .results import original_positions, shown_positions
 
 FloatArray = NDArray[np.float64]
+
+CURVATURES = {"CURVATURE": 0, "GAUSSIAN": 1}
+"""Row of `LimitSurface.refined_curvature` by field."""
 
 
 def field_values(
@@ -29,7 +34,7 @@ def field_values(
     obj
         Mesh object in Object Mode.
     field
-        "DENSITY", "DISPLACEMENT", "REMOVED" or "CURVATURE".
+        "DENSITY", "DISPLACEMENT", "REMOVED", "CURVATURE" or "GAUSSIAN".
     settings
         Say how the density is measured.
 
@@ -38,7 +43,8 @@ def field_values(
     (n,) array
         Density d_i in the solver's frame; displacement from the shape before in object units, or
         of what was removed the part along the normal, positive where a bump was taken off; mean
-        curvature in 1 / object units. NaN where the field has no value.
+        curvature of the limit surface in 1 / object units, positive where it bulges outward, or
+        its Gaussian curvature in 1 / object units². NaN where the field has no value.
 
     Raises
     ------
@@ -63,13 +69,22 @@ def field_values(
         normals = _vertex_normals(shown, triangles)
         removed = np.einsum("id,id->i", original - shown, normals)
         return np.where(normals.any(axis=1), removed, np.nan)
-    surface = solvable_surface(original, triangles)
-    frame = SolverFrame.of(original, surface, settings.normalize)
-    topology = surface.topology
-    positions = shown[surface.vertex_of]
-    if field == "CURVATURE":
-        return frame.to_caller(mean_curvature(topology, positions, settings.quadrature_tolerance))
+    if field in CURVATURES:
+        return _curvatures(obj)[CURVATURES[field]]
     return shown_density(shown, triangles, settings)
+
+
+def _curvatures(obj: bpy.types.Object) -> FloatArray:
+    """Compute both curvatures of the limit surface, (2, n); of refined results the control mesh's.
+
+    NaN at loose vertices.
+    """
+    levels = LEVELS[obj.adaptive_fairing.surface] if is_refined(obj) else 0
+    with control_read(obj):
+        cut = control_surface(obj.data)
+        positions = shown_positions(obj).astype(np.float64)[cut.vertex_of]
+    values = LimitSurface.from_levels(cut.levels, positions).refined_curvature(levels)
+    return RefinedNet(cut, levels).joined(values.T).T
 
 
 def shown_density(
@@ -99,37 +114,3 @@ def _vertex_normals(positions: FloatArray, triangles: NDArray[np.int32]) -> Floa
     )
     lengths = np.linalg.norm(normals, axis=1, keepdims=True)
     return np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)
-
-
-def mean_curvature(
-    topology: TriangleTopology, positions: FloatArray, quadrature_tolerance: float
-) -> FloatArray:
-    """Estimate the mean curvature at the vertices, positive where the surface bulges outward.
-
-    Parameters
-    ----------
-    topology
-        Connectivity.
-    positions
-        (n, 3) control points.
-    quadrature_tolerance
-        As in `FairingSettings`.
-
-    Returns
-    -------
-    (n,) array
-        1/r on a sphere of radius r; NaN on the boundary, where a boundary term is missing, and at
-        loose vertices.
-
-    Source: Δx = 2 H n, tested with the basis functions: L X = −∫ φi Δx, and the row sums of M for
-    ∫ φi; H = (L X)_i · n_i / (2 ∫ φi) with the outward normal n.
-    """
-    space = LoopSpace(topology, quadrature_tolerance)
-    lumped = space.mass_matrix(positions) @ np.ones(len(positions))
-    flow = space.stiffness_matrix(positions) @ positions
-    has_value = ~topology.on_boundary & ~topology.is_loose & (lumped > 0)
-    curvature = np.full(len(positions), np.nan)
-    normals = vertex_normals(topology, positions)
-    along = np.einsum("id,id->i", flow[has_value], normals[has_value])
-    curvature[has_value] = along / (2.0 * lumped[has_value])
-    return curvature

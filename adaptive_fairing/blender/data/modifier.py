@@ -19,9 +19,14 @@ _KNOTS = "fairing_strengths"
 
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
     """Find the modifier of an object, whatever its name is now."""
+    return find_marked(obj, _KNOTS)
+
+
+def find_marked(obj: bpy.types.Object, mark: str) -> bpy.types.NodesModifier | None:
+    """Find the modifier of an object whose nodes have a custom property."""
     for modifier in obj.modifiers:
         if modifier.type == "NODES" and modifier.node_group is not None:
-            if _KNOTS in modifier.node_group:
+            if mark in modifier.node_group:
                 return modifier
     return None
 
@@ -49,7 +54,12 @@ def add(
 
 def remove(obj: bpy.types.Object) -> None:
     """Remove the modifier, and its nodes if nobody else uses them."""
-    modifier = find(obj)
+    remove_marked(obj, _KNOTS)
+
+
+def remove_marked(obj: bpy.types.Object, mark: str) -> None:
+    """Remove what `find_marked` finds, and its nodes if nobody else uses them."""
+    modifier = find_marked(obj, mark)
     if modifier is None:
         return
     nodes = modifier.node_group

@@ -14,11 +14,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import FairingError
-from ...core.surface.cut_surface import CutSurface, cut_surface
+from ...core.surface.cut_surface import CutSurface
+from ...core.surface.memory_estimate import require_memory
 from ...core.surface.refined_mesh import edge_keys
 from ...core.surface.refined_net import RefinedNet
 from . import mesh_building
 from .attribute_arrays import (
+    GEOMETRY,
     AttributeArray,
     read_attributes,
     read_boolean,
@@ -27,9 +29,8 @@ from .attribute_arrays import (
 )
 from .key_copies import read_keys, write_keys
 from .mesh_arrays import flat_float32, read_positions, write_positions
+from .refinements import RefinedShape, refinement_of
 from .vertex_groups import read_groups, write_groups
-
-FloatArray = NDArray[np.float64]
 
 SHARP_CREASE = 1.0
 """Blender's crease weight from which a crease is infinitely sharp."""
@@ -83,35 +84,47 @@ def refine_object(
     Raises
     ------
     FairingError
-        The mesh has no faces, or positions that are not finite.
+        The mesh has no faces, or positions that are not finite, or the refined mesh does not fit
+        into memory.
     """
     mesh = obj.data
-    source = _Source(mesh, options.sharp_creases)
-    net = RefinedNet(source.cut, options.levels)
+    n_keys = len(mesh.shape_keys.key_blocks) if mesh.shape_keys is not None else 0
+    n_triangles = max(len(mesh.loops) - 2 * len(mesh.polygons), 0)
+    n_arrays = len(mesh.attributes) - len(GEOMETRY) + n_keys + len(obj.vertex_groups)
+    require_memory(n_triangles, options.levels, n_arrays)
+    source = _Source(mesh, options.sharp_creases, options.levels)
+    refinement, net = source.refinement, source.refinement.net(options.levels)
     keys = read_keys(mesh)
-    positions = keys.positions if keys is not None else [read_positions(mesh)]
-    refined = [_refined_positions(net, each, options.on_limit) for each in positions]
-    normals = _normals(net, positions[0]) if options.exact_normals else None
+
+    def refined(places: NDArray, has_normals: bool = False) -> RefinedShape:
+        return refinement.shape(
+            places, options.levels, on_limit=options.on_limit, has_normals=has_normals
+        )
+
+    first, *others = keys.positions if keys is not None else [read_positions(mesh)]
+    start = refined(first, options.exact_normals)
+    positions = [start.positions, *(refined(each).positions for each in others)]
+    normals = start.normals
     moves = bool(shapes) or keys is not None or len(obj.modifiers) > 0
     attributes = [
-        array._replace(values=_refined_positions(net, array.values, options.on_limit))
+        array._replace(values=refined(array.values).positions)
         if array.name in shapes
         else array._replace(values=source.refined(net, array))
         for array in read_attributes(mesh, RENEWED)
         if options.levels or array.name in shapes
     ]
     if options.levels == 0:
-        _move_vertices(obj, refined, attributes)
+        _move_vertices(obj, positions, attributes)
         if normals is not None and len(normals) == len(mesh.vertices):
             mesh_building.write_normals(obj.data, normals, follow_motion=moves)
-        return source.cut.notes
+        return refinement.cut.notes
     groups = read_groups(obj)
 
     new = mesh.copy()
     new.clear_geometry()
     loose = source.loose_edges
     mesh_building.fill(
-        new, refined[0], net.triangles, np.concatenate([net.edges, loose]), net.sides
+        new, positions[0], net.triangles, np.concatenate([net.edges, loose]), net.sides
     )
     mesh_building.write_attributes(new, mesh, attributes)
     obj.data = new
@@ -120,15 +133,26 @@ def refine_object(
     if normals is not None:
         mesh_building.write_normals(new, normals, follow_motion=moves)
     if keys is not None:
-        write_keys(obj, keys, refined)
+        write_keys(obj, keys, positions)
     _retire(mesh, new)
-    return source.cut.notes
+    return refinement.cut.notes
+
+
+def control_surface(mesh: bpy.types.Mesh) -> CutSurface:
+    """Make the surface that a mesh in Object Mode is the control mesh of, with its creases.
+
+    Raises
+    ------
+    FairingError
+        The mesh has no faces.
+    """
+    return _Source(mesh, sharp_creases=True, levels=0).refinement.cut
 
 
 class _Source:
     """A mesh as triangles, and what each of its elements becomes."""
 
-    def __init__(self, mesh: bpy.types.Mesh, sharp_creases: bool) -> None:
+    def __init__(self, mesh: bpy.types.Mesh, sharp_creases: bool, levels: int) -> None:
         if not len(mesh.polygons):
             raise FairingError("the mesh has no faces: there is no surface to refine")
         is_triangulated = len(mesh.loops) == 3 * len(mesh.polygons)
@@ -150,8 +174,8 @@ class _Source:
             creases = self.ends[is_sharp]
             pinned = read_float(mesh, "crease_vert", len(mesh.vertices)) >= SHARP_CREASE
             held = np.flatnonzero(pinned)
-        self.cut: CutSurface = cut_surface(self.triangles, len(mesh.vertices), creases, held)
-        edges = RefinedNet(self.cut, 0).edges
+        self.refinement = refinement_of(self.triangles, len(mesh.vertices), creases, held, levels)
+        edges = self.refinement.net(0).edges
         self._is_loose = np.zeros(len(self.ends), dtype=bool)
         if not is_triangulated or len(edges) != len(self.ends):
             keys, n = edge_keys(self.ends, len(mesh.vertices)), len(mesh.vertices)
@@ -175,14 +199,6 @@ class _Source:
         return np.concatenate([net.of_edges(values, self.ends, inside), values[self._is_loose]])
 
 
-def _refined_positions(net: RefinedNet, positions: NDArray, on_limit: bool) -> NDArray[np.float32]:
-    levels = net.cut.levels
-    start = positions[net.cut.vertex_of].astype(np.float64, copy=False)
-    control = levels.control_points(start, net.levels)
-    refined = levels.limit_points(control) if on_limit else control[-1]
-    return net.joined(refined).astype(np.float32)
-
-
 def _move_vertices(
     obj: bpy.types.Object, shapes: list[NDArray[np.float32]], attributes: list[AttributeArray]
 ) -> None:
@@ -196,15 +212,6 @@ def _move_vertices(
     for array in attributes:
         write_attribute(mesh, array)
     write_positions(mesh, shapes[0])
-
-
-def _normals(net: RefinedNet, positions: FloatArray) -> FloatArray:
-    """Exact normals: (n, 3) of the vertices, or (3 m, 3) of the corners where they differ."""
-    levels = net.cut.levels
-    control = levels.control_points(positions[net.cut.vertex_of], net.levels)
-    if net.cut.is_cut or levels.has_creases:
-        return net.corner_normals(levels.corner_normals(control)).reshape(-1, 3)
-    return levels.normals(control)[0]
 
 
 def _retire(old: bpy.types.Mesh, new: bpy.types.Mesh) -> None:

@@ -40,6 +40,15 @@ def refusal(context: bpy.types.Context) -> str | None:
     return None
 
 
+def sculpt_mask(mesh: bpy.types.Mesh) -> NDArray[np.float32] | None:
+    """Read the mask of Sculpt Mode, (n,) in [0, 1], in Object Mode; None if there is none."""
+    if SCULPT_MASK not in mesh.attributes:
+        return None
+    mask = np.zeros(len(mesh.vertices), dtype=np.float32)
+    mesh.attributes[SCULPT_MASK].data.foreach_get("value", mask)
+    return np.clip(mask, 0.0, 1.0)
+
+
 def vertex_weights(
     obj: bpy.types.Object,
     mode: str,
@@ -88,10 +97,9 @@ def vertex_weights(
         mesh.vertices.foreach_get("select", selected)
         if selected.any():
             factors.append(selected.astype(np.float64))
-    if use_region and mode == "SCULPT" and SCULPT_MASK in mesh.attributes:
-        mask = np.zeros(len(mesh.vertices), dtype=np.float32)
-        mesh.attributes[SCULPT_MASK].data.foreach_get("value", mask)
-        factors.append(1.0 - np.clip(mask.astype(np.float64), 0.0, 1.0))
+    mask = sculpt_mask(mesh) if use_region and mode == "SCULPT" else None
+    if mask is not None:
+        factors.append(1.0 - mask.astype(np.float64))
     if vertex_group:
         group = obj.vertex_groups.get(vertex_group)
         if group is None:

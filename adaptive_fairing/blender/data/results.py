@@ -9,16 +9,19 @@ A run leaves one of these on an object, named by `FairingRecord.result`:
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import NDArray
 
 from ...core import InputError
-from . import modifier
+from . import modifier, split
+from .attributes import remove_density
 from .mesh_arrays import read_key, read_mesh_coordinates, write_positions
 from .rollback import remove_mesh
-from .run_record import remember_coordinates, set_strengths
+from .run_record import forget, remember_coordinates, set_strengths, split_along
 from .shape_keys import (
     animate_evolution,
     animated_frames,
@@ -209,6 +212,26 @@ def discard(obj: bpy.types.Object) -> None:
         write_positions(obj.data, original)
 
 
+def show_split(obj: bpy.types.Object, normal: Sequence[float], point: Sequence[float]) -> None:
+    """Show the original behind a plane, given in object space.
+
+    Raises
+    ------
+    InputError
+        There is no result.
+    """
+    original = original_positions(obj)
+    if original is None:
+        raise InputError(rpt_("there is no result on this object"))
+    record = obj.adaptive_fairing
+    split_along(record, normal, point)
+    if record.result == "LIVE":  # is the mesh itself, which `split_along` has updated
+        return
+    if record.result == "MODIFIER" and obj.data.shape_keys is not None:
+        original = mixed_keys(obj.data.shape_keys)
+    split.add(obj, original, (original - np.float32(point)) @ np.float32(normal) < 0)
+
+
 def drop_control(obj: bpy.types.Object) -> None:
     """Forget the control mesh of a refined one."""
     record = obj.adaptive_fairing
@@ -218,14 +241,20 @@ def drop_control(obj: bpy.types.Object) -> None:
 
 
 def clear(obj: bpy.types.Object) -> None:
-    """Remove everything that runs have left on an object; the coordinates stay, or the Basis."""
+    """Remove everything that runs have left on an object; the coordinates stay, or the Basis.
+
+    A colour view must be over, see `coloring.end_view`.
+    """
+    record = obj.adaptive_fairing
     drop_control(obj)
     modifier.remove(obj)
-    if obj.adaptive_fairing.result:
+    if record.result:
         group = obj.vertex_groups.get(PAINT_GROUP)
         if group is not None:
             obj.vertex_groups.remove(group)
     remove_stored(obj.data)
     if not has_foreign_keys(obj.data):
         remove_fairing_keys(obj)
-    obj.adaptive_fairing.result = ""
+    if record.keeps_density:
+        remove_density(obj.data)
+    forget(record)

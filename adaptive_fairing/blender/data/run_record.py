@@ -18,7 +18,7 @@ from bpy.props import (
 )
 
 from ..properties import AUTO
-from . import modifier
+from . import modifier, split
 from .attributes import COMPARED_FIELDS
 from .mesh_arrays import read_mesh_coordinates
 from .stored_result import checksum, is_current, shown_by, update_shown, write_shown
@@ -75,7 +75,7 @@ def _shown_evolution(record: FairingRecord) -> float:
 
 def _show_evolution(record: FairingRecord, value: float) -> None:
     keys = evolution_keys(record.id_data)
-    if keys is not None:
+    if keys is not None and record.id_data.mode != "EDIT":
         from .shape_keys import show_time  # needs the core, which enabling the add-on does not load
 
         record.held = NOT_HELD
@@ -166,6 +166,12 @@ class FairingRecord(bpy.types.PropertyGroup):
     )
 
 
+def forget(record: FairingRecord) -> None:
+    """Forget the runs, with their measures."""
+    record.result, record.notes, record.keeps_density = "", "", False
+    record.shapes.clear()
+
+
 def set_strengths(record: FairingRecord, strengths: Sequence[float], shown: float) -> None:
     """Note the strengths of the stored offsets, and which one is shown."""
     record.n_strengths = len(strengths)
@@ -197,7 +203,7 @@ def toggle_before(record: FairingRecord) -> None:
     """Show the original, or the result again."""
     name = "evolution" if record.result == "KEYS" else "strength"
     if record.held != NOT_HELD:
-        end_comparison(record)
+        end_before(record)
         return
     held = getattr(record, name)
     setattr(record, name, 0.0)
@@ -205,17 +211,23 @@ def toggle_before(record: FairingRecord) -> None:
 
 
 def split_along(record: FairingRecord, normal: Sequence[float], point: Sequence[float]) -> None:
-    """Show the original behind a plane, given in object space."""
+    """Note the plane, given in object space, behind which the original is shown."""
     record.is_split, record.split_normal, record.split_point = True, normal, point
     update_shown(record.id_data)
 
 
-def end_comparison(record: FairingRecord) -> None:
-    """Show the whole result again."""
+def end_before(record: FairingRecord) -> None:
+    """Show the result again after the original."""
     if record.held != NOT_HELD:
         setattr(record, "evolution" if record.result == "KEYS" else "strength", record.held)
+
+
+def end_comparison(record: FairingRecord) -> None:
+    """Show the whole result again; in Object Mode."""
+    end_before(record)
     if record.is_split:
         record.is_split = False
+        split.remove(record.id_data)
         update_shown(record.id_data)
 
 

@@ -21,33 +21,24 @@ import bpy
 from ...core import FairingSettings
 from .attribute_arrays import read_attributes
 from .coloring import color_by_field, end_view
-from .key_copies import copy_settings
-from .mesh_arrays import read_key, write_positions
+from .control_mesh import CONTROL, LEVELS, is_refined, net_print, show_again, take_control
+from .mesh_arrays import read_key
 from .refined_object import RENEWED, RefineOptions, refine_object
 from .results import has_result
 from .rollback import remove_mesh
-from .run_record import remember_coordinates
-from .shape_keys import mixed_keys, show_time
 from .stored_result import (
     ORIGINAL,
-    forget_weights,
     offset_name,
-    shown_by,
-    write_shown,
 )
-from .vertex_groups import read_groups, same_groups, write_groups
 
-CONTROL = "CONTROL"
-LEVELS = {"LIMIT": 0, "REFINED_1": 1, "REFINED_2": 2, "REFINED_3": 3}
-"""Steps of refinement by surface; without any the vertices move to their limit points."""
+LARGEST_EXACT = 500_000
+"""Triangles of a refined mesh up to which it gets exact normals.
+
+Normals that follow the slider take Blender seconds from there on, and its own differ little.
+"""
 
 OWN_PREFIXES = (".", "fairing_")
 """How the names of attributes begin that nobody else's work is in."""
-
-
-def is_refined(obj: bpy.types.Object) -> bool:
-    """Whether an object shows its result on another mesh than the control mesh."""
-    return obj.adaptive_fairing.control not in (None, obj.data) and has_result(obj)
 
 
 def show_surface(obj: bpy.types.Object, surface: str) -> tuple[tuple[str, ...], str | None]:
@@ -94,7 +85,7 @@ def show_control(obj: bpy.types.Object) -> str | None:
     end_view(obj)
     refined, record = obj.data, obj.adaptive_fairing
     is_changed = _print_of(obj.data) != record.refined_print
-    _take_control(obj)
+    take_control(obj)
     record.control = None
     name = refined.name
     if is_changed:
@@ -128,9 +119,11 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
         obj.data = obj.data.copy()
     control = obj.data
     names = [ORIGINAL, *(offset_name(i + 1) for i in range(record.n_strengths))]
+    levels = LEVELS[record.surface]
+    is_exact = (len(control.loops) - 2 * len(control.polygons)) * 4**levels <= LARGEST_EXACT
     obj.data = control.copy()
     try:
-        notes = refine_object(obj, RefineOptions(LEVELS[record.surface]), names)
+        notes = refine_object(obj, RefineOptions(levels, exact_normals=is_exact), names)
     except BaseException:
         copy, obj.data = obj.data, control
         remove_mesh(copy)
@@ -139,27 +132,11 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
     name = control.name
     control.name, obj.data.name = f"{name} control", name
     record.control = control
-    _show_again(obj)
+    show_again(obj)
     record.refined_print = _print_of(obj.data)
     if view:
         color_by_field(obj, view, FairingSettings())
     return notes
-
-
-@contextmanager
-def control_read(obj: bpy.types.Object) -> Iterator[None]:
-    """Let an object have its control mesh, with what is shown now, for the body to read."""
-    record = obj.adaptive_fairing
-    if not is_refined(obj):
-        yield
-        return
-    refined, checksum = obj.data, record.checksum
-    _take_control(obj)
-    try:
-        yield
-    finally:
-        record.control, obj.data, record.checksum = obj.data, refined, checksum
-        forget_weights()
 
 
 @contextmanager
@@ -183,40 +160,6 @@ def control_written(obj: bpy.types.Object) -> Iterator[str | None]:
         refine_result(obj)
 
 
-def _take_control(obj: bpy.types.Object) -> None:
-    """Put the control mesh in place of the refined one, which is left as it is."""
-    refined, record = obj.data, obj.adaptive_fairing
-    groups = read_groups(obj)
-    if record.control.users - record.control.use_fake_user > 1:  # of a copy of the object
-        record.control = record.control.copy()
-    obj.data = control = record.control
-    n = len(control.vertices)
-    groups = [group.with_weights(lambda values: values[:n]) for group in groups]
-    if not same_groups(groups, read_groups(obj)):
-        write_groups(obj, groups)
-    if list(control.materials) != list(refined.materials):
-        control.materials.clear()
-        for material in refined.materials:
-            control.materials.append(material)
-    if control.shape_keys is not None and refined.shape_keys is not None:
-        copy_settings(refined.shape_keys, control.shape_keys)
-    _show_again(obj)
-
-
-def _show_again(obj: bpy.types.Object) -> None:
-    """Bring the coordinates of the mesh that an object has now to what its record says."""
-    forget_weights()
-    record, keys = obj.adaptive_fairing, obj.data.shape_keys
-    if record.result == "LIVE":
-        write_shown(obj, shown_by(obj))
-    elif record.result == "MODIFIER":
-        remember_coordinates(record)
-    elif not keys.use_relative:
-        show_time(keys, keys.eval_time)
-    else:
-        write_positions(obj.data, mixed_keys(keys))
-
-
 def _print_of(mesh: bpy.types.Mesh) -> str:
     """Tell a refined mesh from one that was changed; what goes back to the control mesh aside."""
     crc = 0
@@ -228,4 +171,4 @@ def _print_of(mesh: bpy.types.Mesh) -> str:
     if mesh.shape_keys is not None:
         for block in mesh.shape_keys.key_blocks:
             crc = zlib.crc32(read_key(block), zlib.crc32(block.name.encode(), crc))
-    return f"{len(mesh.vertices)}-{len(mesh.polygons)}-{crc}"
+    return f"{net_print(mesh)}{crc}"

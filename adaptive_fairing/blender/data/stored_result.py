@@ -169,6 +169,19 @@ def write_shown(obj: bpy.types.Object, positions: FloatArray) -> None:
     obj.adaptive_fairing.checksum = checksum(read_mesh_coordinates(obj.data))
 
 
+def paint_group(obj: bpy.types.Object) -> bpy.types.VertexGroup:
+    """Give the vertex group `PAINT_GROUP`, made with all of the result seen, and heed it."""
+    group = obj.vertex_groups.get(PAINT_GROUP)
+    if group is None:
+        group = obj.vertex_groups.new(name=PAINT_GROUP)
+        group.add(range(len(obj.data.vertices)), 1.0, "REPLACE")
+        forget_weights()
+    obj.vertex_groups.active = group
+    if obj.adaptive_fairing.result == "MODIFIER":
+        modifier.set_group(obj, PAINT_GROUP)
+    return group
+
+
 def paint_weights(obj: bpy.types.Object) -> FloatArray | None:
     """Weights of the group `PAINT_GROUP`, (n,), 0 outside of it; None if there is no such group."""
     group = obj.vertex_groups.get(PAINT_GROUP)

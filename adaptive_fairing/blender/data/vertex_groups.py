@@ -53,6 +53,16 @@ def read_groups(obj: bpy.types.Object) -> list[GroupWeights]:
     ]
 
 
+def add_weights(group: bpy.types.VertexGroup, members: Sequence[int], weights: FloatArray) -> None:
+    """Put vertices into a group with their weights (k,); Blender takes one weight for many."""
+    order = np.argsort(weights, kind="stable")
+    members = np.asarray(members)[order]
+    values, size = np.unique(weights, return_counts=True)
+    ends = np.cumsum(size)
+    for value, begin, end in zip(values.tolist(), ends - size, ends, strict=True):
+        group.add(members[begin:end].tolist(), value, "REPLACE")
+
+
 def same_groups(first: Sequence[GroupWeights], second: Sequence[GroupWeights]) -> bool:
     """Whether groups have the same names, locks, members and weights, in the same order."""
     return len(first) == len(second) and all(
@@ -70,12 +80,7 @@ def write_groups(obj: bpy.types.Object, groups: Sequence[GroupWeights]) -> None:
     for group in groups:
         new = obj.vertex_groups.new(name=group.name)
         members = np.flatnonzero(group.is_member > 0)
-        # Blender takes one weight for many vertices.
-        weights, size = np.unique(group.weights[members], return_counts=True)
-        members = members[np.argsort(group.weights[members], kind="stable")]
-        ends = np.cumsum(size)
-        for weight, begin, end in zip(weights.tolist(), ends - size, ends, strict=True):
-            new.add(members[begin:end].tolist(), weight, "REPLACE")
+        add_weights(new, members, group.weights[members])
         new.lock_weight = group.is_locked
     if groups:
         obj.vertex_groups.active_index = active

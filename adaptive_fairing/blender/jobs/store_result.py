@@ -10,9 +10,9 @@ from ...core import FairingError, FairingSettings
 from ..data import results
 from ..data.attributes import COMPARED_FIELDS, write_density
 from ..data.coloring import color_by_field, end_view
+from ..data.control_mesh import control_read
 from ..data.fields import shown_density
 from ..data.rollback import written_or_restored
-from ..data.shown_surface import control_read
 from ..properties import AUTO
 from .solve import Solve
 

@@ -70,8 +70,8 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
 
         from ...core import FairingSettings
         from ...core.diffusion.smoothing_radius import equivalent_uniform_tau
+        from ..data.control_mesh import control_read
         from ..data.mesh_arrays import MeshData, read_triangles
-        from ..data.shown_surface import control_read
         from ..jobs.solve import Solve
         from ..jobs.store_result import start_positions
 
@@ -96,7 +96,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
 
     def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
-        from ..data.shown_surface import control_read
+        from ..data.control_mesh import control_read
         from ..jobs.store_result import find_object
 
         failed = [solve.error for solve in solves if solve.error is not None]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 
@@ -13,6 +14,7 @@ from ..requirements import scipy_problem
 from .modal_run import ModalRun, progress, stop_run
 from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
+from .questions import Asking, hints
 from .results import report_kept
 from .settings_layout import draw_operator
 
@@ -25,7 +27,9 @@ DIFFUSION = (
 )
 
 
-class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, bpy.types.Operator):
+class OBJECT_OT_adaptive_fairing(
+    SolverProperties, OutputProperties, Asking, ModalRun, bpy.types.Operator
+):
     bl_idname = "object.adaptive_fairing"
     bl_label = "Denoise"
     bl_description = (
@@ -44,6 +48,11 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
     @classmethod
     def description(cls, context, properties):
         return tip_(cls.bl_description if properties.method == AUTO else DIFFUSION)
+
+    def invoke(self, context, event):
+        label = iface_("Denoise") if self.method == AUTO else iface_("Diffuse")
+        question = self.ask(context, label, hints(target_objects(context), self))
+        return question or super().invoke(context, event)
 
     def prepare(self, context):
         settings = solver_settings(self)
@@ -128,8 +137,8 @@ class OBJECT_OT_adaptive_fairing(SolverProperties, OutputProperties, ModalRun, b
 
     def _solve(self, obj, mode, settings):
         from ...core import FairingError, InputError
+        from ..data.control_mesh import control_read
         from ..data.mesh_arrays import read_triangles
-        from ..data.shown_surface import control_read
         from ..data.targets import needs_copy
         from ..jobs.solve import Solve
         from ..jobs.store_result import start_positions

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..data.regions import target_objects
 from ..requirements import scipy_problem
 from .object_mode import object_mode
 from .polls import busy_refusal, is_allowed
+from .questions import Asking
 
 
-class OBJECT_OT_adaptive_fairing_loop_subdivide(bpy.types.Operator):
+class OBJECT_OT_adaptive_fairing_loop_subdivide(Asking, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_loop_subdivide"
     bl_label = "Loop Subdivide (Limit Surface)"
     bl_description = (
@@ -56,6 +58,9 @@ class OBJECT_OT_adaptive_fairing_loop_subdivide(bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         return is_allowed(cls, scipy_problem(), busy_refusal(), _refusal(context))
+
+    def invoke(self, context, event):
+        return self.ask(context, iface_(self.bl_label)) or self.execute(context)
 
     def execute(self, context):
         from ...core import FairingError

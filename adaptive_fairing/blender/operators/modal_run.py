@@ -37,7 +37,7 @@ class Progress:
     solves
         All meshes of the run; the thread fills in their results.
     worker
-        The thread.
+        The thread; None if the caller waits for the run.
     n_known
         Steps that the main thread has seen; `denoise` counts as one.
     last_news, step_seconds
@@ -45,7 +45,7 @@ class Progress:
     """
 
     solves: list[Solve]
-    worker: Worker
+    worker: Worker | None
     n_known: int = 0
     last_news: float = field(default_factory=time.perf_counter)
     step_seconds: float = 0.0
@@ -183,8 +183,21 @@ class ModalRun:
         solves = self._prepared(context)
         if solves is None:
             return {"CANCELLED"}
-        for _ in self._generator(solves):
-            pass
+        current = Progress(solves, None)
+
+        def show(_part: float = 0.0) -> None:
+            context.window_manager.progress_update(current.factor)
+
+        # The redo panel has no window to show a bar in: the pointer tells the progress.
+        context.window_manager.progress_begin(0.0, 1.0)
+        try:
+            for solve in solves:
+                solve.on_progress = show
+            for _ in self._generator(solves):
+                current.step_done()
+                show()
+        finally:
+            context.window_manager.progress_end()
         return self.conclude(context, solves, is_stopped=False)
 
     def invoke(self, context, event):

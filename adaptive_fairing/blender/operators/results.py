@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
 from ..compatibility import weight_paint_settings
-from ..data.run_record import end_comparison, has_slider, split_along, toggle_before
-from ..data.stored_result import PAINT_GROUP, forget_weights, is_current
+from ..data.regions import sculpt_mask
+from ..data.run_record import end_before, end_comparison, has_slider, toggle_before
+from ..data.stored_result import forget_weights, is_current, paint_group, update_shown
+from ..data.vertex_groups import add_weights
 from ..requirements import scipy_problem
 from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
+from .questions import Asking
 
 SURFACES = (
     ("CONTROL", "Control Mesh", "The mesh itself, as it was denoised"),
@@ -22,6 +26,7 @@ SURFACES = (
 )
 
 NO_RESULT = "The active object has no result of Adaptive Fairing that can still be changed"
+NOT_IN_EDIT_MODE = "Leave Edit Mode to compare with the original"
 NO_SLIDER = "Only a result with a slider can be compared with the original"
 
 
@@ -63,7 +68,14 @@ class _OnResult:
         return {"FINISHED"}
 
 
-class OBJECT_OT_adaptive_fairing_apply(_OnResult, bpy.types.Operator):
+class _EndOfResult(Asking, _OnResult):
+    """Mix-in: after this the result is no more."""
+
+    def invoke(self, context, event):
+        return self.ask(context, iface_(self.bl_label)) or self.execute(context)
+
+
+class OBJECT_OT_adaptive_fairing_apply(_EndOfResult, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_apply"
     bl_label = "Apply"
     bl_description = (
@@ -82,7 +94,7 @@ class OBJECT_OT_adaptive_fairing_apply(_OnResult, bpy.types.Operator):
         return self.finish(context, keep)
 
 
-class OBJECT_OT_adaptive_fairing_discard(_OnResult, bpy.types.Operator):
+class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_discard"
     bl_label = "Discard"
     bl_description = "Bring the mesh back to exactly what it was before the runs"
@@ -158,7 +170,9 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
     def poll(cls, context):
         obj = context.active_object
         refusal = result_refusal(context)
-        if refusal is None and (obj.mode == "EDIT" or not has_slider(obj.adaptive_fairing)):
+        if refusal is None and obj.mode == "EDIT":
+            refusal = NOT_IN_EDIT_MODE
+        if refusal is None and not has_slider(obj.adaptive_fairing):
             refusal = NO_SLIDER
         return is_allowed(cls, refusal, busy_refusal())
 
@@ -177,11 +191,11 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
     def modal(self, context, event):
         if event.type != self._key or event.value != "RELEASE":
             return {"RUNNING_MODAL"}
-        end_comparison(context.active_object.adaptive_fairing)
+        end_before(context.active_object.adaptive_fairing)
         return {"FINISHED"}
 
     def cancel(self, context):
-        end_comparison(context.active_object.adaptive_fairing)
+        end_before(context.active_object.adaptive_fairing)
 
 
 class OBJECT_OT_adaptive_fairing_split(bpy.types.Operator):
@@ -196,23 +210,27 @@ class OBJECT_OT_adaptive_fairing_split(bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         refusal = result_refusal(context)
-        if refusal is None and context.active_object.adaptive_fairing.result != "LIVE":
-            refusal = "Split works with the result Live"
+        if refusal is None and context.active_object.mode == "EDIT":
+            refusal = NOT_IN_EDIT_MODE
         return is_allowed(cls, refusal, busy_refusal())
 
     def execute(self, context):
+        from ..data.results import show_split
+
         obj = context.active_object
         record = obj.adaptive_fairing
-        if record.is_split:
-            end_comparison(record)
-            return {"FINISHED"}
-        to_right = Vector((1.0, 0.0, 0.0))
-        if context.region_data is not None:
-            to_right = context.region_data.view_matrix.to_3x3().inverted() @ to_right
-        # A plane's normal goes from the world into the object by the transposed matrix.
-        normal = (obj.matrix_world.to_3x3().transposed() @ to_right).normalized()
-        corners = [Vector(corner) for corner in obj.bound_box]
-        split_along(record, normal, sum(corners, Vector()) / len(corners))
+        with object_mode(context):
+            if record.is_split:
+                end_comparison(record)
+                return {"FINISHED"}
+            end_before(record)
+            to_right = Vector((1.0, 0.0, 0.0))
+            if context.region_data is not None:
+                to_right = context.region_data.view_matrix.to_3x3().inverted() @ to_right
+            # A plane's normal goes from the world into the object by the transposed matrix.
+            normal = (obj.matrix_world.to_3x3().transposed() @ to_right).normalized()
+            corners = [Vector(corner) for corner in obj.bound_box]
+            show_split(obj, normal, sum(corners, Vector()) / len(corners))
         return {"FINISHED"}
 
 
@@ -221,7 +239,8 @@ class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
     bl_label = "Paint Back"
     bl_description = (
         "Change to Weight Paint with the vertex group Fairing: weight 0 brings the original back, "
-        "1 shows the result; once more leaves it"
+        "1 shows the result; once more leaves it. In Sculpt Mode bring the original back where the "
+        "mask is"
     )
     bl_options = {"REGISTER", "UNDO"}
 
@@ -233,25 +252,31 @@ class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
         return is_allowed(cls, refusal, busy_refusal())
 
     def execute(self, context):
-        from ..data import modifier
-
         obj = context.active_object
+        if obj.mode == "SCULPT":
+            return self._take_mask(context, obj)
         if obj.mode == "WEIGHT_PAINT":
             bpy.ops.object.mode_set(mode="OBJECT")
             return {"FINISHED"}
         if obj.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        group = obj.vertex_groups.get(PAINT_GROUP)
-        if group is None:
-            group = obj.vertex_groups.new(name=PAINT_GROUP)
-            group.add(range(len(obj.data.vertices)), 1.0, "REPLACE")
-        obj.vertex_groups.active = group
-        if obj.adaptive_fairing.result == "MODIFIER":
-            modifier.set_group(obj, PAINT_GROUP)
-        forget_weights()
+        paint_group(obj)
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-        weight_paint_settings(context).weight = 0.0
+        settings = weight_paint_settings(context)
+        settings.use_unified_weight, settings.weight = True, 0.0  # of every brush
         self.report({"INFO"}, rpt_("Paint with weight 0 to bring the original back"))
+        return {"FINISHED"}
+
+    def _take_mask(self, context, obj):
+        prepare_undo(context)
+        with object_mode(context):
+            mask = sculpt_mask(obj.data)
+            if mask is None or not mask.any():
+                self.report({"WARNING"}, rpt_("Mask where the original is to come back"))
+                return {"CANCELLED"}
+            add_weights(paint_group(obj), range(len(mask)), 1 - mask)
+            forget_weights()
+            update_shown(obj)
         return {"FINISHED"}
 
 

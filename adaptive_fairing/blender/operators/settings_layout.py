@@ -31,7 +31,9 @@ def draw_method(layout, settings, live_record=None) -> None:
     """
     layout.prop(settings, "method")
     if settings.method == AUTO:
-        layout.prop(live_record or settings, "strength", slider=live_record is not None)
+        row = layout.row()
+        row.enabled = live_record is None or live_record.id_data.mode != "EDIT"
+        row.prop(live_record or settings, "strength", slider=live_record is not None)
         return
     row = layout.row(align=True)
     row.prop(settings, "radius")

@@ -19,7 +19,17 @@ FIELDS = (
         "How coarse the mesh is: where it is bright, the adaptive methods smooth more",
     ),
     ("DISPLACEMENT", "Displacement", "How far the smoothing has moved each vertex"),
-    ("CURVATURE", "Curvature", "Mean curvature: bright where the surface bulges outward"),
+    (
+        "CURVATURE",
+        "Mean Curvature",
+        "Mean curvature of the limit surface: red where it bulges outward, blue where inward",
+    ),
+    (
+        "GAUSSIAN",
+        "Gaussian Curvature",
+        "Gaussian curvature of the limit surface: red on bumps and in bowls, blue on saddles, "
+        "near white where it bends in one direction only",
+    ),
     (
         "REMOVED",
         "Removed",

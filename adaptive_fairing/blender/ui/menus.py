@@ -43,27 +43,13 @@ _ENTRIES = (
 )
 
 
-MANUAL = "https://extensions.blender.org/add-ons/adaptive-fairing/"
-
-
-def manual_pages() -> tuple[str, tuple[tuple[str, str], ...]]:
-    """Tell Blender where the online manual of the operators and the settings is."""
-    return MANUAL, (
-        ("bpy.ops.object.adaptive_fairing*", ""),
-        ("bpy.types.fairing*", ""),
-        ("bpy.types.object_ot_adaptive_fairing*", ""),
-    )
-
-
 def register() -> None:
-    """Add the entries, and the links to the manual."""
-    bpy.utils.register_manual_map(manual_pages)
+    """Add the entries."""
     for menu, draw in _ENTRIES:
         getattr(bpy.types, menu).append(draw)
 
 
 def unregister() -> None:
     """Take them back."""
-    bpy.utils.unregister_manual_map(manual_pages)
     for menu, draw in _ENTRIES:
         getattr(bpy.types, menu).remove(draw)

@@ -22,11 +22,12 @@ from .results_panel import active_record, change_text
 
 
 def live_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:
-    """Give the record of the active object if its strength can be changed now."""
+    """Give the record of the active object if its strength is a slider; in Edit Mode it stands."""
     record = active_record(context)
     if record is None or record.result not in ("LIVE", "MODIFIER"):
         return None
-    return record if is_current(record.id_data) else None
+    obj = record.id_data
+    return record if obj.mode == "EDIT" or is_current(obj) else None
 
 
 def draw_result(context: bpy.types.Context, layout) -> None:
@@ -37,25 +38,26 @@ def draw_result(context: bpy.types.Context, layout) -> None:
     obj = record.id_data
     column = layout.column()
     is_keys = record.result == "KEYS"
-    if obj.mode == "EDIT" and not is_keys:
-        draw_lines(context, column, iface_("Leave Edit Mode to change the strength"), icon="INFO")
+    if obj.mode == "EDIT":
+        draw_lines(context, column, iface_("Leave Edit Mode to move the slider"), icon="INFO")
     elif not is_keys and not is_current(obj):
         text = iface_(
             "The mesh was changed since the last run. The next one starts from what is shown"
         )
         draw_lines(context, column, text, icon="INFO")
         return
-    elif is_keys or context.scene.adaptive_fairing.method != AUTO:
+    if is_keys or context.scene.adaptive_fairing.method != AUTO:
         _draw_slider(column, record)
     draw_lines(context, column, result_text(context, record), icon="NONE")
     row = column.row(align=True)
     is_before = record.held >= 0
     row.operator(OBJECT_OT_adaptive_fairing_before.bl_idname, depress=is_before)
-    if record.result == "LIVE":
-        row.operator(OBJECT_OT_adaptive_fairing_split.bl_idname, depress=record.is_split)
+    row.operator(OBJECT_OT_adaptive_fairing_split.bl_idname, depress=record.is_split)
     if not is_keys:
+        text = iface_("Mask Back") if obj.mode == "SCULPT" else iface_("Paint Back")
         is_painting = obj.mode == "WEIGHT_PAINT"
-        row.operator(OBJECT_OT_adaptive_fairing_paint.bl_idname, depress=is_painting)
+        paint = OBJECT_OT_adaptive_fairing_paint.bl_idname
+        row.operator(paint, text=text, depress=is_painting)
     split = column.split(factor=0.35)
     split.label(text="Surface")
     name = OBJECT_OT_adaptive_fairing_surface.bl_idname
@@ -72,6 +74,7 @@ def _draw_slider(column, record) -> None:
     is_keys = record.result == "KEYS"
     row = column.row()
     row.scale_y = 1.3
+    row.enabled = record.id_data.mode != "EDIT"
     row.prop(record, "evolution" if is_keys else "strength", slider=True)
     if is_keys:
         n_steps = len(record.shapes) - 1

@@ -26,7 +26,7 @@ from ..operators.view import (
     OBJECT_OT_adaptive_fairing_view_end,
 )
 from ..properties import CONTEXT, copy_settings, copy_solver
-from .layouts import FairingPanel, draw_lines, world_length_text
+from .layouts import FairingPanel, curvature_text, draw_lines, world_length_text
 
 STOP_REASONS = {
     "steps": "All steps done",
@@ -34,6 +34,10 @@ STOP_REASONS = {
     "rate": "Hardly any change left",
     "stopped": "Stopped by hand",
 }
+
+
+CURVATURE_POWERS = {"CURVATURE": 1, "GAUSSIAN": 2}
+"""Power of 1 / length that a curvature is."""
 
 
 def active_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:
@@ -185,8 +189,8 @@ def _draw_legend(context, layout, record) -> None:
         split.prop(record, swatch_name(number), text="")
         if record.view in COMPARED_FIELDS:
             text = world_length_text(context, record, value)
-        elif record.view == "CURVATURE":
-            text = iface_("{:.4g} per unit").format(value)
+        elif record.view in CURVATURE_POWERS:
+            text = curvature_text(context, record, value, CURVATURE_POWERS[record.view])
         else:
             text = iface_("{:.4g} in the box [-3, 3]³").format(value)
         split.label(text=text, translate=False)

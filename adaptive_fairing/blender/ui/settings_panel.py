@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..data.regions import refusal, target_objects
 from ..operators import mesh_scale, modal_run
 from ..operators.fair import OBJECT_OT_adaptive_fairing
+from ..operators.questions import hints
 from ..operators.settings_layout import (
     draw_accuracy,
     draw_density,
@@ -131,35 +132,8 @@ def _draw_run(context, layout, settings) -> None:
     if len(objects) > 1:
         text = iface_("{:s} {:d} Objects").format(text, len(objects))
     draw_run_button(row, settings, text=text, icon="MOD_SMOOTH")
-    if len(objects) == 1:
-        for hint in hints(objects[0], settings):
-            draw_lines(context, layout, iface_(hint), icon="INFO")
-
-
-def hints(obj: bpy.types.Object, settings) -> list[str]:
-    """Say before a run what it will change beyond the mesh, and what it cannot see."""
-    from ..data.shape_keys import animated_frames
-    from ..data.targets import needs_copy  # needs the core, which enabling the add-on does not load
-
-    mesh = obj.data
-    found = []
-    is_modifier = settings.method == AUTO and settings.result == "MODIFIER"
-    if needs_copy(obj, in_place=is_modifier):
-        found.append("The result goes to a copy; this object is hidden")
-    elif mesh.users - mesh.use_fake_user > 1:
-        found.append("Other objects share this mesh: they keep the old one")
-    if settings.method == AUTO and not is_modifier and animated_frames(obj) is not None:
-        found.append("The animation of the evolution is removed with its shape keys")
-    if any(each.type == "MULTIRES" for each in obj.modifiers):
-        found.append("Multiresolution: the base mesh is smoothed, not the sculpted levels")
-    elif any(each.name != "Adaptive Fairing" and each.show_viewport for each in obj.modifiers):
-        found.append("Modifiers stay above: the mesh below them is smoothed")
-    low, high = min(obj.scale), max(obj.scale)
-    if high - low > 0.01 * max(abs(low), abs(high)):
-        found.append("The scale is not uniform: apply it first")
-    if settings.from_original and obj.adaptive_fairing.result:
-        found.append("From Original: what the runs have done since is discarded")
-    return found
+    for hint in hints(objects, settings):
+        draw_lines(context, layout, iface_(hint), icon="INFO")
 
 
 def draw_run_button(layout, settings, method=None, **appearance) -> None:

@@ -56,7 +56,8 @@ def denoise(
         Of another frame of this surface (`DenoiseResult.plan`), made with the same `prepared`:
         nothing is estimated, the filters are mixed as there.
     progress : callable, optional
-        Called with `DenoiseProgress` now and then; may raise to end the run.
+        Called with `DenoiseProgress` now and then, by any thread but one at a time; may raise to
+        end the run.
 
     Raises
     ------

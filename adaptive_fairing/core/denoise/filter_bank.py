@@ -14,7 +14,6 @@ than they have.  It gets a larger weight in M.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from functools import cached_property
 
 import numpy as np
 
@@ -23,7 +22,7 @@ from ..linalg.edge_matrix import EdgeMatrix, EdgePattern
 from ..linalg.krylov_filters import MAX_ITERATIONS, Diffusion, removed_by
 from ..mesh.normals import triangle_normals, unit_vectors
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import FloatArray, IndexArray, RealArray
+from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
 from .filter_family import Filter, FilterFamily, NormalFamily
 from .filter_rounds import mesh_family
@@ -64,6 +63,7 @@ class FilterBank:
         tuned = parameters()
         self.topology, self._on_solve = topology, on_solve
         self._pattern = EdgePattern(topology)
+        self._around = triangles_around(topology)
         self._is_loose = topology.is_loose
         is_large = topology.n_triangles >= SINGLE.least_triangles
         self._precision: Precision = np.float32 if is_large else np.float64
@@ -141,13 +141,13 @@ class FilterBank:
         normals = unit_vectors(triangle_normals(surface, self.topology.triangles))
         squares = squared_edges(self._pattern, surface)
         cotangents = half_cotangents(squares, area_elements(squares))
-        loads = [
+        loads = (
             tuned.fit_time * turning_load(self._pattern, surface, cotangents, smooth)
             for smoothing in family.smoothings
             for smooth in smoothed_normals(normals, self._around, smoothing)
-        ]
+        )
         # One system for all fits: they differ in the right sides alone.
-        load = np.concatenate(loads, axis=1)
+        load = np.concatenate([each.astype(self._precision) for each in loads], axis=1)
         removed, report = conjugate_gradients(
             mass.plus(tuned.fit_time, stiffness).in_precision(self._precision),
             load,
@@ -157,12 +157,8 @@ class FilterBank:
             max_iterations=MAX_ITERATIONS,
         )
         self._on_solve(report)
-        for each in np.split(removed, len(loads), axis=1):
+        for each in np.split(removed, len(family.filters), axis=1):
             yield surface - each
-
-    @cached_property
-    def _around(self) -> IndexArray:
-        return triangles_around(self.topology)
 
     def _matrices(self, squares: FloatArray) -> tuple[EdgeMatrix, EdgeMatrix]:
         mass, stiffness = linear_elements(self._pattern, squares)

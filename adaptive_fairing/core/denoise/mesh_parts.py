@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csgraph
 
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import BoolArray, FloatArray, RealArray
+from ..runtime.arrays import BoolArray, FloatArray, IndexArray, RealArray
 from .local_frame import LocalFrame
 from .noise.clean_detail import NOISE, CleanDetail
 from .noise.level import beyond_clean, noise_model
@@ -62,10 +62,12 @@ class MeshParts:
         own = n_counted >= tuned.own_estimate
         order = np.argsort(label, kind="stable")
         each = np.split(order, np.cumsum(np.bincount(label))[:-1])
-        self._members = [each[index] for index in np.flatnonzero(own)]
+        members = [each[index] for index in np.flatnonzero(own)]
         rest = [each[index] for index in np.flatnonzero(~own)]
         if rest:
-            self._members.append(np.concatenate(rest))
+            members.append(np.concatenate(rest))
+        # A slice saves copies of the largest arrays where there is one part.
+        self._members: list[slice | IndexArray] = [slice(None)] if len(members) == 1 else members
 
     def noise(
         self, positions: FloatArray, fading: Fading, strength: float, *, keeps_clean: bool = True
@@ -154,13 +156,13 @@ class MeshParts:
             is_counted = self.is_counted[members]
             if not is_counted.any():
                 continue
-            counted = members[is_counted]
             classes = density_classes(self._size[members], is_counted)
             chosen = least_risk_coefficients(
-                removed[:, counted],
-                divergence[:, counted],
-                variances[:, counted],
-                classes[:, is_counted],
+                removed[:, members],
+                divergence[:, members],
+                variances[:, members],
+                classes * is_counted,
             )
-            coefficients[:, :, members] = np.einsum("sck,cn->skn", chosen, classes)
+            for own, of_strength in zip(coefficients, chosen, strict=True):
+                own[:, members] = np.einsum("ck,cn->kn", of_strength, classes)
         return coefficients

@@ -15,12 +15,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from threading import Lock
 
 import numpy as np
 
 from ..fem.loop_space import LoopSpace
 from ..linalg.conjugate_gradients import SolveReport
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
+from ..runtime.threads import ordered_map
 from .filter_bank import FilterBank
 from .filter_family import Filter
 from .filter_rounds import Round, rounds_for
@@ -36,6 +38,11 @@ from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
 from .progress import ProgressReport
 from .tangential_limit import Sliding
+
+# Vertices of a mesh up to which both runs filter at once, each with one thread.  Most of their
+# work is passes of numpy over all vertices, which no threads share.  It takes an eighth more
+# memory.
+MOST_SIDE_BY_SIDE = 1_000_000
 
 SMOOTH = (
     "the surface is evenly uneven over several edges, by {:.2g} of an edge: fine detail, which was "
@@ -165,24 +172,41 @@ def _planned(
     pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen)
     pilots: list[RealArray] = []
     progress.begin("filter", 1)
-    for one in (track, shadow):
-        one.filter(first)
+    _filter_both(track, shadow, first)
     for number, families in enumerate(others, start=2):
         progress.begin("filter", number)
         pilots.extend(parts.best_coefficients(*measured(), pilot_variance[None]))
-        for one in (track, shadow):
-            one.surface = one.mixed(pilots[-1])
-            one.filter(families)
+        _filter_both(track, shadow, families, pilots[-1])
     progress.begin("mix")
     removed, divergence = measured()
     filters = tuple(track.taken)
     usable = [each.serves(features) for each in filters]
-    mixtures = np.zeros((len(STRENGTHS), *removed.shape), dtype=np.float32)
     variances = np.stack([variance(factor) for factor in STRENGTHS])
-    mixtures[:, usable] = parts.best_coefficients(removed[usable], divergence[usable], variances)
+    if all(usable):
+        mixtures = parts.best_coefficients(removed, divergence, variances)
+    else:
+        mixtures = np.zeros((len(STRENGTHS), *removed.shape), dtype=np.float32)
+        of_usable = removed[usable], divergence[usable]
+        mixtures[:, usable] = parts.best_coefficients(*of_usable, variances)
     removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
     kept = 1 - removed_noise.mean(axis=1) / correlation.deviation**2
     return DenoisePlan(filters, noise, tuple(pilots), mixtures, kept, np.zeros(len(noise)))
+
+
+def _filter_both(
+    track: _Track, shadow: _Track, families: Round, pilot: RealArray | None = None
+) -> None:
+    """Filter in the next round, on the surfaces of a mixture if one is given."""
+
+    def filter_one(one: _Track) -> None:
+        if pilot is not None:
+            one.surface = one.mixed(pilot)
+        one.filter(families)
+
+    both = track, shadow
+    is_small = len(track.positions) <= MOST_SIDE_BY_SIDE
+    for _ in (ordered_map if is_small else map)(filter_one, both):
+        pass
 
 
 def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
@@ -283,20 +307,22 @@ class _Track:
 
 
 class _Solves:
-    """What is to be reported of all linear solves."""
+    """What is to be reported of all linear solves; both runs count here, each in its thread."""
 
     def __init__(self, progress: ProgressReport) -> None:
         self._progress = progress
         self._iterations = 0
         self._residual = 0.0
         self._converged = True
+        self._lock = Lock()
 
     def count(self, report: SolveReport) -> None:
         """Note that a solve is done."""
-        self._iterations += report.iterations
-        self._residual = max(self._residual, report.residual)
-        self._converged &= report.converged
-        self._progress.again()
+        with self._lock:
+            self._iterations += report.iterations
+            self._residual = max(self._residual, report.residual)
+            self._converged &= report.converged
+            self._progress.again()
 
     def report(self) -> SolveReport:
         """All solves together."""

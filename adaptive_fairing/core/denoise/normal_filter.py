@@ -18,11 +18,11 @@ import numpy as np
 from ..linalg.edge_matrix import EdgePattern
 from ..mesh.normals import triangle_normals, unit_vectors
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import FloatArray, IndexArray, RealArray
-from ..runtime.threads import ordered_map
+from ..runtime.arrays import FloatArray, IntArray, RealArray
+from ..runtime.threads import chunks, ordered_map
 from .parameters import parameters
 
-TRIANGLES_PER_PIECE = 16384
+TRIANGLES_PER_CHUNK = 16384
 
 
 class Smoothing(NamedTuple):
@@ -41,7 +41,7 @@ class Smoothing(NamedTuple):
 
 
 def smoothed_normals(
-    normals: FloatArray, around: IndexArray, smoothing: Smoothing
+    normals: FloatArray, around: IntArray, smoothing: Smoothing
 ) -> Iterator[FloatArray]:
     """Smooth unit normals of triangles, in single precision.
 
@@ -63,10 +63,10 @@ def smoothed_normals(
     columns = np.zeros((3, n + 1), dtype=np.float32)
     columns[:, :n] = normals.T
 
-    def of_piece(piece: slice) -> RealArray:
-        own = columns[:, piece]
+    def of_chunk(chunk: slice) -> RealArray:
+        own = columns[:, chunk]
         mean = (1 - least) ** 2 * own
-        for neighbours in around[:, piece]:
+        for neighbours in around[:, chunk]:
             other = columns.take(neighbours, axis=1)
             weight = np.einsum("df,df->f", other, own)
             weight -= least
@@ -78,20 +78,17 @@ def smoothed_normals(
         mean /= np.where(length > 0, length, 1)
         return mean
 
-    pieces = [
-        slice(start, min(start + TRIANGLES_PER_PIECE, n))
-        for start in range(0, n, TRIANGLES_PER_PIECE)
-    ]
+    parts = chunks(n, TRIANGLES_PER_CHUNK)
     for done in range(1, smoothing.passes[-1] + 1):
         following = np.zeros_like(columns)
-        for piece, smooth in zip(pieces, ordered_map(of_piece, pieces), strict=True):
-            following[:, piece] = smooth
+        for chunk, smooth in zip(parts, ordered_map(of_chunk, parts), strict=True):
+            following[:, chunk] = smooth
         columns = following
         if done in smoothing.passes:
             yield columns[:, :n].T.astype(np.float64)
 
 
-def triangles_around(topology: TriangleTopology) -> IndexArray:
+def triangles_around(topology: TriangleTopology) -> IntArray:
     """Neighbours of every triangle, and theirs, (9, m); m where there is no other triangle."""
     m = topology.n_triangles
     # Half-edges on the other side; the last row stands for those of no triangle.
@@ -101,7 +98,7 @@ def triangles_around(topology: TriangleTopology) -> IndexArray:
     ways = [near[:m]]
     for turn in (1, 2):
         ways.append(near[near[:m], (entry + turn) % 3])
-    return np.ascontiguousarray(np.concatenate(ways, axis=1).T)
+    return np.ascontiguousarray(np.concatenate(ways, axis=1).T, dtype=np.int32)
 
 
 def turning_load(

@@ -44,8 +44,9 @@ def least_risk_coefficients(
     variances : (s, n)
         Of the noise, in the squared unit of `removed`; a mixture is found for each.
     classes : (c, n)
-        Weights of the vertices in each density class, adding up to 1.  The coefficients at a
-        vertex are the mean of those of the classes, with these weights.
+        Weights of the vertices in each density class, adding up to 1; 0 for those that do not
+        count.  The coefficients at a vertex are the mean of those of the classes, with these
+        weights.
 
     Returns
     -------

@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import SolverError
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.precision import SINGLE
-from ..runtime.threads import ordered_map
+from ..runtime.threads import chunks, ordered_map
 
 # The terms of A x are rounded to some machine epsilons, so no residual gets smaller than that.
 ATTAINABLE = 64  # machine epsilons
@@ -181,10 +181,7 @@ class _State:
         self._residual, self._inverse = residual, inverse
         self.update = np.zeros_like(residual)
         self.direction = inverse * residual
-        n = len(inverse)
-        self._chunks = [
-            slice(first, first + UNKNOWNS_PER_CHUNK) for first in range(0, n, UNKNOWNS_PER_CHUNK)
-        ]
+        self._chunks = chunks(len(inverse), UNKNOWNS_PER_CHUNK)
 
     def square(self) -> float:
         """Squared norm of the residual, in the first iteration."""

@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from scipy import sparse
 
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, IntArray, RealArray
-from ..runtime.threads import ordered_map
+from ..runtime.threads import chunks, ordered_map
+from .symmetric_pattern import adopt_entries
+
+# Rows of a product that one thread computes at a time.
+ROWS_PER_CHUNK = 8192
 
 
 class EdgePattern:
@@ -108,14 +114,30 @@ class EdgeMatrix:
     def product(self, columns: RealArray) -> RealArray:
         """Multiply by k vectors, given as rows (k, n); return rows in the matrix's precision."""
         columns = np.ascontiguousarray(columns, dtype=self._diagonal.dtype)
-        result = columns * self._diagonal
+        result = np.empty_like(columns)
 
-        def add(index: int) -> None:
-            result[index] += self._edges @ columns[index]
+        def of_chunk(chunk: tuple[slice, sparse.csr_array]) -> None:
+            rows, edges = chunk
+            np.multiply(columns[:, rows], self._diagonal[rows], out=result[:, rows])
+            for own, column in zip(result[:, rows], columns, strict=True):
+                own += edges @ column
 
-        for _ in ordered_map(add, range(len(columns))):
+        for _ in ordered_map(of_chunk, self._chunks):
             pass
         return result
+
+    @cached_property
+    def _chunks(self) -> list[tuple[slice, sparse.csr_array]]:
+        """Rows with their part of the edges, which is not copied."""
+        parts, starts = chunks(self.n, ROWS_PER_CHUNK), self._edges.indptr
+        cut = []
+        for rows in parts:
+            first, last = starts[[rows.start, rows.stop]]
+            edges = sparse.csr_array((rows.stop - rows.start, self.n), dtype=self._edges.dtype)
+            entries = self._edges.data[first:last], self._edges.indices[first:last]
+            adopt_entries(edges, *entries, starts[rows.start : rows.stop + 1] - first)
+            cut.append((rows, edges))
+        return cut
 
     def full(self) -> sparse.csr_array:
         """Return all entries, (n, n)."""

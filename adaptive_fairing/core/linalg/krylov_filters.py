@@ -22,7 +22,7 @@ import numpy as np
 
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.precision import Precision
-from ..runtime.threads import ordered_map
+from ..runtime.threads import chunks, ordered_map
 from .conjugate_gradients import SolveReport, conjugate_gradients
 from .edge_matrix import EdgeMatrix
 
@@ -35,7 +35,7 @@ MAX_ITERATIONS = 5000
 MOST_DIRECTIONS = 24
 
 # Numbers of a vector that one thread works on in one go.
-NUMBERS_PER_CHUNK = 32768
+NUMBERS_PER_CHUNK = 65536
 
 # Eigenvalues count as at least this: at 0 nothing is removed, and a ratio would be 0 / 0.
 LEAST_EIGENVALUE = 1e-9
@@ -163,7 +163,7 @@ class _Space:
         return newest
 
     def add(self, vector: RealArray) -> bool:
-        """Add what of a vector (3, n) is not in the space; False if there is hardly any."""
+        """Add what of a vector (3, n) is not in the space; return False if that is hardly any."""
         done = self.n_directions
         rest = vector.reshape(1, -1).copy()
         within = 0.0
@@ -216,7 +216,8 @@ def _products(rows: RealArray, vector: RealArray) -> FloatArray:
         products: RealArray = np.einsum("kn,n->k", rows[:, chunk], vector[chunk])
         return products
 
-    return sum(ordered_map(of_chunk, _chunks(rows)), np.zeros(len(rows)))
+    parts = ordered_map(of_chunk, chunks(len(vector), NUMBERS_PER_CHUNK))
+    return sum(parts, np.zeros(len(rows)))
 
 
 def _add_combined(result: RealArray, coefficients: FloatArray, rows: RealArray) -> None:
@@ -226,10 +227,5 @@ def _add_combined(result: RealArray, coefficients: FloatArray, rows: RealArray) 
     def of_chunk(chunk: slice) -> None:
         result[:, chunk] += np.einsum("jk,kn->jn", factors, rows[:, chunk])
 
-    for _ in ordered_map(of_chunk, _chunks(rows)):
+    for _ in ordered_map(of_chunk, chunks(rows.shape[1], NUMBERS_PER_CHUNK)):
         pass
-
-
-def _chunks(rows: RealArray) -> list[slice]:
-    n = rows.shape[1]
-    return [slice(first, first + NUMBERS_PER_CHUNK) for first in range(0, n, NUMBERS_PER_CHUNK)]

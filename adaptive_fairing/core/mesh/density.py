@@ -8,7 +8,7 @@ from scipy import sparse
 
 from ..errors import SettingsError
 from ..runtime.arrays import FloatArray
-from ..runtime.threads import ordered_map
+from ..runtime.threads import chunks, ordered_map
 from .limit_surface import limit_weights
 from .normals import triangle_normals
 from .topology import TriangleTopology
@@ -93,9 +93,8 @@ def smoothed(topology: TriangleTopology, values: FloatArray, passes: int) -> Flo
 def _mean_edge_length(topology: TriangleTopology, points: FloatArray) -> FloatArray:
     columns = np.ascontiguousarray(points.T)
 
-    def of_vertices(first: int) -> FloatArray:
-        own = slice(first, min(first + VERTICES_PER_CHUNK, topology.n_vertices))
-        starts = topology.ring_start[first : own.stop + 1]
+    def of_chunk(own: slice) -> FloatArray:
+        starts = topology.ring_start[own.start : own.stop + 1]
         ring, ring_size = topology.ring[starts[0] : starts[-1]], topology.ring_size[own]
         squared = np.zeros(len(ring))
         for column in columns:
@@ -111,8 +110,8 @@ def _mean_edge_length(topology: TriangleTopology, points: FloatArray) -> FloatAr
         return sums / np.maximum(ring_size, 1)
 
     ones = np.ones(topology.n_vertices)
-    firsts = range(0, topology.n_vertices, VERTICES_PER_CHUNK)
-    return np.concatenate([np.empty(0), *ordered_map(of_vertices, firsts)])
+    parts = chunks(topology.n_vertices, VERTICES_PER_CHUNK)
+    return np.concatenate([*ordered_map(of_chunk, parts)])
 
 
 def _ring_area(topology: TriangleTopology, points: FloatArray) -> FloatArray:

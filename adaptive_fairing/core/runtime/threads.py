@@ -1,7 +1,7 @@
 """Threads around numpy and scipy calls that release the interpreter lock.
 
 Work is cut into chunks: neighbouring triangles, vertices or matrix rows that one thread works on at
-a time.  `ordered_map` is the only way to run them, and its rules are the only ones:
+a time (`chunks`).  `ordered_map` is the only way to run them, and its rules are the only ones:
 
 order       results come back in the order of the items, whatever thread was first: sums over them
             are the same to the last bit from run to run
@@ -19,6 +19,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import lru_cache
+from itertools import pairwise
 from typing import Any, TypeVar
 
 import numpy as np
@@ -55,6 +56,17 @@ def n_threads() -> int:
     else:
         available = os.cpu_count() or 1
     return min(available, _limit or MOST_THREADS)
+
+
+def chunks(n: int, size: int) -> list[slice]:
+    """Cut n numbers into slices of at most `size`; or leave fewer than two such slices whole.
+
+    To hand over less work takes longer than to do it.  The number of slices is even, for an even
+    number of threads; it does not depend on that number, and so neither do sums over the slices.
+    """
+    n_slices = 1 if n < 2 * size else 2 * -(-n // (2 * size))
+    ends = [n * index // n_slices for index in range(n_slices + 1)]
+    return [slice(*each) for each in pairwise(ends)]
 
 
 def ordered_map(function: Callable[[Item], Result], items: Sequence[Item]) -> Iterator[Result]:

@@ -74,6 +74,21 @@ def curvature(mesh: RefinedMesh, control: FloatArray, finer_control: FloatArray)
     return result
 
 
+def refined_curvature(mesh: RefinedMesh, control: FloatArray) -> FloatArray:
+    """Compute the same on a mesh that was refined at least once, (2, n_vertices).
+
+    There the neighbours of the vertices without a value have one: these get their mean.
+    """
+    result = regular_curvature(mesh, control)
+    rest = np.flatnonzero(np.isnan(result[0]) & (mesh.ring_size > 0))
+    size = mesh.ring_size[rest]
+    owner, offset = counted(size.astype(np.intp))
+    neighbours = mesh.ring[mesh.ring_start[rest][owner] + offset]
+    for row in result:
+        row[rest] = np.bincount(owner, row[neighbours], len(rest)) / size
+    return result
+
+
 def _curvature(own: FloatArray, ring: FloatArray) -> FloatArray:
     """Mean and Gaussian curvature of regular vertices (k, 3) with their rings (k, 6, 3), (2, k)."""
     turn = np.pi / 3 * np.arange(6)

@@ -1,24 +1,54 @@
-"""Limit positions and normals of the vertices that a step of refinement adds.
+"""The vertices that a step of refinement adds: control points, limit positions and normals.
 
-They are most of a refined mesh, and all regular: no matrix is needed, only the six neighbours.
+They are most of a refined mesh, and all regular: no matrix is needed, only their neighbours.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable
 
 import numpy as np
 
 from ..mesh.normals import unit_vectors
-from ..runtime.arrays import FloatArray
+from ..runtime.arrays import FloatArray, IntArray
+from ..runtime.threads import ordered_map
 from .refined_mesh import RefinedMesh
 
 CACHED_ROWS = 4096
 """Rows worked on at a time, so that all intermediate arrays stay in the cache."""
 
 
-def edge_limit_points(mesh: RefinedMesh, control: FloatArray) -> FloatArray:
-    """Compute the points of the limit surface at the new vertices, (e, 3).
+def edge_control_points(mesh: RefinedMesh, control: FloatArray, result: FloatArray) -> None:
+    """Compute the control points of the new vertices.
+
+    Parameters
+    ----------
+    mesh : RefinedMesh
+        Before the step.
+    control : (n_vertices, 3)
+        Control points before it.
+    result : (e, 3)
+        To be written.
+    """
+    opposite = mesh.opposite
+
+    def work(rows: slice) -> None:
+        a, b = _taken(control, mesh.edges[rows])
+        c, d = _taken(control, opposite[rows])
+        result[rows] = ((a + b) * 3 + (c + d)) / 8
+
+    _for_parts(len(result), work)
+    if mesh.has_sharp_edges:
+        result[mesh.is_sharp] = control[mesh.edges[mesh.is_sharp]].sum(axis=1) / 2
+
+
+def edge_limits(
+    mesh: RefinedMesh,
+    control: FloatArray,
+    points: FloatArray | None = None,
+    normals: FloatArray | None = None,
+) -> None:
+    """Compute points and unit normals of the limit surface at the new vertices.
 
     Parameters
     ----------
@@ -26,36 +56,38 @@ def edge_limit_points(mesh: RefinedMesh, control: FloatArray) -> FloatArray:
         Before the step.
     control : (n_vertices + e, 3)
         Control points after it.
+    points, normals : (e, 3), optional
+        To be written.  Normals on sharp edges mean nothing; elsewhere the tangents are
+        Σ cos(jπ/3) x_j and Σ sin(jπ/3) x_j.
     """
-    result = control[mesh.n_vertices :] / 2
-    for rows, p in _neighbours(mesh, control):
-        result[rows] += (p[0] + p[1] + p[2] + p[3] + p[4] + p[5]) / 12
-    if mesh.has_sharp_edges:
+    own, rings = control[mesh.n_vertices :], mesh.edge_point_rings
+
+    def work(rows: slice) -> None:
+        p = _taken(control, rings[rows])
+        if points is not None:
+            points[rows] = own[rows] / 2 + (p[0] + p[1] + p[2] + p[3] + p[4] + p[5]) / 12
+        if normals is not None:
+            first = 2 * (p[0] - p[3]) + p[1] - p[2] - p[4] + p[5]
+            second = p[1] + p[2] - p[4] - p[5]
+            normals[rows] = unit_cross(first, second)
+
+    _for_parts(len(rings), work)
+    if points is not None and mesh.has_sharp_edges:
         sharp = np.flatnonzero(mesh.is_sharp)
         ends = control[mesh.edges[sharp]].sum(axis=1)
-        result[sharp] = (4 * control[mesh.n_vertices + sharp] + ends) / 6
-    return result
+        points[sharp] = (4 * own[sharp] + ends) / 6
 
 
-def edge_normals(mesh: RefinedMesh, control: FloatArray) -> FloatArray:
-    """Compute the unit normals there, (e, 3); on sharp edges they mean nothing.
-
-    Parameters: as in `edge_limit_points`.  The tangents are Σ cos(jπ/3) x_j and Σ sin(jπ/3) x_j.
-    """
-    result = np.empty((len(mesh.edges), 3))
-    for rows, p in _neighbours(mesh, control):
-        first = 2 * (p[0] - p[3]) + p[1] - p[2] - p[4] + p[5]
-        second = p[1] + p[2] - p[4] - p[5]
-        result[rows] = unit_cross(first, second)
-    return result
+def _for_parts(n: int, work: Callable[[slice], None]) -> None:
+    """Run over rows in parts, by several threads."""
+    parts = [slice(begin, begin + CACHED_ROWS) for begin in range(0, n, CACHED_ROWS)]
+    for _ in ordered_map(work, parts):
+        pass
 
 
-def _neighbours(mesh: RefinedMesh, control: FloatArray) -> Iterator[tuple[slice, list[FloatArray]]]:
-    """Give parts of the new vertices, and the positions of their six neighbours, (k, 3) each."""
-    for begin in range(0, len(mesh.edges), CACHED_ROWS):
-        rows = slice(begin, begin + CACHED_ROWS)
-        ring = mesh.edge_point_rings[rows].astype(np.intp)
-        yield rows, [np.take(control, column, axis=0) for column in ring.T]
+def _taken(control: FloatArray, indices: IntArray) -> list[FloatArray]:
+    """Take the points (k, 3) of each column of indices."""
+    return [np.take(control, column, axis=0) for column in indices.astype(np.intp).T]
 
 
 def unit_cross(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -14,9 +14,9 @@ from ..mesh.input_checks import checked_vertices
 from ..mesh.normals import unit_vectors
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, IntArray
-from .curvature import curvature
-from .edge_points import edge_limit_points, edge_normals, unit_cross
-from .masks import limit_matrix, refinement_matrix, tangent_matrices
+from .curvature import curvature, refined_curvature
+from .edge_points import edge_control_points, edge_limits, unit_cross
+from .masks import limit_matrix, refinement_matrix, tangent_matrices, vertex_matrix
 from .refined_mesh import RefinedMesh, unrefined_mesh
 from .sectors import Sectors, sector_normals, sectors_of
 
@@ -66,6 +66,7 @@ class RefinementLevels:
         is_corner[numbers] = True
         self._meshes = [unrefined_mesh(topology, pairs, is_corner)]
         self._steps: list[sparse.csr_array] = []
+        self._vertex_steps: list[sparse.csr_array] = []
         self._sectors: dict[int, Sectors] = {}
 
     @cached_property
@@ -89,6 +90,12 @@ class RefinementLevels:
             self._steps.append(refinement_matrix(self.mesh(len(self._steps))))
         return self._steps[level - 1]
 
+    def _vertex_matrix(self, level: int) -> sparse.csr_array:
+        """Rows of the refinement matrix from `level` on for the vertices that are kept."""
+        while len(self._vertex_steps) <= level:
+            self._vertex_steps.append(vertex_matrix(self.mesh(len(self._vertex_steps))))
+        return self._vertex_steps[level]
+
     @property
     def has_creases(self) -> bool:
         """Whether there are sharp edges inside, so that normals differ at one vertex."""
@@ -98,8 +105,13 @@ class RefinementLevels:
     def control_points(self, positions: FloatArray, level: int) -> list[FloatArray]:
         """Control points of all levels up to `level`, each (n, 3), from those of level 0."""
         control = [positions]
-        for step in range(1, level + 1):
-            control.append(self.refinement_matrix(step) @ control[-1])
+        for step in range(level):
+            mesh = self.mesh(step)
+            n = mesh.n_vertices
+            finer = np.empty((n + len(mesh.edges), 3))
+            finer[:n] = self._vertex_matrix(step) @ control[-1]
+            edge_control_points(mesh, control[-1], finer[n:])
+            control.append(finer)
         return control
 
     def limit_points(self, control: list[FloatArray]) -> FloatArray:
@@ -107,10 +119,23 @@ class RefinementLevels:
 
         A vertex keeps its point on all finer levels, so each is computed where it comes first.
         """
-        parts = [self.limit_matrix @ control[0]]
-        for level, points in enumerate(control[1:], start=1):
-            parts.append(edge_limit_points(self.mesh(level - 1), points))
-        return np.concatenate(parts)
+        return self._limits(control, has_normals=False)[0]
+
+    def _limits(
+        self, control: list[FloatArray], has_normals: bool = True
+    ) -> tuple[FloatArray, FloatArray]:
+        """Points, and on request normals of the inside, at the vertices of the last level."""
+        n = [len(points) for points in control]
+        points = np.empty((n[-1], 3))
+        normals = np.empty((n[-1] if has_normals else 0, 3))
+        points[: n[0]] = self.limit_matrix @ control[0]
+        if has_normals:
+            first, second = self._tangents
+            normals[: n[0]] = unit_cross(first @ control[0], second @ control[0])
+        for level, finer in enumerate(control[1:]):
+            new = slice(n[level], n[level + 1])
+            edge_limits(self.mesh(level), finer, points[new], normals[new] if has_normals else None)
+        return points, normals
 
     def sectors(self, level: int) -> Sectors:
         """Sides of creases, the boundary and corners."""
@@ -118,33 +143,31 @@ class RefinementLevels:
             self._sectors[level] = sectors_of(self.mesh(level))
         return self._sectors[level]
 
-    def normals(self, control: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
-        """Compute unit normals of the limit surface at the vertices of the last level.
+    def points_and_normals(
+        self, control: list[FloatArray]
+    ) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Compute points and unit normals of the limit surface at the last level's vertices.
 
         Returns
         -------
-        of_vertices : (n, 3)
+        points : (n, 3)
+            As `limit_points`.
+        normals : (n, 3)
             On creases and at corners the mean of the sides; 0 at loose vertices.
         of_sectors : (s, 3)
-            Of each side of creases, the boundary and corners.
+            Normals of each side of creases, the boundary and corners.
         """
-        first, second = self._tangents
-        parts = [unit_cross(first @ control[0], second @ control[0])]
-        for level, points in enumerate(control[1:], start=1):
-            parts.append(edge_normals(self.mesh(level - 1), points))
-        normals = np.concatenate(parts)
+        points, normals = self._limits(control)
         level = len(control) - 1
         mesh, sectors = self.mesh(level), self.sectors(level)
         of_sectors = sector_normals(mesh, sectors, control[-1])
         at = np.unique(sectors.vertex)
         sums = [np.bincount(sectors.vertex, x, mesh.n_vertices)[at] for x in of_sectors.T]
         normals[at] = unit_vectors(np.stack(sums, axis=1))
-        return normals, of_sectors
+        return points, normals, of_sectors
 
-    def corner_normals(self, control: list[FloatArray]) -> FloatArray:
-        """Compute unit normals at the corners of the last level's triangles, (m, 3, 3)."""
-        normals, of_sectors = self.normals(control)
-        level = len(control) - 1
+    def corner_normals(self, normals: FloatArray, of_sectors: FloatArray, level: int) -> FloatArray:
+        """Spread normals of vertices and sectors over the corners of triangles, (m, 3, 3)."""
         corners, sector = self.sectors(level).corners()
         result = normals[self.mesh(level).triangles]
         result.reshape(-1, 3)[corners] = of_sectors[sector]
@@ -207,8 +230,8 @@ class LimitSurface:
 
     @cached_property
     def normals(self) -> FloatArray:
-        """Unit normals at the vertices, (n, 3); see `RefinementLevels.normals`."""
-        return self.levels.normals([self.positions])[0]
+        """Unit normals at the vertices, (n, 3); see `RefinementLevels.points_and_normals`."""
+        return self.levels.points_and_normals([self.positions])[1]
 
     def refined(self, levels: int) -> Refined:
         """Cut every triangle into 4 ** levels ones, all vertices on the limit surface.
@@ -217,14 +240,14 @@ class LimitSurface:
         triangle f of the level before, see `refined_mesh`.
         """
         control = self.levels.control_points(self.positions, levels)
-        triangles = self.levels.mesh(levels).triangles
-        return Refined(
-            self.levels.limit_points(control), triangles, self.levels.normals(control)[0]
-        )
+        points, normals, _ = self.levels.points_and_normals(control)
+        return Refined(points, self.levels.mesh(levels).triangles, normals)
 
     def corner_normals(self, levels: int) -> FloatArray:
         """Compute unit normals at the refined triangles' corners, (m, 3, 3), apart at creases."""
-        return self.levels.corner_normals(self.levels.control_points(self.positions, levels))
+        control = self.levels.control_points(self.positions, levels)
+        _, normals, of_sectors = self.levels.points_and_normals(control)
+        return self.levels.corner_normals(normals, of_sectors, levels)
 
     @property
     def mean_curvature(self) -> FloatArray:
@@ -239,6 +262,13 @@ class LimitSurface:
     @cached_property
     def _curvature(self) -> FloatArray:
         return curvature(self.levels.mesh(0), *self.levels.control_points(self.positions, 1))
+
+    def refined_curvature(self, levels: int) -> FloatArray:
+        """Mean and Gaussian curvature at the vertices of `refined(levels)`, (2, n)."""
+        if levels == 0:
+            return self._curvature
+        control = self.levels.control_points(self.positions, levels)
+        return refined_curvature(self.levels.mesh(levels), control[-1])
 
 
 def _control_points(positions: ArrayLike, n_vertices: int) -> FloatArray:

@@ -19,7 +19,7 @@ import numpy as np
 from scipy import sparse
 
 from ..mesh.loop_masks import limit_weight, loop_alpha
-from ..runtime.arrays import FloatArray, IndexArray, IntArray
+from ..runtime.arrays import FloatArray, IndexArray
 from .refined_mesh import CORNER, CREASE, DART, RefinedMesh
 
 
@@ -31,17 +31,14 @@ def refinement_matrix(mesh: RefinedMesh) -> sparse.csr_array:
     (n_vertices + n_edges, n_vertices) csr_array
         Rows are not negative and add up to 1.
     """
+    return sparse.csr_array(sparse.vstack([vertex_matrix(mesh), _edge_rows(mesh)], format="csr"))
+
+
+def vertex_matrix(mesh: RefinedMesh) -> sparse.csr_array:
+    """Assemble the rows of the refinement matrix for the vertices that are kept."""
     valences = np.arange(1, mesh.ring_size.max(initial=0) + 1)
     weight = np.append(0.0, loop_alpha(valences) / valences)
-    vertex = _vertex_rows(mesh, weight, crease_weight=1 / 8)
-    edge = _edge_rows(mesh)
-    # As vstack would, which is twice as slow.
-    parts = (
-        np.concatenate([vertex.data, edge.data]),
-        np.concatenate([vertex.indices, edge.indices]),
-        np.concatenate([vertex.indptr, vertex.indptr[-1] + edge.indptr[1:]]),
-    )
-    return sparse.csr_array(parts, shape=(mesh.n_vertices + len(mesh.edges), mesh.n_vertices))
+    return _vertex_rows(mesh, weight, crease_weight=1 / 8)
 
 
 def limit_matrix(mesh: RefinedMesh) -> sparse.csr_array:
@@ -98,11 +95,7 @@ def _vertex_rows(
 def _edge_rows(mesh: RefinedMesh) -> sparse.csr_array:
     """3/8 of the ends and 1/8 of the opposite corners; on sharp edges 1/2 of the ends alone."""
     n_edges = len(mesh.edges)
-    corner_of = mesh.triangles.reshape(-1)
-    indices = np.empty((n_edges, 4), dtype=np.int32)
-    indices[:, :2] = mesh.edges
-    indices[:, 2] = corner_of[_opposite(mesh.left)]
-    indices[:, 3] = corner_of[_opposite(mesh.right)]
+    indices = np.concatenate([mesh.edges, mesh.opposite], axis=1)
     data = np.empty((n_edges, 4))
     data[:] = 3 / 8, 3 / 8, 1 / 8, 1 / 8
     data[mesh.is_sharp] = 1 / 2, 1 / 2, 0, 0
@@ -112,12 +105,6 @@ def _edge_rows(mesh: RefinedMesh) -> sparse.csr_array:
     if mesh.has_sharp_edges:
         rows.eliminate_zeros()
     return rows
-
-
-def _opposite(half_edge: IntArray) -> IntArray:
-    """Place in the triangle array of the corner that faces a half-edge."""
-    opposite: IntArray = half_edge - half_edge % 3 + (half_edge + 2) % 3
-    return opposite
 
 
 def tangent_matrices(mesh: RefinedMesh) -> tuple[sparse.csr_array, sparse.csr_array]:

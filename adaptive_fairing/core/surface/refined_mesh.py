@@ -104,6 +104,16 @@ class RefinedMesh:
         return bool(self.is_sharp.any())
 
     @cached_property
+    def opposite(self) -> IntArray:
+        """Vertices that face the edges on the left and on the right, (e, 2).
+
+        On the right of the boundary nothing useful.
+        """
+        corner_of = self.triangles.reshape(-1)
+        faces = [corner_of[_other_sides(half_edge)[1]] for half_edge in (self.left, self.right)]
+        return np.stack(faces, axis=1)
+
+    @cached_property
     def finer(self) -> RefinedMesh:
         """The mesh after one step of refinement."""
         n, n_edges = self.n_vertices, len(self.edges)

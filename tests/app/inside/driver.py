@@ -133,7 +133,9 @@ class Stage:
         self.press(*keys)
         yield REACTION
 
-    def find_button(self, text: str, keys: str = "ctrl+c") -> Generator[float, None, tuple]:
+    def find_button(
+        self, text: str, keys: str = "ctrl+c", across: float = 0.6
+    ) -> Generator[float, None, tuple]:
         """Find a control of the sidebar by what Blender copies while the pointer is over it.
 
         Parameters
@@ -143,6 +145,8 @@ class Stage:
             path of a property.
         keys : str
             What to press over each control.
+        across : float
+            Where to look, as a part of the sidebar's width; right of labels by default.
 
         Returns
         -------
@@ -150,7 +154,7 @@ class Stage:
             Pixels of the control's middle row, from the window's lower left.
         """
         region = self.region("UI")
-        x = region.x + int(0.6 * (region.width - 20))  # right of labels, left of the tabs
+        x = region.x + int(across * (region.width - 20))  # the tabs are on the right
         rows = []
         for y in range(region.y + region.height - ROW, region.y, -ROW):
             bpy.context.window_manager.clipboard = ""
@@ -165,6 +169,15 @@ class Stage:
         if not rows:
             raise LookupError(f"no control of the sidebar copies {text!r}")
         return x, sum(rows) // len(rows)
+
+    def click_button(self, text: str, across: float = 0.6) -> Scenario:
+        """Find a button of the sidebar by its operator, see `find_button`, and press it."""
+        x, y = yield from self.find_button(text, across=across)
+        yield from self.point_at_view()  # the keys have left the button without the pointer
+        self.point(x, y)
+        yield 0.5
+        self.click(x, y)
+        yield 1.0
 
     def scroll_down(self, kind: str) -> None:
         """Turn the wheel over a region of the 3D view until its end is in sight."""
@@ -253,6 +266,7 @@ def adjust_preferences(preferences: bpy.types.Preferences) -> None:
     preferences.view.show_tooltips = False
     preferences.view.smooth_view = 0
     preferences.view.use_save_prompt = False
+    preferences.use_preferences_save = False  # every scenario begins with the same ones
     # During a drag Blender would put the pointer back, away from where xdotool has left it.
     preferences.inputs.use_mouse_continuous = False
     # Rendering in software is slow: no antialiasing, and the view is not drawn with each sidebar.

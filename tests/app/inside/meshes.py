@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from mathutils import Vector
+from mathutils.kdtree import KDTree
 
 
 def add_noisy(
-    primitive: str, noise: float, method: str = "adaptive_timestep", **sizes: int
+    primitive: str,
+    noise: float,
+    method: str = "adaptive_timestep",
+    nose: Vector | None = None,
+    **sizes: int,
 ) -> bpy.types.Object:
     """Replace the scene's objects by one of Blender's primitives with seeded noise.
 
     `noise` is the standard deviation along the normals in object units, `method` what the panel
-    is set to.
+    is set to. A `nose` is pulled out of the shape in that direction.
     """
     bpy.context.scene.adaptive_fairing.method = method
     for old in list(bpy.data.objects):
@@ -22,6 +28,8 @@ def add_noisy(
     positions = vertex_positions(obj)
     normals = np.empty_like(positions)
     obj.data.vertex_normals.foreach_get("vector", normals.ravel())
+    if nose is not None:
+        positions += 0.3 * np.exp(30 * (positions @ nose - 1))[:, None] * np.array(nose)
     positions += np.random.default_rng(1).normal(0.0, noise, (len(normals), 1)) * normals
     obj.data.vertices.foreach_set("co", positions.ravel())
     obj.data.update()
@@ -40,6 +48,16 @@ def shown_positions(obj: bpy.types.Object) -> np.ndarray:
     """Vertices (n, 3) as the window shows them, shape keys applied."""
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     return vertex_positions(evaluated)
+
+
+def largest_gap(obj: bpy.types.Object, expected: np.ndarray) -> float:
+    """Largest distance from a vertex of an object, in the world, to the nearest of (n, 3)."""
+    tree = KDTree(len(expected))
+    for index, position in enumerate(expected):
+        tree.insert(position, index)
+    tree.balance()
+    bpy.context.view_layer.update()
+    return max(tree.find(obj.matrix_world @ vertex.co)[2] for vertex in obj.data.vertices)
 
 
 def key_positions(obj: bpy.types.Object) -> dict[str, np.ndarray]:

@@ -1,6 +1,9 @@
 """The main job when it fails: what is told, what is written, and what is left alone."""
 
+import errno
 import json
+import os
+from pathlib import Path
 
 import pytest
 from support.meshes import random_closed
@@ -110,3 +113,23 @@ def test_a_point_cloud_has_nothing_to_fair(tmp_path):
     )
     with pytest.raises(FairingError, match=r"'points' in points\.ply has no faces"):
         run_job(FairingJob(path, tmp_path / "out.ply"))
+
+
+@pytest.mark.parametrize("suffix", [".blend", ".ply"])
+def test_an_output_that_another_program_has_open_stays(noisy, tmp_path, monkeypatch, suffix):
+    """As on Windows, where it cannot be replaced: one line, a report, no drafts."""
+    real = os.replace
+
+    def replace(draft, final):
+        if Path(final).suffix == suffix:
+            raise PermissionError(errno.EACCES, "Access is denied", str(draft), 5, str(final))
+        real(draft, final)
+
+    monkeypatch.setattr(os, "replace", replace)
+    output, report = tmp_path / f"out{suffix}", tmp_path / "report.json"
+    output.write_text("old")
+    with pytest.raises(OSError, match=r"^cannot write .*: Access is denied; close it in other"):
+        run_job(FairingJob(noisy, output, FairingSettings(steps=1), report=report))
+    assert output.read_text() == "old"
+    assert "Access is denied" in json.loads(report.read_text())["error"]
+    assert sorted(tmp_path.iterdir()) == sorted([noisy, output, report])

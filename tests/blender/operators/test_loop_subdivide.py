@@ -10,13 +10,17 @@ from support.objects import (
     add_rich_object,
     colors_by_vertex,
     corners,
+    everything,
     key_positions,
     numbers,
 )
 
+from adaptive_fairing.blender.data import refinements
 from adaptive_fairing.blender.data.attribute_arrays import read_attributes
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
 from adaptive_fairing.core import LimitSurface, TriangleTopology
+from adaptive_fairing.core.surface import memory_estimate
+from adaptive_fairing.core.surface.limit_surface import RefinementLevels
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -500,3 +504,63 @@ class TestOperator:
     def test_what_was_cut_is_said(self):
         obj = add_object(*bad_meshes.three_sheets())
         assert subdivide(obj) == {"FINISHED"}
+
+    def test_what_does_not_fit_into_memory_is_refused_with_the_numbers(self, monkeypatch):
+        obj = sphere()
+        n = len(obj.data.polygons)
+        monkeypatch.setattr(memory_estimate, "available_bytes", lambda: 60_000_000)
+        message = f"{64 * n} refined triangles need about 0.1 GB of memory, 0.1 GB are available"
+        monkeypatch.setattr(memory_estimate, "BYTES_PER_TRIANGLE", 2_000)
+        with pytest.raises(RuntimeError, match=message):
+            subdivide(obj, levels=3)
+        assert len(obj.data.polygons) == n
+        assert subdivide(obj, levels=1) == {"FINISHED"}
+
+
+class TestTheRedoPanel:
+    """The same mesh again, with other options."""
+
+    def again(self, **options):
+        obj = sphere()
+        subdivide(obj, **options)
+        return everything(obj)
+
+    def test_what_is_known_is_not_computed_and_the_same(self, monkeypatch):
+        refinements.forget()
+        first = self.again(levels=2)
+        with monkeypatch.context() as patch:
+            patch.setattr(refinements, "cut_surface", None)  # would fail if they were called
+            patch.setattr(RefinementLevels, "points_and_normals", None)
+            assert self.again(levels=2) == first
+        with monkeypatch.context() as patch:
+            patch.setattr(refinements, "cut_surface", None)
+            others = {"levels": 3}, {"on_limit": False}, {"exact_normals": False}
+            found = [self.again(**each) for each in others]
+        refinements.forget()
+        for options, values in zip(others, found, strict=True):
+            refinements.forget()
+            assert self.again(**options) == values
+
+    @pytest.mark.parametrize("change", ["move", "crease", "turn"])
+    def test_another_mesh_is_refined_anew(self, change):
+        results = []
+        for is_known in (True, False):
+            refinements.forget()
+            if is_known:
+                self.again(levels=1)
+            obj = sphere()
+            if change == "move":
+                obj.data.vertices[3].co.x += 0.1
+            elif change == "crease":
+                obj.data.edges[5].use_edge_sharp = obj.data.edges[6].use_edge_sharp = True
+            else:
+                obj.data.flip_normals()
+            subdivide(obj)
+            results.append(everything(obj))
+        assert results[0] == results[1]
+
+    def test_nothing_is_kept_of_a_large_mesh(self, monkeypatch):
+        monkeypatch.setattr(refinements, "LARGEST_KEPT", 100)
+        refinements.forget()
+        self.again(levels=1)
+        assert refinements._last == []

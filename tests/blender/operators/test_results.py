@@ -6,7 +6,7 @@ import pytest
 from support.meshes import noisy_ball
 from support.objects import add_object, key_positions, select, shown_positions
 
-from adaptive_fairing.blender.compatibility import set_modifier_input
+from adaptive_fairing.blender.compatibility import set_modifier_input, weight_paint_settings
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
 from adaptive_fairing.blender.data.run_record import end_comparison
 from adaptive_fairing.blender.data.shape_keys import animated_frames
@@ -244,6 +244,18 @@ class TestNothingToDo:
         assert run(clean="denoise") == {"FINISHED"}
 
 
+@pytest.mark.parametrize("end", ["apply", "discard"])
+@pytest.mark.parametrize("way", ["LIVE", "MODIFIER", "KEYS"])
+def test_the_end_of_a_result_leaves_no_statistics_and_no_density(noisy, end, way):
+    names = noisy.data.attributes.keys()
+    paper() if way == "KEYS" else run(result=way, store_density=True)
+    assert "fairing_density" in noisy.data.attributes
+    getattr(bpy.ops.object, f"adaptive_fairing_{end}")()
+    record = noisy.adaptive_fairing
+    assert (record.result, record.notes, len(record.shapes)) == ("", "", 0)
+    assert noisy.data.attributes.keys() == names
+
+
 class TestTheRedoPanel:
     """Undo, and the same again with one property changed."""
 
@@ -408,20 +420,74 @@ class TestComparing:
         end_comparison(noisy.adaptive_fairing)
         assert np.array_equal(coordinates(noisy), shown)
 
-    def test_a_split_shows_both_and_a_run_ends_it(self, noisy):
+    @pytest.mark.parametrize("way", ["LIVE", "MODIFIER", "KEYS", "RELATIVE_KEYS"])
+    @pytest.mark.parametrize("mode", ["OBJECT", "SCULPT"])
+    def test_a_split_shows_both_and_ends_without_a_trace(self, noisy, way, mode):
         before = coordinates(noisy)
-        run()
-        after = coordinates(noisy)
+        if way == "KEYS":
+            paper()
+        elif way == "RELATIVE_KEYS":
+            paper(output=way)
+        else:
+            run(result=way)
+        after = shown_positions(noisy)
+        names, modifiers = noisy.data.attributes.keys(), noisy.modifiers.keys()
+        bpy.ops.object.mode_set(mode=mode)
         bpy.ops.object.adaptive_fairing_split()
         left = before[:, 0] < np.float32(noisy.adaptive_fairing.split_point[0])
         assert 0.3 < left.mean() < 0.7
-        assert np.array_equal(coordinates(noisy)[left], before[left])
-        assert np.array_equal(coordinates(noisy)[~left], after[~left])
+        assert np.array_equal(shown_positions(noisy)[left], before[left])
+        assert near(shown_positions(noisy)[~left], after[~left])
         bpy.ops.object.adaptive_fairing_split()
-        assert np.array_equal(coordinates(noisy), after)
+        assert noisy.mode == mode
+        assert np.array_equal(shown_positions(noisy), after)
+        bpy.ops.object.adaptive_fairing_split()
+        bpy.ops.object.mode_set(mode="OBJECT")
+        end_comparison(noisy.adaptive_fairing)
+        assert (noisy.data.attributes.keys(), noisy.modifiers.keys()) == (names, modifiers)
         bpy.ops.object.adaptive_fairing_split()
         bpy.ops.object.adaptive_fairing_apply()
-        assert np.array_equal(coordinates(noisy), after)
+        assert near(coordinates(noisy), after)
+        assert (list(noisy.modifiers), list(bpy.data.node_groups)) == ([], [])
+
+    @pytest.mark.parametrize("way", ["LIVE", "MODIFIER", "KEYS"])
+    def test_the_slider_moves_the_right_half_only(self, noisy, way):
+        before = coordinates(noisy)
+        paper() if way == "KEYS" else run(result=way)
+        record, name = noisy.adaptive_fairing, "evolution" if way == "KEYS" else "strength"
+        setattr(record, name, 0.4)
+        expected = shown_positions(noisy)
+        setattr(record, name, 1.0)
+        bpy.ops.object.adaptive_fairing_split()
+        setattr(record, name, 0.4)
+        left = before[:, 0] < np.float32(record.split_point[0])
+        assert np.array_equal(shown_positions(noisy)[left], before[left])
+        assert near(shown_positions(noisy)[~left], expected[~left])
+
+    def test_a_split_below_a_modifier_has_the_keys_of_the_user(self, noisy):
+        noisy.shape_key_add(name="Basis", from_mix=False)
+        smile = noisy.shape_key_add(name="Smile", from_mix=False)
+        smile.data[3].co.x -= 1.0
+        smile.value = 1.0
+        shown = shown_positions(noisy)
+        run(result="MODIFIER")
+        bpy.ops.object.adaptive_fairing_split()
+        left = shown[:, 0] < np.float32(noisy.adaptive_fairing.split_point[0])
+        assert np.array_equal(shown_positions(noisy)[left], shown[left])
+
+    @pytest.mark.parametrize("way", ["LIVE", "MODIFIER", "KEYS"])
+    def test_in_edit_mode_nothing_is_compared_and_the_slider_stands(self, noisy, way):
+        paper() if way == "KEYS" else run(result=way)
+        record, name = noisy.adaptive_fairing, "evolution" if way == "KEYS" else "strength"
+        shown, value = shown_positions(noisy), getattr(record, name)
+        bpy.ops.object.mode_set(mode="EDIT")
+        for compare in ("before", "split"):
+            with pytest.raises(RuntimeError, match="Leave Edit Mode"):
+                getattr(bpy.ops.object, f"adaptive_fairing_{compare}")()
+        setattr(record, name, 0.3)
+        assert getattr(record, name) == value
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert np.array_equal(shown_positions(noisy), shown)
 
 
 class TestPaintBack:
@@ -432,6 +498,8 @@ class TestPaintBack:
         after = shown_positions(noisy)
         assert bpy.ops.object.adaptive_fairing_paint() == {"FINISHED"}
         assert noisy.mode == "WEIGHT_PAINT"
+        settings = weight_paint_settings(bpy.context)
+        assert (settings.use_unified_weight, settings.weight) == (True, 0.0), "of every brush"
         assert np.array_equal(shown_positions(noisy), after)
         group = noisy.vertex_groups[PAINT_GROUP]
         group.add([0, 1], 0.0, "REPLACE")
@@ -446,6 +514,27 @@ class TestPaintBack:
         bpy.ops.object.adaptive_fairing_apply()
         assert np.array_equal(coordinates(noisy), shown)
         assert PAINT_GROUP not in noisy.vertex_groups
+
+    @pytest.mark.parametrize("way", ["LIVE", "MODIFIER"])
+    def test_the_mask_of_sculpt_mode_brings_the_original_back(self, noisy, way):
+        before = coordinates(noisy)
+        run(result=way)
+        after = shown_positions(noisy)
+        mask = np.zeros(len(before), dtype=np.float32)
+        mask[:50], mask[50] = 1.0, 0.5
+        bpy.ops.object.mode_set(mode="SCULPT")
+        assert bpy.ops.object.adaptive_fairing_paint() == {"CANCELLED"}
+        bpy.ops.object.mode_set(mode="OBJECT")
+        noisy.data.attributes.new(".sculpt_mask", "FLOAT", "POINT").data.foreach_set("value", mask)
+        bpy.ops.object.mode_set(mode="SCULPT")
+        assert bpy.ops.object.adaptive_fairing_paint() == {"FINISHED"}
+        assert noisy.mode == "SCULPT"
+        shown = shown_positions(noisy)
+        assert np.array_equal(shown[:50], before[:50])
+        assert near(shown[50], (before[50] + after[50]) / 2)
+        assert np.array_equal(shown[51:], after[51:])
+        noisy.adaptive_fairing.strength = 1.5
+        assert np.array_equal(shown_positions(noisy)[:50], before[:50])
 
     def test_a_second_run_keeps_what_was_painted(self, noisy):
         before = coordinates(noisy)

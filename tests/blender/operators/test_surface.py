@@ -5,15 +5,24 @@ import numpy as np
 import pytest
 from support import bad_meshes
 from support.meshes import noisy_ball
-from support.objects import add_object, add_rich_object, corners, key_positions, shown_positions
+from support.objects import (
+    add_object,
+    add_rich_object,
+    corners,
+    everything,
+    key_positions,
+    shown_positions,
+)
 
-from adaptive_fairing.blender.data.attribute_arrays import read_attributes
+from adaptive_fairing.blender.data import shown_surface
+from adaptive_fairing.blender.data.fields import CURVATURES, field_values
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
 from adaptive_fairing.blender.data.run_record import end_comparison
 from adaptive_fairing.blender.data.shape_keys import animated_frames
 from adaptive_fairing.blender.data.stored_result import PAINT_GROUP
 from adaptive_fairing.blender.operators import following
-from adaptive_fairing.core import LimitSurface, TriangleTopology
+from adaptive_fairing.core import FairingSettings, LimitSurface, TriangleTopology
+from adaptive_fairing.core.surface import memory_estimate
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -53,32 +62,6 @@ def refined(obj_or_triangles, positions, name):
 
 def near(found, expected):
     return np.abs(found - expected).max() <= ROUNDING
-
-
-def everything(obj):
-    """Return all that a mesh is, to be compared bit by bit."""
-    mesh = obj.data
-    found = {
-        array.name: (array.data_type, array.domain, array.values.tolist())
-        for array in read_attributes(mesh)
-        if not array.name.startswith(".select")
-    }
-    found["coordinates"] = coordinates(obj).tobytes()
-    found["corners"] = [tuple(polygon.vertices) for polygon in mesh.polygons]
-    found["edges"] = [tuple(edge.vertices) for edge in mesh.edges]
-    found["materials"] = [material.name for material in mesh.materials]
-    found["groups"] = [
-        (group.name, [[(e.group, e.weight) for e in v.groups] for v in mesh.vertices])
-        for group in obj.vertex_groups
-    ]
-    keys = mesh.shape_keys
-    found["keys"] = None
-    if keys is not None:
-        found["keys"] = [
-            (b.name, b.value, key_positions(obj, b.name).tobytes()) for b in keys.key_blocks
-        ]
-    found["name"] = mesh.name
-    return found
 
 
 class TestStrength:
@@ -131,6 +114,15 @@ class TestStrength:
         exact = LimitSurface(TriangleTopology(triangles, len(positions)), positions).refined(1)
         assert np.abs(flat.reshape(-1, 3) - exact.normals[corners(noisy.data)]).max() < 1e-3
 
+    def test_large_meshes_have_blenders_own_normals(self, noisy, monkeypatch):
+        run()
+        monkeypatch.setattr(shown_surface, "LARGEST_EXACT", 4 * 1280)
+        surface("REFINED_1")
+        assert noisy.data.has_custom_normals
+        surface("REFINED_2")
+        assert not noisy.data.has_custom_normals
+        assert all(polygon.use_smooth for polygon in noisy.data.polygons)
+
     def test_meshes_that_have_to_be_cut(self):
         obj = add_object(*bad_meshes.three_sheets())
         obj.select_set(True)
@@ -149,16 +141,17 @@ class TestNothingIsLost:
         obj = add_rich_object()
         obj.select_set(True)
         bpy.context.view_layer.objects.active = obj
-        before = everything(obj)
+        before, name_before = everything(obj), obj.data.name
         paper() if way == "KEYS" else run(result=way, clean="denoise")
         surface(name)
+        assert obj.data.name == name_before
         if way != "KEYS":
             obj.adaptive_fairing.strength = 0.6
         bpy.ops.object.adaptive_fairing_discard()
         after = everything(obj)
         after.pop("fairing_density", None), after.pop("fairing_density_color", None)
         assert after == before
-        assert len(bpy.data.meshes) == 1
+        assert [mesh.name for mesh in bpy.data.meshes] == [name_before]
         assert obj.adaptive_fairing.control is None
 
     def test_apply_keeps_the_refined_mesh_and_nothing_else(self, noisy):
@@ -200,6 +193,32 @@ class TestNothingIsLost:
         assert "it stays in the file" in capfd.readouterr().out
         assert mesh.name.endswith("refined") and mesh.use_fake_user
         assert noisy.data != mesh
+
+    def test_weights_of_another_net_do_not_go_back(self, noisy):
+        """Deleting vertices of an evolution gives all others new numbers."""
+        paper()
+        noisy.vertex_groups.new(name="Odd").add(range(1, 600, 2), 1.0, "REPLACE")
+        before = everything(noisy)
+        surface("REFINED_1")
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="DESELECT")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        noisy.data.vertices[0].select = True
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.delete(type="VERT")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        edited = noisy.data
+        surface("CONTROL")
+        assert everything(noisy) == before
+        assert edited.use_fake_user
+
+    def test_unused_data_can_be_purged(self, noisy):
+        before = coordinates(noisy)
+        run()
+        surface("REFINED_1")
+        bpy.data.orphans_purge(do_recursive=True)
+        bpy.ops.object.adaptive_fairing_discard()
+        assert np.array_equal(coordinates(noisy), before)
 
     def test_materials_and_painting_go_back_to_the_control_mesh(self, noisy):
         run()
@@ -317,6 +336,26 @@ class TestAnotherRun:
         surface("CONTROL")
         assert near(shown_positions(noisy), expected)
 
+    def test_the_result_goes_to_a_copy_of_an_object_with_keys_of_its_own(self, noisy):
+        noisy.shape_key_add(name="Basis", from_mix=False)
+        noisy.shape_key_add(name="Smile", from_mix=False).data[3].co.x += 1.0
+        before, n = coordinates(noisy), len(noisy.data.vertices)
+        run(result="MODIFIER")
+        noisy.adaptive_fairing.strength = 0.5
+        shown, triangles = shown_positions(noisy), read_triangles(noisy.data)
+        surface("REFINED_1")
+        run(features="smooth")
+        copy = bpy.context.object
+        assert copy != noisy and copy.data.shape_keys is None
+        assert len(copy.data.vertices) == len(noisy.data.vertices) > n
+        assert near(shown_positions(noisy), refined(triangles, shown, "REFINED_1"))
+        bpy.ops.object.adaptive_fairing_discard()
+        assert near(coordinates(copy), shown)
+        bpy.context.view_layer.objects.active = noisy
+        bpy.ops.object.adaptive_fairing_discard()
+        assert np.array_equal(coordinates(noisy), before)
+        assert [block.name for block in noisy.data.shape_keys.key_blocks] == ["Basis", "Smile"]
+
     def test_a_region_chosen_on_the_refined_mesh(self):
         noisy = add_object(*noisy_ball(4, 0.02))
         noisy.select_set(True)
@@ -366,6 +405,24 @@ class TestViews:
         surface("REFINED_1")
         assert "fairing_removed" not in noisy.data.attributes
 
+    @pytest.mark.parametrize("name", LEVELS)
+    def test_curvature_is_that_of_the_control_meshs_surface(self, noisy, name):
+        triangles = read_triangles(noisy.data)
+        run()
+        noisy.adaptive_fairing.strength = 0.5
+        positions = coordinates(noisy)
+        limit = LimitSurface(TriangleTopology(triangles, len(positions)), positions)
+        noisy.adaptive_fairing.strength = 1.0
+        surface(name)
+        noisy.adaptive_fairing.strength = 0.5
+        refined_mesh, shown = noisy.data, coordinates(noisy)
+        for row, field in enumerate(CURVATURES):
+            values = field_values(noisy, field, FairingSettings())
+            assert np.array_equal(values, limit.refined_curvature(LEVELS[name])[row])
+        assert noisy.data == refined_mesh and np.array_equal(coordinates(noisy), shown)
+        noisy.adaptive_fairing.strength = 1.0
+        assert not np.array_equal(coordinates(noisy), shown)
+
     def test_before_and_split(self, noisy):
         run()
         surface("REFINED_1")
@@ -387,3 +444,15 @@ class TestViews:
         assert noisy.mode == "EDIT"
         bpy.ops.object.mode_set(mode="OBJECT")
         assert len(noisy.data.polygons) > 1280
+
+
+def test_what_does_not_fit_into_memory_is_refused_and_the_control_mesh_stays(noisy, monkeypatch):
+    run()
+    shown = coordinates(noisy)
+    monkeypatch.setattr(memory_estimate, "available_bytes", lambda: 10**6)
+    with pytest.raises(RuntimeError, match="choose fewer levels"):
+        surface("REFINED_3")
+    assert np.array_equal(coordinates(noisy), shown)
+    assert len(bpy.data.meshes) == 1
+    noisy.adaptive_fairing.strength = 0.5
+    assert not np.array_equal(coordinates(noisy), shown)

@@ -2,6 +2,7 @@
 
 import bpy
 import pytest
+from mathutils import Matrix
 from support.meshes import graded_sphere, icosphere
 from support.objects import add_object
 
@@ -34,6 +35,14 @@ def test_the_suggested_tau_gives_the_wanted_radius(obj, settings, method, densit
         data.vertices, data.triangles, FairingSettings(method=method, density=density)
     )
     assert scale.radii(3 * settings.tau)[1] == pytest.approx(2.5, rel=1e-6)
+
+
+def test_the_mesh_is_measured_anew(obj, settings):
+    bpy.ops.object.adaptive_fairing_suggest_tau()
+    before = mesh_scale.known_scale(obj, settings)
+    obj.data.transform(Matrix.Diagonal((1.0, 1.0, 3.0, 1.0)))
+    assert bpy.ops.object.adaptive_fairing_measure() == {"FINISHED"}
+    assert mesh_scale.known_scale(obj, settings).radii(0.01) != before.radii(0.01)
 
 
 def test_it_works_in_edit_mode_on_what_was_edited(obj, settings):

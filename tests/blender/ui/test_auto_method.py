@@ -13,6 +13,7 @@ from adaptive_fairing.blender.data.mesh_arrays import read_positions
 from adaptive_fairing.blender.jobs.frame_sequence import run_frames
 from adaptive_fairing.blender.jobs.solve import Solve, run_solves
 from adaptive_fairing.blender.operators import modal_run
+from adaptive_fairing.blender.operators.questions import hints
 from adaptive_fairing.blender.ui import results_panel, sequence_panel, settings_panel
 from adaptive_fairing.core import DenoiseProgress, DenoiseSettings, FairingSettings, denoise
 
@@ -106,8 +107,8 @@ class TestPanel:
             f"smoothed {record.radius:.2g} edges",
             f"volume {volume:+.2f} %",
         )
-        text = " ".join(drawn.texts)
-        assert " · ".join(parts) in text.replace("\N{NO-BREAK SPACE}", " ")
+        text = " ".join(drawn.texts).replace("\N{NO-BREAK SPACE}", " ")
+        assert " ".join(parts) in text.replace(" · ", " ")
         record.strength = 0.0
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
         assert any(text.endswith("+0.00\N{NO-BREAK SPACE}%") for text in drawn.texts)
@@ -121,6 +122,18 @@ class TestPanel:
             drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
             (button,) = [each for each in drawn.operators if each["name"].endswith("_surface")]
             assert button["text"] == text
+
+    @pytest.mark.parametrize("method", ["auto", "uniform"])
+    def test_in_edit_mode_its_slider_is_there_but_stands_still(self, noisy, method):
+        run()
+        bpy.context.scene.adaptive_fairing.method = method
+        bpy.ops.object.mode_set(mode="EDIT")
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert drawn.properties.count("strength") == 1
+        assert drawn.disabled == ["strength"]
+        assert "Leave Edit Mode to move the slider" in " ".join(drawn.texts)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        assert draw(settings_panel.VIEW3D_PT_adaptive_fairing).disabled == []
 
     def test_a_mesh_that_was_changed_is_told_and_has_no_slider(self, noisy):
         run()
@@ -146,20 +159,21 @@ class TestPanel:
         twin = bpy.data.objects.new("Twin", noisy.data)
         settings = bpy.context.scene.adaptive_fairing
         noisy.scale = (1.0, 1.0, 2.0)
-        found = settings_panel.hints(noisy, settings)
+        found = hints([noisy], settings)
         assert found == [
             "Other objects share this mesh: they keep the old one",
             "The scale is not uniform: apply it first",
         ]
+        assert hints([twin, noisy, noisy], settings) == found, "each is said once"
         twin.data = bpy.data.meshes.new("Other")
         noisy.modifiers.new("Levels", "MULTIRES")
         noisy.shape_key_add(name="Basis")
         noisy.shape_key_add(name="Smile")
-        found = settings_panel.hints(noisy, settings)
+        found = hints([noisy], settings)
         assert found[0] == "The result goes to a copy; this object is hidden"
         assert found[1].startswith("Multiresolution")
         settings.result = "MODIFIER"
-        assert found[0] not in settings_panel.hints(noisy, settings)
+        assert found[0] not in hints([noisy], settings)
 
 
 class TestRun:
@@ -250,6 +264,19 @@ class TestRun:
         draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
         modal_run.stop_run()
         assert solve.is_cancelled
+
+
+@pytest.mark.parametrize("method", ["auto", "adaptive_timestep"])
+def test_who_waits_for_a_run_sees_its_progress_at_the_pointer(noisy, monkeypatch, method):
+    """In the redo panel, which blocks the window."""
+    parts = []
+    factor = modal_run.Progress.factor.fget
+    watched = property(lambda progress: parts.append(factor(progress)) or parts[-1])
+    monkeypatch.setattr(modal_run.Progress, "factor", watched)
+    run(method=method)
+    assert parts == sorted(parts)
+    assert len(parts) >= 4
+    assert parts[-1] == 1.0
 
 
 def test_numbers_in_files_keep_their_meaning():

@@ -256,6 +256,22 @@ class TestAfterTheRun:
         (pressed,) = [each for each in drawn.operators if each["depress"]]
         assert (pressed["name"], pressed["text"]) == ("object.adaptive_fairing_view_end", "Density")
 
+    @pytest.mark.parametrize(
+        ("system", "unit", "length"),
+        [("NONE", "unit", 1.0), ("METRIC", "m", 0.5), ("IMPERIAL", "ft", 0.5 / 0.3048)],
+    )
+    def test_curvatures_have_their_units(self, sphere, system, unit, length):
+        """`length` is what Blender's unit is worth."""
+        units = bpy.context.scene.unit_settings
+        units.system, units.scale_length = system, 0.5
+        sphere.scale = (2.0, 2.0, 2.0)
+        bpy.context.view_layer.update()
+        for field, power, ending in (("CURVATURE", 1, unit), ("GAUSSIAN", 2, f"{unit}²")):
+            bpy.ops.object.adaptive_fairing_view(field=field)
+            high = sphere.adaptive_fairing.view_range[1] / (2.0 * length) ** power
+            drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_view)
+            assert drawn.texts[0] == f"{high:.3g} / {ending}"
+
 
 def test_the_redo_panel_offers_every_property_that_the_method_uses(sphere):
     def offered(method):

@@ -35,6 +35,7 @@ def estimate(mesh, tolerance=1e-3):
             for name in (
                 "sphere 7",
                 "sphere 6, denoise",
+                "sphere 7, denoise",
                 "irregular, tight",
                 "grid",
                 "poles of 100",
@@ -49,7 +50,8 @@ def test_the_estimate_is_a_bound_and_not_a_wild_one(case):
     _, estimated, measured = json.loads(done.stdout)
     # Ten megabytes are what the interpreter and its threads take more or less.
     assert measured < estimated + 10 * MEGABYTE
-    assert estimated < 2 * measured + memory_estimate.FIXED_BYTES
+    most = 1.3 if case.endswith("denoise") else 2
+    assert estimated < most * measured + memory_estimate.FIXED_BYTES
 
 
 def test_it_grows_with_the_cube_of_the_valence():

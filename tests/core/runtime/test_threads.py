@@ -5,7 +5,7 @@ import threading
 import pytest
 
 from adaptive_fairing.core.runtime import threads
-from adaptive_fairing.core.runtime.threads import Workspace, ordered_map
+from adaptive_fairing.core.runtime.threads import Workspace, chunks, ordered_map
 
 
 @pytest.fixture(autouse=True, params=[1, 3])
@@ -91,6 +91,18 @@ def test_a_thread_at_work_computes_a_nested_call_itself():
         return [number for number, _ in found]
 
     assert list(ordered_map(outer, range(2))) == [list(range(10)), list(range(1, 11))]
+
+
+@pytest.mark.parametrize("n", [0, 1, 19, 20, 21, 40, 41, 1000])
+def test_chunks_are_an_even_number_of_slices_of_at_most_their_size(n):
+    """Together they are all numbers, each once; fewer than two full slices are left whole."""
+    cut = chunks(n, 10)
+    assert [number for part in cut for number in range(n)[part]] == list(range(n))
+    if n < 20:
+        assert len(cut) == 1
+    else:
+        lengths = [part.stop - part.start for part in cut]
+        assert len(cut) % 2 == 0 and max(lengths) <= 10 and max(lengths) - min(lengths) <= 1
 
 
 def test_every_thread_has_its_own_arrays():

@@ -5,6 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import LimitSurface, TriangleTopology
+from adaptive_fairing.core.surface.curvature import regular_curvature
 
 
 def surface_of(mesh):
@@ -97,6 +98,26 @@ def test_extraordinary_vertices_are_bounded_by_their_surroundings(valence):
     assert surface.gaussian_curvature[north] == pytest.approx(
         fine.gaussian_curvature[half_way].mean()
     )
+
+
+@pytest.mark.parametrize("mesh", [meshes.random_closed(2), meshes.bumpy_disc(0)])
+def test_refined_vertices_have_the_curvature_of_their_points(mesh):
+    """A point's curvature is the same on every level, and extraordinary vertices have some."""
+    surface = surface_of(mesh)
+    control = surface.levels.control_points(surface.positions, 2)
+    for level in (1, 2):
+        found = surface.refined_curvature(level)
+        assert found.shape == (2, len(surface.refined(level).vertices))
+        assert np.isfinite(found).all()
+        exact = regular_curvature(surface.levels.mesh(level - 1), control[level - 1])
+        known = np.flatnonzero(np.isfinite(exact[0]))
+        assert 0 < len(known) < exact.shape[1]
+        scale = np.abs(exact[:, known]).max()
+        np.testing.assert_allclose(found[:, known], exact[:, known], atol=1e-10 * scale)
+        finer = surface.levels.mesh(level)
+        for v in np.flatnonzero(np.isnan(regular_curvature(finer, control[level])[0])):
+            ring = finer.ring[finer.ring_start[v] : finer.ring_start[v + 1]]
+            np.testing.assert_allclose(found[:, v], found[:, ring].mean(axis=1))
 
 
 def test_scale_and_orientation():

@@ -25,7 +25,7 @@ class OppositeLines:
     """
 
     def __init__(self, topology: TriangleTopology, frame: LocalFrame) -> None:
-        sizes = topology.ring_size
+        self._sizes = sizes = topology.ring_size
         self._middle = np.repeat(np.arange(topology.n_vertices), sizes)
         first = np.repeat(topology.ring_start[:-1], sizes)
         place = np.arange(len(self._middle)) - first
@@ -54,11 +54,13 @@ class OppositeLines:
         deviation = np.einsum(
             "ed,ed->e", positions[self._middle] - line, self._frame.normals[self._middle]
         )
-        order = np.lexsort((deviation, np.abs(deviation), self._middle))
-        vertex = self._middle[order]
-        is_least = np.append(True, vertex[1:] != vertex[:-1])[: len(vertex)]
-        least = np.zeros(len(positions))
-        least[vertex[is_least]] = deviation[order][is_least]
+        magnitude, least = np.abs(deviation), np.zeros(len(positions))
+        used = np.flatnonzero(self._sizes)
+        first = np.cumsum(self._sizes)[used] - self._sizes[used]
+        if len(used):
+            smallest = np.repeat(np.minimum.reduceat(magnitude, first), self._sizes[used])
+            candidates = np.where(magnitude == smallest, deviation, np.inf)
+            least[used] = np.minimum.reduceat(candidates, first)
         return least / self._frame.spacing
 
 

@@ -1,0 +1,81 @@
+"""The control mesh behind a refined result, which comes back with what is shown now."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+
+from .key_copies import copy_settings
+from .mesh_arrays import write_positions
+from .results import has_result
+from .run_record import remember_coordinates
+from .shape_keys import mixed_keys, show_time
+from .stored_result import forget_weights, shown_by, write_shown
+from .vertex_groups import read_groups, same_groups, write_groups
+
+CONTROL = "CONTROL"
+LEVELS = {"LIMIT": 0, "REFINED_1": 1, "REFINED_2": 2, "REFINED_3": 3}
+"""Steps of refinement by surface; without any the vertices move to their limit points."""
+
+
+def is_refined(obj: bpy.types.Object) -> bool:
+    """Whether an object shows its result on another mesh than the control mesh."""
+    return obj.adaptive_fairing.control not in (None, obj.data) and has_result(obj)
+
+
+@contextmanager
+def control_read(obj: bpy.types.Object) -> Iterator[None]:
+    """Let an object have its control mesh, with what is shown now, for the body to read."""
+    record = obj.adaptive_fairing
+    if not is_refined(obj):
+        yield
+        return
+    refined, checksum = obj.data, record.checksum
+    take_control(obj)
+    try:
+        yield
+    finally:
+        record.control, obj.data, record.checksum = obj.data, refined, checksum
+        forget_weights()
+
+
+def take_control(obj: bpy.types.Object) -> None:
+    """Put the control mesh in place of the refined one, which is left as it is."""
+    refined, record = obj.data, obj.adaptive_fairing
+    groups = read_groups(obj)
+    if record.control.users - record.control.use_fake_user > 1:  # of a copy of the object
+        record.control = record.control.copy()
+    obj.data = control = record.control
+    n = len(control.vertices)
+    groups = [group.with_weights(lambda values: values[:n]) for group in groups]
+    has_same_net = record.refined_print.startswith(net_print(refined))
+    if has_same_net and not same_groups(groups, read_groups(obj)):
+        write_groups(obj, groups)
+    if list(control.materials) != list(refined.materials):
+        control.materials.clear()
+        for material in refined.materials:
+            control.materials.append(material)
+    if control.shape_keys is not None and refined.shape_keys is not None:
+        copy_settings(refined.shape_keys, control.shape_keys)
+    show_again(obj)
+
+
+def show_again(obj: bpy.types.Object) -> None:
+    """Bring the coordinates of the mesh that an object has now to what its record says."""
+    forget_weights()
+    record, keys = obj.adaptive_fairing, obj.data.shape_keys
+    if record.result == "LIVE":
+        write_shown(obj, shown_by(obj))
+    elif record.result == "MODIFIER":
+        remember_coordinates(record)
+    elif not keys.use_relative:
+        show_time(keys, keys.eval_time)
+    else:
+        write_positions(obj.data, mixed_keys(keys))
+
+
+def net_print(mesh: bpy.types.Mesh) -> str:
+    """Tell the net of a mesh from most others; `FairingRecord.refined_print` begins with it."""
+    return f"{len(mesh.vertices)}-{len(mesh.polygons)}-"

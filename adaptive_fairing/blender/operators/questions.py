@@ -1,0 +1,91 @@
+"""What a run changes beyond the mesh is said before it, and asked where it cannot be undone."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import bpy
+from bpy.app.translations import pgettext_iface as iface_
+
+from ..properties import AUTO
+
+
+def hints(objects: Iterable[bpy.types.Object], settings) -> list[str]:
+    """Say what a run will change beyond the meshes, and what it cannot see; each thing once."""
+    return list(dict.fromkeys(hint for obj in objects for hint in _hints_of(obj, settings)))
+
+
+def _hints_of(obj: bpy.types.Object, settings) -> list[str]:
+    from ..data.shape_keys import animated_frames
+    from ..data.targets import needs_copy  # needs the core, which enabling the add-on does not load
+
+    mesh = obj.data
+    found = []
+    is_modifier = settings.method == AUTO and settings.result == "MODIFIER"
+    if needs_copy(obj, in_place=is_modifier):
+        found.append("The result goes to a copy; this object is hidden")
+    elif mesh.users - mesh.use_fake_user > 1:
+        found.append("Other objects share this mesh: they keep the old one")
+    if settings.method == AUTO and not is_modifier and animated_frames(obj) is not None:
+        found.append("The animation of the evolution is removed with its shape keys")
+    if any(each.type == "MULTIRES" for each in obj.modifiers):
+        found.append("Multiresolution: the base mesh is smoothed, not the sculpted levels")
+    elif any(
+        not each.name.startswith("Adaptive Fairing") and each.show_viewport
+        for each in obj.modifiers
+    ):
+        found.append("Modifiers stay above: the mesh below them is smoothed")
+    low, high = min(obj.scale), max(obj.scale)
+    if high - low > 0.01 * max(abs(low), abs(high)):
+        found.append("The scale is not uniform: apply it first")
+    if settings.from_original and obj.adaptive_fairing.result:
+        found.append("From Original: what the runs have done since is discarded")
+    return found
+
+
+class Asking:
+    """Mix-in for operators whose ``invoke`` asks first, if Blender could not undo them.
+
+    Scripts and Blender without a window are never asked: they do not call ``invoke``.
+    """
+
+    is_confirmed: bpy.props.BoolProperty(
+        name="Confirmed",
+        description="Do not ask, even if this cannot be undone",
+        default=False,
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+
+    def ask(self, context, button: str, lines: Iterable[str] = ()) -> set[str] | None:
+        """Open a question and give what ``invoke`` returns; None if there is nothing to ask.
+
+        The answer starts the operator again.
+
+        Parameters
+        ----------
+        context
+        button
+            Label of the answer.
+        lines
+            What else to know.
+        """
+        if self.is_confirmed or context.preferences.edit.use_global_undo:
+            return None
+        given = self.properties
+        names = [each.identifier for each in given.bl_rna.properties if not each.is_readonly]
+
+        def draw(menu, _context):
+            column = menu.layout.column()
+            for line in lines:
+                column.label(text=iface_(line), icon="INFO", translate=False)
+            column.operator_context = "INVOKE_DEFAULT"
+            answer = column.operator(
+                type(self).bl_idname, text=button, translate=False, icon="CHECKMARK"
+            )
+            for name in filter(given.is_property_set, names):
+                setattr(answer, name, getattr(given, name))
+            answer.is_confirmed = True
+
+        title = iface_("Undo is turned off: this cannot be taken back")
+        context.window_manager.popup_menu(draw, title=title, icon="QUESTION")
+        return {"CANCELLED"}

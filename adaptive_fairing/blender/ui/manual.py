@@ -1,0 +1,99 @@
+"""Where the manual tells about a button or a field: Blender's *Online Manual* in its menu.
+
+The manual has no address of its own yet. Until it has, `MANUAL` is the listing's page, and what
+follows the ``#`` says where to look; with the address of the pages themselves it leads there.
+"""
+
+from __future__ import annotations
+
+import bpy
+
+MANUAL = "https://extensions.blender.org/add-ons/adaptive-fairing/#"
+"""What every place is appended to: the website of the manifest, or where ``site/`` is published."""
+
+OPERATORS = {
+    "": "clean-a-scan/#remove-the-noise",
+    "_stop": "clean-a-scan/#remove-the-noise",
+    "_before": "clean-a-scan/#look-at-the-difference",
+    "_split": "clean-a-scan/#look-at-the-difference",
+    "_paint": "clean-a-scan/#bring-details-back",
+    "_apply": "clean-a-scan/#keep-it-or-not",
+    "_discard": "clean-a-scan/#keep-it-or-not",
+    "_surface": "surface/#show-a-result-on-it",
+    "_loop_subdivide": "surface/#refine-without-denoising",
+    "_select_problems": "troubleshooting/#the-result",
+    "_view": "colours/#what-the-colours-mean",
+    "_view_end": "colours/#what-the-colours-mean",
+    "_sequence": "sequences/#in-blender",
+    "_measure": "settings/#τ-and-the-smoothing-radius",
+    "_suggest_tau": "settings/#τ-and-the-smoothing-radius",
+    "_animate": "settings/#result",
+    "_animate_clear": "settings/#result",
+    "_compare": "settings/#result",
+    "_preset_add": "settings/#presets",
+}
+"""Place of an operator, by what its name has after ``object.adaptive_fairing``."""
+
+SETTINGS = {
+    "method": "settings/#method",
+    "strength": "clean-a-scan/#choose-the-strength",
+    "features": "hard-surface/#edges",
+    "clean": "denoise/#clean-models-are-left-alone",
+    "tau": "settings/#τ-and-the-smoothing-radius",
+    "radius": "settings/#τ-and-the-smoothing-radius",
+    "steps": "settings/#steps",
+    "density": "settings/#density",
+    "density_passes": "settings/#density",
+    "boundary": "keep-a-region/#rims-of-open-meshes",
+    "stop_curvature": "settings/#stopping",
+    "stop_rate": "settings/#stopping",
+    "cg_tolerance": "settings/#accuracy",
+    "cg_max_iterations": "settings/#accuracy",
+    "quadrature_tolerance": "settings/#accuracy",
+    "normalize": "settings/#accuracy",
+    "use_region": "keep-a-region/#before-a-run",
+    "vertex_group": "keep-a-region/#before-a-run",
+    "invert_vertex_group": "keep-a-region/#before-a-run",
+    "hold_sharp": "keep-a-region/#before-a-run",
+    "from_original": "clean-a-scan/#other-kinds-of-result",
+    "result": "clean-a-scan/#other-kinds-of-result",
+    "output": "settings/#result",
+    "existing_keys": "settings/#result",
+    "store_density": "colours/#what-the-colours-mean",
+    "same_strength": "sequences/#in-blender",
+    "frame_start": "settings/#result",
+    "frame_end": "settings/#result",
+}
+"""Place of a setting of the panel."""
+
+RECORD = {
+    "strength": "clean-a-scan/#choose-the-strength",
+    "evolution": "settings/#result",
+    "swatch_*": "colours/#what-the-colours-mean",
+}
+"""Place of what the panel shows of a result."""
+
+PREFERENCES = dict.fromkeys(("method", "result", "threads"), "clean-a-scan/#preferences")
+"""Place of a preference of the add-on."""
+
+
+def manual_pages() -> tuple[str, tuple[tuple[str, str], ...]]:
+    """Tell Blender where the manual is: patterns of names in lower case, and places."""
+    names = {f"bpy.ops.object.adaptive_fairing{name}": place for name, place in OPERATORS.items()}
+    for owner, places in (
+        ("fairingscenesettings", SETTINGS),
+        ("fairingrecord", RECORD),
+        ("fairingpreferences", PREFERENCES),
+    ):
+        names |= {f"bpy.types.{owner}.{name}": place for name, place in places.items()}
+    return MANUAL, tuple(names.items())
+
+
+def register() -> None:
+    """Add the links to the manual."""
+    bpy.utils.register_manual_map(manual_pages)
+
+
+def unregister() -> None:
+    """Take them back."""
+    bpy.utils.unregister_manual_map(manual_pages)
