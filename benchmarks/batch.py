@@ -3,7 +3,7 @@
     python -m benchmarks.batch [--count 200] [--meshes FOLDER] [--memory 3G] [--work DIR]
 
 The meshes are those of FOLDER, made ones of many sizes and valences, and some that cannot be
-faired. They are faired by one worker and by two, in turns on shares of the meshes, so that what
+faired. They are faired by one worker and by two, in turns on shards of the meshes, so that what
 else the machine does hits both; by two, killed when half is done and run again; and a quarter of
 them by four under the limit. The outputs of all runs are compared byte by byte.
 """
@@ -45,7 +45,7 @@ BROKEN = {
     "no_surface.obj": "v 0 0 0\nv 1 0 0\nf 1 2 1\n",
     "no_gltf.glb": "glTF, but not really\n",
 }
-N_SHARES = 4
+N_SHARDS = 4
 EVERY_BROKEN = 20  # of so many meshes one is broken
 
 
@@ -94,7 +94,7 @@ def main() -> int:
             given, work / "two", "--jobs", "2", kill_at=one.summary["counts"]["done"] // 2
         )
         resumed = run_batch(given, work / "two", "--jobs", "2")
-        limits = ["--memory", options.memory, "--shard", f"1/{N_SHARES}"]
+        limits = ["--memory", options.memory, "--shard", f"1/{N_SHARDS}"]
         limited = run_batch(given, work / "limited", "--jobs", "4", *limits)
         print_runs({
             "1 worker": one, "2 workers": whole, "2 workers, killed": killed,
@@ -130,12 +130,12 @@ def collect(folder: Path, count: int, more: Path | None) -> None:
 
 
 def in_turns(given: Path, one: Path, two: Path) -> tuple[Run, Run]:
-    """Run the batch with one worker and with two, share by share in turns."""
+    """Run the batch with one worker and with two, shard by shard in turns."""
     totals = {one: Run(0, 0.0, 0.0, 0, {}), two: Run(0, 0.0, 0.0, 0, {})}
-    for share in range(1, N_SHARES + 1):
+    for shard in range(1, N_SHARDS + 1):
         turns = [(one, "1"), (two, "2")]
-        for folder, jobs in turns if share % 2 else turns[::-1]:
-            run = run_batch(given, folder, "--jobs", jobs, "--shard", f"{share}/{N_SHARES}")
+        for folder, jobs in turns if shard % 2 else turns[::-1]:
+            run = run_batch(given, folder, "--jobs", jobs, "--shard", f"{shard}/{N_SHARDS}")
             total = totals[folder]
             total.status = max(total.status, run.status)
             total.seconds += run.seconds

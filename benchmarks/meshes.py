@@ -103,14 +103,14 @@ def irregular(n_triangles: int, jitter: float = 0.5) -> Mesh:
 def many_classes(n_triangles: int, n_classes: int = N_CLASSES) -> Mesh:
     """Make an irregular mesh with about `n_classes` kinds of triangles, by their valences.
 
-    Vertices put into the middle of random triangles raise the valences around; their share is
+    Vertices put into the middle of random triangles raise the valences around; their fraction is
     searched for.
     """
     low, high = 0.0, 0.45
     for _ in range(12):
-        share = (low + high) / 2
-        mesh = _with_vertices_inside(n_triangles, share)
-        low, high = (share, high) if count_classes(mesh) < n_classes else (low, share)
+        fraction = (low + high) / 2
+        mesh = _with_vertices_inside(n_triangles, fraction)
+        low, high = (fraction, high) if count_classes(mesh) < n_classes else (low, fraction)
     return mesh
 
 
@@ -119,9 +119,9 @@ def count_classes(mesh: Mesh) -> int:
     return len(PatchSet(TriangleTopology(mesh.triangles, len(mesh.vertices))).classes)
 
 
-def _with_vertices_inside(n_triangles: int, share: float) -> Mesh:
-    """Split a share of all triangles into three; the result has `n_triangles` or one less."""
-    n_split = round(share * n_triangles / (1 + 2 * share))
+def _with_vertices_inside(n_triangles: int, fraction: float) -> Mesh:
+    """Split a fraction of all triangles into three; the result has `n_triangles` or one less."""
+    n_split = round(fraction * n_triangles / (1 + 2 * fraction))
     base = irregular(n_triangles - 2 * n_split)
     chosen = np.random.default_rng(3).choice(len(base.triangles), n_split, replace=False)
     a, b, c = base.triangles[chosen].T

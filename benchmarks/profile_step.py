@@ -1,7 +1,7 @@
-"""Where the time of the set-up and of one step goes, and how far a step is from what must be.
+"""Where the time of a step and of denoise goes, and how far a step is from what must be.
 
 A thread looks many times a second at what all threads of the core do, and counts it by module. In
-a table a module has the share of the looks that found a thread in it, functions of other packages
+a table a module has the part of the looks that found a thread in it, functions of other packages
 that it calls included.
 
 The limit is the time in which this machine could do what a step cannot avoid:
@@ -34,7 +34,7 @@ from typing import NamedTuple
 import numpy as np
 
 import adaptive_fairing.core
-from adaptive_fairing.core import FairingSettings, TriangleTopology, fair_steps
+from adaptive_fairing.core import FairingSettings, TriangleTopology, denoise, fair_steps
 from adaptive_fairing.core.linalg.symmetric_pattern import SymmetricPattern
 from adaptive_fairing.core.loop.basis import basis_table
 from adaptive_fairing.core.loop.patches import PatchSet
@@ -47,6 +47,8 @@ CORE = Path(adaptive_fairing.core.__file__).parent
 
 WAITING = "runtime.threads"
 """Module in which the main thread waits for the others."""
+
+PROFILED = ("set-up and first step", "second step", "denoise")
 
 PAUSE = 0.001
 """Seconds between two looks."""
@@ -118,12 +120,13 @@ def _module(frame: FrameType | None) -> str | None:
     return None
 
 
-def profiles(mesh: meshes.Mesh, settings: FairingSettings) -> tuple[Profile, Profile, int]:
-    """Profile what is done for the first step, and for the second; return its iterations, too."""
+def profiles(mesh: meshes.Mesh, settings: FairingSettings) -> tuple[list[Profile], int]:
+    """Profile all of `PROFILED`; return the iterations of the second step, too."""
     steps = fair_steps(mesh.vertices, mesh.triangles, settings)
     _, first = profile(lambda: next(steps))
     step, second = profile(lambda: next(steps))
-    return first, second, step.solve.iterations
+    _, denoised = profile(lambda: denoise(mesh.vertices, mesh.triangles))
+    return [first, second, denoised], step.solve.iterations
 
 
 def measured_rates() -> Rates:
@@ -176,14 +179,15 @@ def report(mesh: meshes.Mesh, settings: FairingSettings, repeats: int) -> dict[s
     """Print the tables for one mesh; return the ratios to be recorded."""
     rates = measured_rates()
     runs = [profiles(mesh, settings) for _ in range(repeats)]
-    best = [min((run[k] for run in runs), key=lambda found: found.seconds) for k in range(2)]
-    iterations = runs[0][2]
+    by_action = [list(found) for found in zip(*(found for found, _ in runs), strict=True)]
+    best = [min(found, key=lambda each: each.seconds) for found in by_action]
+    iterations = runs[0][1]
     print(f"\n## {mesh.name}, {len(mesh.triangles)} triangles (load {load()})\n")
-    for k, title in enumerate(("set-up and first step", "second step")):
-        looks = sum((run[k].looks for run in runs), Counter())
+    for title, found, fastest in zip(PROFILED, by_action, best, strict=True):
+        looks = sum((each.looks for each in found), Counter())
         rows = [[name, f"{count / looks.total():.0%}"] for name, count in looks.most_common()]
-        print(table([title, "share"], [row for row in rows if row[1] != "0%"]))
-        spent = map(seconds_text, best[k][:2])
+        print(table([title, "part"], [row for row in rows if row[1] != "0%"]))
+        spent = map(seconds_text, fastest[:2])
         print("\n{} s, {} s of all processors\n".format(*spent))
 
     work = unavoidable_work(mesh, settings, iterations)
@@ -193,6 +197,7 @@ def report(mesh: meshes.Mesh, settings: FairingSettings, repeats: int) -> dict[s
     ratios = {
         "set-up / step": best[0].seconds / best[1].seconds,
         "step / limit": best[1].seconds / limit,
+        "denoise / step": best[2].seconds / best[1].seconds,
     }
     print(
         f"{iterations} iterations; limit {seconds_text(limit)} s: "

@@ -30,10 +30,10 @@ STEPS = 8
 FRAMES_PER_STEP, FRAMES_BEFORE, FRAMES_AFTER = 3, 6, 10
 FRAMES_PER_SECOND = 10
 GAP = 0.06
-"""Room between the two sides, as a share of the width of one."""
+"""Room between the two sides, as a fraction of the width of one."""
 
 TEXT_SIZE = 0.075
-"""Height of the letters, as a share of the height of the mesh."""
+"""Height of the letters, as a fraction of the height of the mesh."""
 
 VIEWS = {
     "head": View((0.75, -1.0, 0.15), margin=0.02),

@@ -34,7 +34,7 @@ class View:
     perspective
         Field of view in degrees; 0 is an orthographic camera.
     margin
-        Free room around the framed part, as a share of its size.
+        Free room around the framed part, as a fraction of its size.
     """
 
     direction: tuple[float, float, float]

@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     """Run the contest on the pairs that the command line names."""
     options = _parser().parse_args(arguments)
     schemes = PAPER_SCHEMES if options.paper_schemes else ()
-    peers = _peers(options.peers)
+    peers = [peer.as_published if options.published else peer for peer in _peers(options.peers)]
     entries = [
         # On a clean mesh no peer has anything to do: its best parameter would be none.
         contest(
@@ -72,14 +72,16 @@ def report(entries: Sequence[Entry], peers: Sequence[Peer], schemes: Sequence[Pe
             ("the smoothers in use, at one parameter for all meshes", IN_USE),
             ("the research literature, at its published parameters", RESEARCH),
         ):
-            rivals = [peer for peer in peers if peer in some]
+            names = {peer.name for peer in some}
+            rivals = [peer for peer in peers if peer.name in names]
             if rivals:
                 found = {kind: standing(group, rivals) for kind, group in groups.items()}
                 rows = {kind: (len(groups[kind]), each) for kind, each in found.items()}
                 overall = standing(noisy, rivals)
                 parts += [f"## Against {title}"]
                 parts += [tables.by_noise(rows | {"all": (len(noisy), overall)})]
-                if some is RESEARCH:
+                # At one point each nothing is known of their best parameters.
+                if some is RESEARCH and any(len(peer.sweep) > 1 for peer in rivals):
                     parts += [tables.of_criteria(criteria([*found.values()], overall))]
     if noisy:
         parts += ["## Method by method", tables.by_peer(noisy, [*peers, *schemes])]
@@ -155,11 +157,17 @@ def _parser() -> argparse.ArgumentParser:
         help="only these, or only the research peers or those in use",
     )
     parser.add_argument(
+        "--published", action="store_true", help="research peers at their authors' parameters alone"
+    )
+    parser.add_argument(
         "--paper-schemes", action="store_true", help="the paper's schemes as well, over their radii"
     )
     parser.add_argument("--no-auto", action="store_true", help="peers alone")
     parser.add_argument(
-        "--cache", type=Path, metavar="FOLDER", help="keep the scores of peers from run to run"
+        "--cache",
+        type=Path,
+        metavar="FOLDER",
+        help="keep scores from run to run: what an interrupted run has done is not done again",
     )
     parser.add_argument(
         "--output", type=Path, metavar="FOLDER", help="write tables.md, scores.json and pictures"

@@ -1,4 +1,4 @@
-"""Run all on one pair. Scores of peers are kept: they change only with the peer's version."""
+"""Run all on one pair. Scores are kept: they change only with the version of a peer, or of ours."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from .measures import Reference, Score
-from .ours import auto
+from .ours import OURS
 from .pairs import Pair
 from .peers import Peer
 
@@ -109,11 +109,6 @@ class Entry:
 def contest(pair: Pair, peers: Sequence[Peer], cache: Path | None, with_auto: bool) -> Entry:
     """Score the noisy mesh, auto and all peers on one pair."""
     reference = Reference(pair.clean, pair.faces)
-    score = None
-    if with_auto:
-        start = time.process_time()
-        positions = auto(pair.noisy, pair.faces)
-        seconds = time.process_time() - start
-        score = reference.score(positions) | {"seconds": seconds}
+    score = peer_scores(pair, OURS, cache)[OURS.parameter("", 1.0)] if with_auto else None
     found = {peer.name: peer_scores(pair, peer, cache) for peer in peers}
     return Entry(pair, reference.score(pair.noisy), score, found)

@@ -77,3 +77,12 @@ PAPER_SCHEMES: Sequence[Peer] = tuple(
     )
 )
 """The schemes of the paper."""
+
+
+def _run_auto(vertices: FloatArray, faces: Faces, sweep: Values) -> Iterator[FloatArray]:
+    for _ in sweep:
+        yield auto(vertices, faces)
+
+
+OURS = OwnScheme("ours, auto", (), "strength", (1.0,), _run_auto)
+"""Method "auto" as a peer with a grid of one point."""

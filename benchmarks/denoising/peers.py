@@ -8,7 +8,7 @@ narrow, which the tables say.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 
 import numpy as np
@@ -87,8 +87,19 @@ class Peer:
                     return positions
         raise KeyError(f"{self.name} has no {parameter}")
 
+    @property
+    def as_published(self) -> Peer:
+        """The peer at the parameter of its authors alone; without one, the whole grid."""
+        for variant, options in self.variants.items():
+            for value in self.sweep:
+                if self.parameter(variant, value) == self.published:
+                    return replace(self, sweep=(value,), variants={variant: options})
+        return self
+
     def at_edge(self, parameter: str) -> bool:
         """Tell whether the grid should have gone further at this point of it."""
+        if len(self.sweep) == 1:
+            return False
         ends = self.sweep[-1:] if self.starts_at_least else (self.sweep[0], self.sweep[-1])
         return any(parameter == self.parameter(v, end) for v in self.variants for end in ends)
 

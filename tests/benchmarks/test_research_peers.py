@@ -9,6 +9,7 @@ from support.meshes import icosphere
 from benchmarks.denoising import noise, normal_filters
 from benchmarks.denoising.l0_minimisation import edge_weights, l0_minimisation
 from benchmarks.denoising.measures import Reference
+from benchmarks.denoising.peers import RESEARCH
 from samples.triangles import edges_of, inner_edges, scaled_normals, unit
 
 SIDE = 14
@@ -173,3 +174,11 @@ def test_inner_edges_have_the_corners_of_both_their_triangles():
         assert set(faces[second]) == {a, c, d}
     n_inner = 3 * len(faces) - len(edges_of(faces))
     assert len(corners) == n_inner
+
+
+@pytest.mark.parametrize("peer", RESEARCH, ids=lambda peer: peer.name)
+def test_a_peer_as_published_has_one_point_and_the_same_result(peer):
+    alone = peer.as_published
+    assert len(alone.sweep) == len(alone.variants) == 1
+    (variant,), (value,) = alone.variants, alone.sweep
+    assert alone.parameter(variant, value) == peer.published

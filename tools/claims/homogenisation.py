@@ -27,7 +27,7 @@ COLUMNS = (
 DISC_RINGS, DISC_RATIO, DISC_TAU = 12, 15.0, 0.01
 DISC_STEPS = (1, 5, 20)
 TIGHT = 1e-6
-SMALLEST_SHARE = 0.001
+SMALLEST_FRACTION = 0.001
 
 
 def run(pairs: Sequence[MeshPair]) -> Findings:
@@ -86,8 +86,8 @@ def _row(pair: MeshPair, name: str, positions: FloatArray) -> list[Cell]:
     length = np.linalg.norm(positions - pair.noisy, axis=1) / classes.lengths
     normal = classes.heights(positions, pair.noisy)
     tangential = np.maximum(length**2 - normal**2, 0)
-    smallest = np.quantile(triangle_areas(positions, pair.triangles), SMALLEST_SHARE)
-    reference = np.quantile(triangle_areas(pair.clean, pair.triangles), SMALLEST_SHARE)
+    smallest = np.quantile(triangle_areas(positions, pair.triangles), SMALLEST_FRACTION)
+    reference = np.quantile(triangle_areas(pair.clean, pair.triangles), SMALLEST_FRACTION)
     return [
         name,
         float(np.percentile(corner_angles(positions, pair.triangles).min(axis=1), 1)),

@@ -21,8 +21,8 @@ STEPS = 12
 CURVATURE_BOUNDS = (0.5, 0.2, 0.1, 0.05)
 """ε2 of (3.11)."""
 
-RATE_SHARES = (0.5, 0.2, 0.1, 0.05)
-"""ε1 of (3.10), as shares of the rate |H'| of the first step."""
+RATE_FRACTIONS = (0.5, 0.2, 0.1, 0.05)
+"""ε1 of (3.10), as fractions of the rate |H'| of the first step."""
 
 NOISE = (0.0, 0.2, 0.4, 0.8, 1.6)
 """Strengths of noise for the table of folded triangles, in local edge lengths."""
@@ -93,7 +93,7 @@ def _stops(courses: Sequence[Course]) -> Table:
     columns = (
         "mesh",
         *(f"ε2 = {bound:g}" for bound in CURVATURE_BOUNDS),
-        *(f"ε1 = {share:.0%}" for share in RATE_SHARES),
+        *(f"ε1 = {fraction:.0%}" for fraction in RATE_FRACTIONS),
         "least error at step",
     )
     rows: list[list[Cell]] = []
@@ -104,15 +104,15 @@ def _stops(courses: Sequence[Course]) -> Table:
                 course.title,
                 *(curvature_stop(course.energy, bound) for bound in CURVATURE_BOUNDS),
                 *(
-                    rate_stop(course.energy, course.tau, share * first_rate)
-                    for share in RATE_SHARES
+                    rate_stop(course.energy, course.tau, fraction * first_rate)
+                    for fraction in RATE_FRACTIONS
                 ),
                 int(np.argmin(course.errors)) + 1,
             ]
         )
     return Table(
-        f"Step at which (3.11), H ≤ ε2, and (3.10), |H'| ≤ ε1 as a share of the first step's |H'|, "
-        f"stop (–: not within {STEPS} steps)",
+        "Step at which (3.11), H ≤ ε2, and (3.10), |H'| ≤ ε1 as a fraction of the first "
+        f"step's |H'|, stop (–: not within {STEPS} steps)",
         columns,
         rows,
     )

@@ -122,9 +122,9 @@ def _crossings(values: NDArray, pairs: NDArray[np.int64]) -> Array:
     follows makes up for it.
     """
     ends = values.ravel()[pairs].astype(float)
-    share = np.clip(ends[:, 0] / (ends[:, 0] - ends[:, 1]), 0.15, 0.85)[:, None]
+    fraction = np.clip(ends[:, 0] / (ends[:, 0] - ends[:, 1]), 0.15, 0.85)[:, None]
     first, second = (np.stack(np.unravel_index(pairs[:, k], values.shape), 1) for k in (0, 1))
-    return (1.0 - share) * first + share * second
+    return (1.0 - fraction) * first + fraction * second
 
 
 def _largest_piece(vertices: Array, triangles: NDArray[np.int64]) -> tuple[Array, Faces]:

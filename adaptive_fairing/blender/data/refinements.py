@@ -14,7 +14,7 @@ from ...core.surface.refined_net import RefinedNet
 FloatArray = NDArray[np.float64]
 
 LARGEST_KEPT = 2_000_000
-"""Triangles of a refined mesh from which on nothing of it is kept: it takes up to a gigabyte."""
+"""Triangles of a refined mesh from which on nothing of it is kept: it takes too much memory."""
 
 
 class RefinedShape(NamedTuple):

@@ -20,7 +20,6 @@ import numpy as np
 from ..linalg.conjugate_gradients import SolveReport, conjugate_gradients
 from ..linalg.edge_matrix import EdgeMatrix, EdgePattern
 from ..linalg.krylov_filters import MAX_ITERATIONS, Diffusion, removed_by
-from ..mesh.normals import triangle_normals, unit_vectors
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
@@ -28,14 +27,11 @@ from .filter_family import Filter, FilterFamily, NormalFamily
 from .filter_rounds import mesh_family
 from .lifted_metric import (
     LiftedMetric,
-    area_elements,
-    half_cotangents,
     linear_elements,
     rim_flux,
-    squared_edges,
 )
 from .local_frame import spacing_of
-from .normal_filter import smoothed_normals, triangles_around, turning_load
+from .normal_filter import TurningLoads, smoothed_normals, triangles_around
 from .parameters import parameters
 
 # The fit to normals is a step in the metric of the surface.
@@ -98,7 +94,7 @@ class FilterBank:
         surface: FloatArray,
         families: Sequence[FilterFamily | NormalFamily],
     ) -> Iterator[tuple[Filter, FloatArray]]:
-        """Filter positions in the metrics of a surface, or that surface by its normals.
+        """Filter positions in the metrics of a surface, or either of them by its normals.
 
         Parameters
         ----------
@@ -116,7 +112,8 @@ class FilterBank:
         spacing = spacing_of(self.topology, surface, tuned.spacing_passes)
         for family in families:
             if isinstance(family, NormalFamily):
-                fits = self._fitted(surface, spacing, family)
+                start = positions if family.is_of_noisy else surface
+                fits = self._fitted(start, spacing, family)
                 yield from zip(family.filters, fits, strict=True)
                 continue
             squares = family.metric.lengths(self._pattern, surface, spacing)
@@ -137,13 +134,11 @@ class FilterBank:
         """
         tuned = parameters()
         mass, stiffness = self._matrices(FIT_METRIC.lengths(self._pattern, surface, spacing))
-        normals = unit_vectors(triangle_normals(surface, self.topology.triangles))
-        squares = squared_edges(self._pattern, surface)
-        cotangents = half_cotangents(squares, area_elements(squares))
+        turning = TurningLoads(self._pattern, surface)
         loads = (
-            tuned.fit_time * turning_load(self._pattern, surface, cotangents, smooth)
+            tuned.fit_time * turning.of(smooth)
             for smoothing in family.smoothings
-            for smooth in smoothed_normals(normals, self._around, smoothing)
+            for smooth in smoothed_normals(turning.normals, self._around, smoothing)
         )
         # One system for all fits: they differ in the right sides alone.
         load = np.concatenate([each.astype(self._precision) for each in loads], axis=1)

@@ -65,15 +65,26 @@ class FilterFamily(NamedTuple):
 
 
 class NormalFamily(NamedTuple):
-    """Fits to the normals of triangles, smoothed in several ways but not across creases."""
+    """Fits to the normals of triangles, smoothed in several ways but not across creases.
 
+    Attributes
+    ----------
+    name : str
+    smoothings : tuple of Smoothing
+    is_of_noisy : bool
+        Whether the normals are those of the noisy mesh, and not of the mixture of the rounds
+        before.
+    """
+
+    name: str
     smoothings: tuple[Smoothing, ...]
+    is_of_noisy: bool = False
 
     @property
     def filters(self) -> tuple[Filter, ...]:
         """The filters, in the order of the smoothings and their passes."""
         return tuple(
-            Filter(f"normals within {math.degrees(each.angle):g}°: {passes} passes", KEEPS)
+            Filter(f"{self.name} within {math.degrees(each.angle):g}°: {passes} passes", KEEPS)
             for each in self.smoothings
             for passes in each.passes
         )

@@ -50,21 +50,38 @@ def rounds() -> tuple[Round, ...]:
             FilterFamily("mesh, wide angle", SEES, LiftedMetric(0, tuned.wide_angle), every),
             FilterFamily("surface, wide angle", SEES, LiftedMetric(1, tuned.wide_angle), every),
         ),
-        (FilterFamily("mesh, narrow angle", KEEPS, LiftedMetric(0, tuned.narrow_angle), gentle),),
         (
+            FilterFamily("mesh, narrow angle", KEEPS, LiftedMetric(0, tuned.narrow_angle), gentle),
             NormalFamily(
-                (
-                    Smoothing(tuned.short_fit_angle, tuned.short_fit_passes),
-                    Smoothing(tuned.long_fit_angle, tuned.long_fit_passes),
-                )
+                "noisy normals", (Smoothing(tuned.long_fit_angle, tuned.noisy_fit_passes),), True
             ),
         ),
+        (_fits("normals", tuned.short_fit_passes, tuned.long_fit_passes),),
+        (_fits("normals of the fits", tuned.last_short_fit_passes, tuned.last_long_fit_passes),),
     )
 
 
+def _fits(name: str, short_passes: tuple[int, ...], long_passes: tuple[int, ...]) -> NormalFamily:
+    tuned = parameters()
+    short = Smoothing(tuned.short_fit_angle, short_passes)
+    return NormalFamily(name, (short, Smoothing(tuned.long_fit_angle, long_passes)))
+
+
 def rounds_for(noise: FloatArray) -> list[Round]:
-    """Scale the angles of all rounds' metrics to the noise, (n,), of the vertices judged."""
+    """Choose the filters of all rounds for the noise, (n,), of the vertices judged.
+
+    The angles of the metrics are scaled to it.  Noise that turns triangles over leaves nothing in
+    their normals.
+    """
     tuned = parameters()
     typical = float(np.median(noise[noise > 0])) if noise.any() else 0.0
     factor = float(np.clip(typical / tuned.coarse_noise, tuned.least_angle_factor, 1))
-    return [tuple(family.scaled(factor) for family in families) for families in rounds()]
+    has_normals = typical <= tuned.most_noise_in_normals
+    return [
+        tuple(
+            family.scaled(factor)
+            for family in families
+            if has_normals or not (isinstance(family, NormalFamily) and family.is_of_noisy)
+        )
+        for families in rounds()
+    ]

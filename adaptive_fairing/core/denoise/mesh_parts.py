@@ -47,11 +47,14 @@ class MeshParts:
     ----------
     is_counted : (n,) bool
         Vertices to judge from.
+    may_move : (n,) bool
+        These and those of the rims.
     """
 
     def __init__(self, topology: TriangleTopology, frame: LocalFrame, is_still: BoolArray) -> None:
         tuned = parameters()
-        self.is_counted = ~(is_still | topology.is_loose | topology.on_boundary)
+        self.may_move = ~(is_still | topology.is_loose)
+        self.is_counted = self.may_move & ~topology.on_boundary
         self._topology, self._frame = topology, frame
         self._size = frame.spread(np.log(frame.spacing), tuned.density_passes)
         _, label = csgraph.connected_components(topology.adjacency(), directed=False)
@@ -101,10 +104,13 @@ class MeshParts:
                 continue
             model = noise_model(rough, self._frame.spacing, counted, self._averaged)
             level[counted] = model.level(self._frame.spacing[counted])
-            relative = rough.value / np.maximum(model.expected(rough), clean)
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
             may_be_spiky = np.median(level[counted]) > clean and not fading.fades(counted)
-            spiky = impulsive_certainty(relative, self._frame, counted) if may_be_spiky else 0.0
+            spiky = (
+                impulsive_certainty(self._topology, positions, self._frame, level, counted)
+                if may_be_spiky
+                else 0.0
+            )
             if keeps_clean:
                 found = detail.found(level, counted, spiky > 0)
             else:
@@ -114,7 +120,8 @@ class MeshParts:
             if found.is_model:
                 models.append(found.reason)
             elif found.is_noise:
-                noise[counted], impulsive[counted] = level[counted], spiky
+                noise[counted] = level[counted]
+                impulsive[members] = spiky * self.may_move[members]
             else:
                 noise[counted] = np.minimum(level[counted], clean)
         if beyond_clean(strength * noise).any():

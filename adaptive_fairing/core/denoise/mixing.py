@@ -250,7 +250,13 @@ class _Stage:
     def calmed(self, impulsive: FloatArray) -> _Stage:
         """Put vertices back that stand out, by a part (n,) of their way."""
         positions = self.track.positions
-        calm = without_spikes(self._space.topology, positions, self.frame, self.parts.is_counted)
+        calm = without_spikes(
+            self._space.topology,
+            positions,
+            self.frame,
+            self.parts.is_counted,
+            self.parts.may_move,
+        )
         start = positions + impulsive[:, None] * (calm - positions)
         return _Stage(self._space, start, self._is_still, self._on_solve)
 

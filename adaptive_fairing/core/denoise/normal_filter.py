@@ -20,6 +20,7 @@ from ..mesh.normals import triangle_normals, unit_vectors
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, IntArray, RealArray
 from ..runtime.threads import chunks, ordered_map
+from .lifted_metric import area_elements, half_cotangents, squared_edges
 from .parameters import parameters
 
 TRIANGLES_PER_CHUNK = 16384
@@ -101,41 +102,49 @@ def triangles_around(topology: TriangleTopology) -> IntArray:
     return np.ascontiguousarray(np.concatenate(ways, axis=1).T, dtype=np.int32)
 
 
-def turning_load(
-    pattern: EdgePattern, positions: FloatArray, cotangents: FloatArray, turned: FloatArray
-) -> FloatArray:
-    """Integrate (∇x - R ∇x) · ∇φ_a over a surface: how far turns R of its triangles bend it.
+class TurningLoads:
+    """How far turns of its triangles bend a surface: right sides of the fits to normals.
 
     Parameters
     ----------
     pattern : EdgePattern
     positions : (n, 3)
-    cotangents : (3, m)
-        Half the cotangent of the angle opposite to each edge of a triangle.
-    turned : (m, 3)
-        Unit normals of the triangles after the turns, which take the shortest way.
 
-    Returns
-    -------
-    (n, 3)
-        0 if no normal is turned.
-
-    Source: the right side of Y. Yu et al., Mesh editing with Poisson-based gradient field
-    manipulation, 2004, for linear elements.
+    Attributes
+    ----------
+    normals : (m, 3)
+        Unit normals of the triangles.
     """
-    triangles = pattern.topology.triangles
-    normals = unit_vectors(triangle_normals(positions, triangles))
-    # A turn from n to n' takes a tangent v to v - (n' · v) (n + n') / (1 + n · n').
-    opening = 1 + np.einsum("fd,fd->f", normals, turned)
-    middle = (normals + turned) / np.maximum(opening, parameters().least_opening)[:, None]
-    change = np.zeros((3, len(triangles)))
-    for column, along in zip(positions.T, turned.T, strict=True):
-        corners = np.ascontiguousarray(column)[triangles.T]
-        for k in range(3):
-            change[k] += along * (corners[(k + 1) % 3] - corners[k])
-    change *= cotangents
-    # Of edge k at its ends: what flows into corner k is what comes along edge k - 1 less edge k.
-    flow = np.roll(change, 1, axis=0) - change
-    corners = triangles.T.reshape(-1)
-    sums = [np.bincount(corners, (flow * m).reshape(-1), len(positions)) for m in middle.T]
-    return np.stack(sums, axis=1)
+
+    def __init__(self, pattern: EdgePattern, positions: FloatArray) -> None:
+        triangles = pattern.topology.triangles
+        self._n_vertices, self._corners = len(positions), triangles.T.reshape(-1)
+        self.normals = unit_vectors(triangle_normals(positions, triangles))
+        squares = squared_edges(pattern, positions)
+        corners = np.ascontiguousarray(positions.T)[:, triangles.T]
+        # From corner k to the next: (3 coordinates, 3 corners, m).
+        edges = np.roll(corners, -1, axis=1) - corners
+        self._pulls = half_cotangents(squares, area_elements(squares)) * edges
+
+    def of(self, turned: FloatArray) -> FloatArray:
+        """Integrate (∇x - R ∇x) · ∇φ_a over the surface with turns R of its triangles, (n, 3).
+
+        Parameters
+        ----------
+        turned : (m, 3)
+            Unit normals of the triangles after the turns, which take the shortest way.
+
+        Source: the right side of Y. Yu et al., Mesh editing with Poisson-based gradient field
+        manipulation, 2004, for linear elements.
+        """
+        # A turn from n to n' takes a tangent v to v - (n' · v) (n + n') / (1 + n · n').
+        opening = 1 + np.einsum("fd,fd->f", self.normals, turned)
+        middle = (self.normals + turned) / np.maximum(opening, parameters().least_opening)[:, None]
+        change = np.einsum("dkf,fd->kf", self._pulls, turned)
+        # Of edge k at its ends: what flows into corner k is what comes along edge k - 1 less
+        # edge k.
+        flow = np.roll(change, 1, axis=0) - change
+        sums = [
+            np.bincount(self._corners, (flow * m).reshape(-1), self._n_vertices) for m in middle.T
+        ]
+        return np.stack(sums, axis=1)

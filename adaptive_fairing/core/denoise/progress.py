@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 # About what a phase takes of the time, measured on 80 000 and 330 000 triangles.
-NOISE, ROUNDS, MIXTURE, MEASURES = 0.25, (0.08, 0.16, 0.07, 0.27), 0.12, 0.05
+NOISE, ROUNDS, MIXTURE, MEASURES = 0.25, (0.08, 0.16, 0.09, 0.27, 0.12), 0.12, 0.05
 
 
 class DenoiseProgress(NamedTuple):
@@ -45,14 +45,14 @@ class ProgressReport:
 
     def __init__(self, tell: Callable[[DenoiseProgress], None] | None, *, has_plan: bool) -> None:
         self._tell = tell
-        rounds = [("filter", number, share) for number, share in enumerate(ROUNDS, start=1)]
+        rounds = [("filter", number, fraction) for number, fraction in enumerate(ROUNDS, start=1)]
         phases = [("noise", 0, 0.0 if has_plan else NOISE), *rounds, ("mix", 0, MIXTURE)]
         phases.append(("measure", 0, MEASURES))
-        total = sum(share for *_, share in phases)
+        total = sum(fraction for *_, fraction in phases)
         self._news: dict[tuple[str, int], DenoiseProgress] = {}
         done = 0.0
-        for phase, number, share in phases:
-            until = done + share / total
+        for phase, number, fraction in phases:
+            until = done + fraction / total
             n_rounds = len(ROUNDS) if number else 0
             self._news[phase, number] = DenoiseProgress(phase, number, n_rounds, done, until)
             done = until

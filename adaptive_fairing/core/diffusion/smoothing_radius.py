@@ -22,8 +22,8 @@ from ..mesh.topology import TriangleTopology, checked_triangles
 from ..runtime.arrays import FloatArray
 from .settings import FairingSettings
 
-EXTREME_SHARE = 0.01
-"""Share of the vertices that counts as the densest, and as the coarsest, part of a mesh."""
+EXTREME_FRACTION = 0.01
+"""Fraction of the vertices that counts as the densest, and as the coarsest, part of a mesh."""
 
 
 @dataclass(frozen=True)
@@ -88,8 +88,8 @@ def radius_scale(vertices: ArrayLike, faces: ArrayLike, settings: FairingSetting
     edges = edges[used]
     radii = np.sqrt(2 * _timestep_per_tau(topology, positions, settings)[used]) / edges
     by_length = np.argsort(edges)
-    share = max(round(EXTREME_SHARE * len(by_length)), 1)
-    parts = by_length[:share], by_length, by_length[-share:]
+    n_extreme = max(round(EXTREME_FRACTION * len(by_length)), 1)
+    parts = by_length[:n_extreme], by_length, by_length[-n_extreme:]
     return RadiusScale(
         *(float(np.median(radii[part])) for part in parts),
         *(float(np.median(edges[part]) / scale) for part in parts),

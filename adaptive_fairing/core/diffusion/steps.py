@@ -23,8 +23,8 @@ from .settings import FairingSettings
 # where curvature has no bound: a rise by this factor over the least so far is taken as its sign.
 COLLAPSE_RISE = 2.0
 
-# Share of the last step's displacement that is added to the start of the next solve.
-EXTRAPOLATED_SHARE = 0.25
+# Fraction of the last step's displacement that is added to the start of the next solve.
+EXTRAPOLATED_FRACTION = 0.25
 
 
 def fair(
@@ -112,7 +112,7 @@ def _steps(
             increment, solve = conjugate_gradients(
                 system.matrix,
                 system.load,
-                EXTRAPOLATED_SHARE * increment,
+                EXTRAPOLATED_FRACTION * increment,
                 is_held=is_held,
                 tolerance=settings.cg_tolerance,
                 max_iterations=settings.cg_max_iterations,

@@ -336,6 +336,28 @@ class TestAnotherRun:
         surface("CONTROL")
         assert near(shown_positions(noisy), expected)
 
+    def test_the_result_goes_to_a_copy_of_an_object_with_keys_of_its_own(self, noisy):
+        noisy.shape_key_add(name="Basis", from_mix=False)
+        smile = noisy.shape_key_add(name="Smile", from_mix=False)
+        smile.data[3].co.x += 1.0
+        smile.value = 0.0
+        before, n = coordinates(noisy), len(noisy.data.vertices)
+        run(result="MODIFIER")
+        noisy.adaptive_fairing.strength = 0.5
+        shown, triangles = shown_positions(noisy), read_triangles(noisy.data)
+        surface("REFINED_1")
+        run(features="smooth")
+        copy = bpy.context.object
+        assert copy != noisy and copy.data.shape_keys is None
+        assert len(copy.data.vertices) == len(noisy.data.vertices) > n
+        assert near(shown_positions(noisy), refined(triangles, shown, "REFINED_1"))
+        bpy.ops.object.adaptive_fairing_discard()
+        assert np.array_equal(coordinates(copy), before)
+        bpy.context.view_layer.objects.active = noisy
+        bpy.ops.object.adaptive_fairing_discard()
+        assert np.array_equal(coordinates(noisy), before)
+        assert [block.name for block in noisy.data.shape_keys.key_blocks] == ["Basis", "Smile"]
+
     def test_a_region_chosen_on_the_refined_mesh(self):
         noisy = add_object(*noisy_ball(4, 0.02))
         noisy.select_set(True)

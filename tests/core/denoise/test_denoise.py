@@ -239,7 +239,7 @@ def test_progress_rises_to_one_and_may_end_the_run():
     assert seen[-1].done == 1
     assert len(seen) > 30, "too seldom to end a run"
     phases = list(dict.fromkeys(seen[:-1]))
-    filters = [("filter", number, 4) for number in range(1, 5)]
+    filters = [("filter", number, 5) for number in range(1, 6)]
     measured = [each[:3] for each in phases]
     assert measured == [("noise", 0, 0), *filters, ("mix", 0, 0), ("measure", 0, 0)]
     assert [each.until for each in phases] == [*(each.done for each in phases[1:]), 1.0]

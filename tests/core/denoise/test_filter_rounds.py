@@ -6,7 +6,7 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, PreparedMesh, denoise
 from adaptive_fairing.core.denoise.filter_bank import FilterBank
-from adaptive_fairing.core.denoise.filter_family import FilterFamily
+from adaptive_fairing.core.denoise.filter_family import FilterFamily, NormalFamily
 from adaptive_fairing.core.denoise.filter_rounds import mesh_family, rounds, rounds_for
 from adaptive_fairing.core.denoise.plan import STRENGTHS
 
@@ -96,3 +96,10 @@ def test_a_later_round_takes_its_metric_from_the_mixture_of_the_rounds_before(
         assert np.linalg.norm(surface - mixture) < 1e-6 * moved  # kept in single precision
         so_far += results
     assert plan.mixtures.shape[:2] == (len(STRENGTHS), len(so_far))
+
+
+@pytest.mark.parametrize("noise, is_used", [(0.1, True), (0.4, False)])
+def test_normals_of_the_noisy_mesh_are_used_if_the_noise_leaves_something_in_them(noise, is_used):
+    found = [family for families in rounds_for(np.full(5, noise)) for family in families]
+    of_noisy = [isinstance(family, NormalFamily) and family.is_of_noisy for family in found]
+    assert sum(of_noisy) == is_used

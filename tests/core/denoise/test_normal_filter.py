@@ -7,16 +7,11 @@ from support import meshes
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoise.filter_bank import FilterBank
 from adaptive_fairing.core.denoise.filter_family import NormalFamily
-from adaptive_fairing.core.denoise.lifted_metric import (
-    area_elements,
-    half_cotangents,
-    squared_edges,
-)
 from adaptive_fairing.core.denoise.normal_filter import (
     Smoothing,
+    TurningLoads,
     smoothed_normals,
     triangles_around,
-    turning_load,
 )
 from adaptive_fairing.core.linalg.edge_matrix import EdgePattern
 from adaptive_fairing.core.mesh.normals import triangle_normals, unit_vectors
@@ -73,9 +68,7 @@ def test_the_load_is_that_of_the_shortest_turns_of_the_tangents():
         slopes = np.array([a, b, c]).T @ gradients
         bent = slopes - shortest_turn(before, after) @ slopes
         expected[triangle] += np.linalg.norm(normal) / 2 * gradients @ bent.T
-    squares = squared_edges(pattern, vertices)
-    cotangents = half_cotangents(squares, area_elements(squares))
-    load = turning_load(pattern, vertices, cotangents, turned)
+    load = TurningLoads(pattern, vertices).of(turned)
     np.testing.assert_allclose(load, expected, atol=1e-12)
 
 
@@ -122,7 +115,7 @@ def test_a_fit_turns_a_noisy_roof_to_the_clean_one(seed):
     vertices, faces, left, right = roof(noise=0.05, seed=seed)
     true = normals_of(roof()[0], faces)
     bank = FilterBank(TriangleTopology(faces, len(vertices)), vertices, lambda report: None)
-    family = NormalFamily((Smoothing(ANGLE, (1, 3, 8)),))
+    family = NormalFamily("normals", (Smoothing(ANGLE, (1, 3, 8)),))
     fits = dict(bank.filtered(vertices, vertices, [family]))
     assert tuple(fits) == family.filters
     surfaces = [vertices, *fits.values()]
@@ -139,5 +132,15 @@ def test_a_fit_turns_a_noisy_roof_to_the_clean_one(seed):
 def test_a_fit_leaves_a_clean_roof_as_it_is():
     vertices, faces, *_ = roof()
     bank = FilterBank(TriangleTopology(faces, len(vertices)), vertices, lambda report: None)
-    ((_, fit),) = bank.filtered(vertices, vertices, [NormalFamily((Smoothing(ANGLE, (8,)),))])
+    family = NormalFamily("normals", (Smoothing(ANGLE, (8,)),))
+    ((_, fit),) = bank.filtered(vertices, vertices, [family])
+    np.testing.assert_allclose(fit, vertices, atol=1e-9)
+
+
+def test_normals_of_the_noisy_mesh_are_not_those_of_the_surface():
+    vertices, faces, *_ = roof()
+    rounded = vertices * [1, 1, 0.5]
+    bank = FilterBank(TriangleTopology(faces, len(vertices)), vertices, lambda report: None)
+    family = NormalFamily("noisy normals", (Smoothing(ANGLE, (8,)),), is_of_noisy=True)
+    ((_, fit),) = bank.filtered(vertices, rounded, [family])
     np.testing.assert_allclose(fit, vertices, atol=1e-9)

@@ -4,12 +4,14 @@ Filters spread a spike over its neighbours.  It is taken off first: a vertex tha
 every straight line through it, further than its neighbours do, moves onto the nearest of those
 lines, but for as much as its neighbours stand out, where the surface bends.  Vertices on creases
 lie on the line along the crease and are no spikes.
+
+Spikes stand beside spikes, so the first place of one goes by neighbours that were not all in
+theirs.  In the end all that were moved settle together.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.special import ndtri
 
 from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import BoolArray, FloatArray
@@ -19,33 +21,66 @@ from .line_roughness import OppositeLines
 from .own_numbers import LINE_NOISE, own_noise
 
 
-def impulsive_certainty(rough: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> float:
-    """Tell how surely noise is impulsive, from 0 to 1.
+def impulsive_certainty(
+    topology: TriangleTopology,
+    positions: FloatArray,
+    frame: LocalFrame,
+    level: FloatArray,
+    is_counted: BoolArray,
+) -> float:
+    """Tell how surely noise is impulsive or has heavy tails, from 0 to 1.
+
+    The largest of the deviations from the smoothest lines are compared with their median, and that
+    with the same for normal noise on this mesh.  Neighbours hardly see a spike in this measure,
+    and creases do not raise it.  Fine detail here and there does, but not where the mesh is calm.
 
     Parameters
     ----------
-    rough : (n,)
-        Roughness over the deviation that it has with the noise that was found.
+    topology : TriangleTopology
+    positions : (n, 3)
     frame : LocalFrame
+    level : (n,)
+        Noise that was found, in local edge lengths.
     is_counted : (n,) bool
         Vertices to judge from.
     """
     tuned = parameters()
     if not is_counted.any():
         return 0.0
-    root = frame.spread(np.where(is_counted, np.sqrt(rough), 0), tuned.calm_passes)
+    lines = OppositeLines(topology, frame)
+    passing = lines.passing(positions)
+    noise = frame.raised(own_noise(positions, frame, LINE_NOISE))
+    normal = np.abs(lines.least_deviation(noise, passing))[is_counted]
+    size = np.abs(lines.least_deviation(positions, passing)) / np.maximum(level, 1e-9)
+    root = frame.spread(np.where(is_counted, np.sqrt(size), 0), tuned.calm_passes)
     around = root / np.maximum(frame.spread(is_counted.astype(float), tuned.calm_passes), 1e-9)
-    is_quiet = is_counted & (around <= np.quantile(around[is_counted], tuned.calm_fraction))
-    median, tail = np.quantile(rough[is_quiet], (0.5, tuned.tail_quantile))
-    if median <= 0:
-        return 0.0
-    ratio = tail / median * ndtri(0.75) / ndtri((1 + tuned.tail_quantile) / 2)
-    least = tuned.normal_ratio + tuned.ratio_chance / np.sqrt(np.count_nonzero(is_quiet))
-    return float(np.clip((ratio - least) / (tuned.impulsive_ratio - tuned.normal_ratio), 0, 1))
+    size, around = size[is_counted], around[is_counted]
+    calm = size[around <= np.quantile(around, tuned.calm_fraction)]
+    everywhere, where_calm = (_tail(some) / max(_tail(normal), 1e-9) for some in (size, calm))
+    chance = tuned.ratio_chance / np.sqrt(len(size))
+    return float(
+        np.clip(
+            min(
+                (everywhere - tuned.normal_ratio - chance) / tuned.ratio_range,
+                (where_calm - tuned.calm_ratio) / tuned.ratio_range,
+            ),
+            0,
+            1,
+        )
+    )
+
+
+def _tail(size: FloatArray) -> float:
+    median, tail = np.quantile(size, (0.5, parameters().tail_quantile))
+    return float(tail / median) if median > 0 else 0.0
 
 
 def without_spikes(
-    topology: TriangleTopology, positions: FloatArray, frame: LocalFrame, is_counted: BoolArray
+    topology: TriangleTopology,
+    positions: FloatArray,
+    frame: LocalFrame,
+    is_counted: BoolArray,
+    may_move: BoolArray,
 ) -> FloatArray:
     """Return positions (n, 3) whose spikes lie on the lines through their neighbours.
 
@@ -55,7 +90,9 @@ def without_spikes(
     positions : (n, 3)
     frame : LocalFrame
     is_counted : (n,) bool
-        Vertices that may be spikes.
+        Vertices that tell how far others stand out.
+    may_move : (n,) bool
+        Vertices that may be spikes: rims too.
     """
     tuned = parameters()
     lines = OppositeLines(topology, frame)
@@ -63,9 +100,10 @@ def without_spikes(
     unit = np.median(np.abs(lines.least_deviation(noise, lines.passing(positions)))[is_counted])
     result = positions.copy()
     centre = np.repeat(np.arange(topology.n_vertices), topology.ring_size)
+    was_moved = np.zeros(len(result), dtype=bool)
     for _ in range(tuned.most_spike_rounds):
         height = lines.least_deviation(result, lines.passing(result))
-        size = np.where(is_counted, np.abs(height), 0)
+        size = np.where(may_move, np.abs(height), 0)
         level = max(float(np.median(size[is_counted])), tuned.clean_roughness * unit)
         limit = tuned.spike_factor * level / unit
         around = np.zeros(len(result))
@@ -76,4 +114,9 @@ def without_spikes(
         is_calm = (size <= limit).astype(float)
         usual = frame.mean @ (height * is_calm) / np.maximum(frame.mean @ is_calm, 1e-9)
         result -= frame.raised(np.where(is_spike, height - usual, 0))
+        was_moved |= is_spike
+    for _ in range(tuned.settling_rounds):
+        height = lines.least_deviation(result, lines.passing(result))
+        # Half of the way: neighbours move at the same time.
+        result -= frame.raised(np.where(was_moved, (height - frame.mean @ height) / 2, 0))
     return result
