@@ -92,7 +92,7 @@ class Progress:
     def seconds_left(self) -> float | None:
         """Guess from the bar how long `denoise` of this mesh still takes; None at its beginning."""
         done, passed = self._denoise_factor(), time.perf_counter() - self.last_news
-        if passed < 1 or self.solve.is_over:
+        if passed < 1 or done == 0 or self.solve.is_over:
             return None
         return passed * (1 - done) / done
 

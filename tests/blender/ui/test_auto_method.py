@@ -260,6 +260,10 @@ class TestRun:
             solve.progress = DenoiseProgress(phase, done=0.9, until=1.0)
             assert self.bar()[1].startswith(name)
 
+    def test_a_busy_machine_may_ask_late_for_the_first_time(self, current):
+        self.now += 5
+        assert self.bar() == (0.0, "Measuring the noise")
+
     def test_the_other_panel_shows_it_too_and_a_stop_reaches_the_solve(self, solve, current):
         draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
         modal_run.stop_run()
