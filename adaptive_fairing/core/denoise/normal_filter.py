@@ -68,7 +68,8 @@ def smoothed_normals(
         own = columns[:, chunk]
         mean = (1 - least) ** 2 * own
         for neighbours in around[:, chunk]:
-            other = columns.take(neighbours, axis=1)
+            # All indices are in range, and mode "wrap" saves the time of checking them.
+            other = columns.take(neighbours, axis=1, mode="wrap")
             weight = np.einsum("df,df->f", other, own)
             weight -= least
             np.maximum(weight, 0, out=weight)
