@@ -7,7 +7,7 @@ from collections.abc import Callable
 import bpy
 from bpy.props import EnumProperty, IntProperty
 
-from .properties import AUTO, LIVE, METHODS, RESULTS
+from .choices import AUTO, LIVE, METHODS, RESULTS
 
 DEFAULTS = ("method", "result")
 """Settings of a scene that the preferences have too."""

@@ -59,7 +59,7 @@ def vertex_weights(
     invert: bool,
     hold_sharp: bool = False,
 ) -> NDArray[np.float64] | None:
-    """Share of the smoothing that every vertex gets.
+    """Fraction of the smoothing that every vertex gets.
 
     Parameters
     ----------

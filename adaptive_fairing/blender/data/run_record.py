@@ -17,7 +17,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..properties import AUTO
+from ..choices import AUTO
 from . import modifier, split
 from .attributes import COMPARED_FIELDS
 from .mesh_arrays import read_mesh_coordinates

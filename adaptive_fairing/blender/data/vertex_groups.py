@@ -32,7 +32,7 @@ class GroupWeights:
     is_member: FloatArray
 
     def with_weights(self, refined: Callable[[FloatArray], FloatArray]) -> GroupWeights:
-        """Take the group to another mesh; what has a share of a member is one."""
+        """Take the group to another mesh; what has a part of a member is one."""
         return replace(self, weights=refined(self.weights), is_member=refined(self.is_member))
 
 

@@ -7,13 +7,13 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core import FairingError, FairingSettings
+from ..choices import AUTO
 from ..data import results
 from ..data.attributes import COMPARED_FIELDS, write_density
 from ..data.coloring import color_by_field, end_view
 from ..data.control_mesh import control_read
 from ..data.fields import shown_density
 from ..data.rollback import written_or_restored
-from ..properties import AUTO
 from .solve import Solve
 
 

@@ -9,9 +9,10 @@ from bpy.app.translations import pgettext_data as data_
 from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
+from ..choices import AUTO
 from ..data.regions import refusal
 from ..data.run_record import end_comparison
-from ..properties import AUTO, SolverProperties, solver_settings
+from ..properties import SolverProperties, solver_settings
 from ..requirements import scipy_problem
 from .modal_run import ModalRun
 from .object_mode import object_mode

@@ -7,9 +7,10 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 
+from ..choices import AUTO
 from ..data.regions import refusal, target_objects, vertex_weights
 from ..data.run_record import end_comparison
-from ..properties import AUTO, OutputProperties, SolverProperties, solver_settings
+from ..properties import OutputProperties, SolverProperties, solver_settings
 from ..requirements import scipy_problem
 from .modal_run import ModalRun, progress, stop_run
 from .object_mode import object_mode, prepare_undo

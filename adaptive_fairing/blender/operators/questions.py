@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..properties import AUTO
+from ..choices import AUTO
 
 
 def hints(objects: Iterable[bpy.types.Object], settings) -> list[str]:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..properties import AUTO, CONTEXT
+from ..choices import AUTO
+from ..properties import CONTEXT
 from .tau import OBJECT_OT_adaptive_fairing_suggest_tau
 
 

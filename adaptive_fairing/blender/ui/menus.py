@@ -5,9 +5,10 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..choices import AUTO, FALLBACK_METHOD
 from ..operators.compare import OBJECT_OT_adaptive_fairing_compare
 from ..operators.loop_subdivide import OBJECT_OT_adaptive_fairing_loop_subdivide
-from ..properties import AUTO, FALLBACK_METHOD, copy_solver
+from ..properties import copy_solver
 from .settings_panel import draw_run_button
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..choices import AUTO
 from ..data.run_record import has_slider, is_of_strengths, result_measures
 from ..data.stored_result import is_current
 from ..operators.results import (
@@ -16,7 +17,6 @@ from ..operators.results import (
     OBJECT_OT_adaptive_fairing_surface,
     surface_name,
 )
-from ..properties import AUTO
 from .layouts import draw_lines, world_length_text
 from .results_panel import active_record, change_text
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
+from ..choices import AUTO
 from ..data.regions import refusal, target_objects
 from ..operators import mesh_scale, modal_run
 from ..operators.fair import OBJECT_OT_adaptive_fairing
@@ -16,7 +17,7 @@ from ..operators.settings_layout import (
     draw_options,
 )
 from ..operators.tau import OBJECT_OT_adaptive_fairing_measure
-from ..properties import AUTO, CONTEXT, OUTPUT_NAMES, copy_settings, copy_solver
+from ..properties import CONTEXT, OUTPUT_NAMES, copy_settings, copy_solver
 from ..requirements import scipy_problem
 from .layouts import FairingPanel, draw_lines
 from .presets import VIEW3D_PT_adaptive_fairing_presets
