@@ -19,7 +19,6 @@ from .contest import Entry, contest
 from .measures import Score
 from .pairs import MAIN_NOISE, made
 from .peers import PEERS, Peer
-from .shapes import GROUPS
 from .tables import table
 
 METHODS = ("MeshLab Taubin", "MeshLab two-step", "guided normals", "L0 minimisation")
@@ -27,6 +26,8 @@ METHODS = ("MeshLab Taubin", "MeshLab two-step", "guided normals", "L0 minimisat
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Measure and print."""
+    from .shapes import GROUPS  # takes seconds, and needs the extra "bench"
+
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("shapes", nargs="*", metavar="SHAPE", help="default: the held-out ones")
     names = parser.parse_args(arguments).shapes or GROUPS["held-out"]
