@@ -51,6 +51,14 @@ def test_models_repeat_themselves(name):
     assert not found.is_contour
 
 
+@pytest.mark.parametrize("seed", range(5))
+def test_a_scan_with_rounded_depths_is_no_model(seed):
+    points, faces = meshes.flat_grid(120, 120)
+    depths = 0.05 * np.random.default_rng(seed).normal(size=len(points))
+    points[:, 2] = 0.004 * np.round(depths / 0.004)
+    assert repetition(faces, single(points - points.mean(axis=0))).part == 0
+
+
 @pytest.mark.parametrize("amplitude", [0.02, 0.05, 0.2])
 @pytest.mark.parametrize("seed", range(5))
 def test_noise_never_repeats_itself(amplitude, seed):
