@@ -9,12 +9,11 @@ from numpy.typing import ArrayLike
 
 from ..errors import InputError, SolverError
 from ..linalg.conjugate_gradients import SolveReport
-from ..mesh.normals import triangle_normals, unit_vectors
-from ..mesh.topology import TriangleTopology
 from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import CallerMesh, SolverProblem
 from ..runtime.arrays import BoolArray, FloatArray
 from ..runtime.precision import SINGLE
+from .creases import crease_part
 from .filter_family import KEEPS
 from .local_frame import spacing_of
 from .mixing import mixed_surfaces
@@ -117,7 +116,7 @@ def denoise(
         problem.space.measures(each, in_single).scaled(1 / frame.scale) for each in surfaces
     )
     plan, noise = outcome.plan, outcome.plan.noise
-    crease_part = _crease_part(topology, outcome.positions[STRENGTHS.index(1.0)])
+    creases = crease_part(topology, outcome.positions[STRENGTHS.index(1.0)])
     result = DenoiseResult(
         strengths=settings.strength * np.array(STRENGTHS),
         shapes=np.stack([frame.displaced(mesh.points, move) for move in moves]),
@@ -128,9 +127,9 @@ def denoise(
         / frame.scale,
         radius=plan.radius,
         sharp_part=_sharp_part(plan),
-        crease_part=crease_part,
+        crease_part=creases,
         is_sharp=(
-            crease_part > parameters().smooth_crease_fraction
+            creases > parameters().smooth_crease_fraction
             if settings.features == "auto"
             else settings.features == "sharp"
         ),
@@ -163,11 +162,3 @@ def _sharp_part(plan: DenoisePlan) -> float:
     coefficients = plan.mixtures[STRENGTHS.index(1.0)]
     total = float(coefficients.sum())
     return float(coefficients[keeps_creases].sum()) / total if total > 0 else 0.0
-
-
-def _crease_part(topology: TriangleTopology, positions: FloatArray) -> float:
-    """Part of the inner edges of a mesh that are creases."""
-    normal = unit_vectors(triangle_normals(positions, topology.triangles))
-    side = np.flatnonzero(topology.twin >= 0)
-    cosine = np.einsum("ed,ed->e", normal[side // 3], normal[topology.twin[side] // 3])
-    return float(np.mean(cosine < np.cos(parameters().crease_angle))) if len(side) else 0.0

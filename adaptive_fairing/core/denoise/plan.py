@@ -24,7 +24,7 @@ class DenoisePlan:
     noise : (n,)
         Standard deviation of the noise in local edge lengths; 0 where it was not judged.
     pilots : sequence of (k, n)
-        Coefficients of the filters so far, after each round but the last.
+        Coefficients of the filters so far, after each round but the last that was run.
     mixtures : (s, k, n)
         Coefficients of all filters, for each of `STRENGTHS`.
     kept : (s,)

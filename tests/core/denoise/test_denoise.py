@@ -245,6 +245,7 @@ def test_progress_rises_to_one_and_may_end_the_run():
     assert [each.until for each in phases] == [*(each.done for each in phases[1:]), 1.0]
     again = []
     denoise(points, faces, plan=plan, progress=again.append)
+    measured.remove(("filter", 5, 5))  # a torus has no creases, and the plan knows it
     assert [each[:3] for each in dict.fromkeys(again[:-1])] == measured
     assert again[0].until == 0, "nothing is measured with a plan"
 

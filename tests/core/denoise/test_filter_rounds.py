@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.spatial import ConvexHull
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, PreparedMesh, denoise
@@ -23,14 +24,27 @@ def prepared():
     return PreparedMesh(POINTS, FACES)
 
 
+def noisy_cube(amplitude):
+    """A subdivided cube with noise along the directions from its middle: creases, and no margin."""
+    corners = np.array([[x, y, z] for x in (-1.0, 1) for y in (-1.0, 1) for z in (-1.0, 1)])
+    faces = ConvexHull(corners).simplices
+    inward = np.linalg.det(corners[faces]) < 0
+    faces[inward] = faces[inward, ::-1]
+    for _ in range(4):
+        corners, faces = meshes.split_1_to_4(corners, faces)
+    outward = corners / np.linalg.norm(corners, axis=1, keepdims=True)
+    height = np.random.default_rng(1).normal(0, amplitude * 2 / 2**4, (len(corners), 1))
+    return corners + height * outward, faces
+
+
 def test_every_filter_has_a_name_of_its_own():
     filters = [each for family in all_families() for each in family.filters]
     assert len({each.name for each in filters}) == len(filters)
 
 
 @pytest.mark.parametrize("features, kind", [("sharp", "keeps"), ("smooth", "rounds")])
-def test_features_decide_which_filters_are_mixed(prepared, features, kind):
-    plan = denoise(POINTS, FACES, DenoiseSettings(features=features), prepared=prepared).plan
+def test_features_decide_which_filters_are_mixed(features, kind):
+    plan = denoise(*noisy_cube(0.15), DenoiseSettings(features=features)).plan
     expected = tuple(each for family in all_families() for each in family.filters)
     assert plan.filters == expected
     used = {
@@ -77,7 +91,7 @@ def test_a_later_round_takes_its_metric_from_the_mixture_of_the_rounds_before(
     both_runs = list(calls)
     calls.clear()
     denoise(POINTS, FACES, prepared=prepared, plan=plan)
-    assert len(calls) == len(rounds()) == len(plan.pilots) + 1
+    assert len(calls) == len(plan.pilots) + 1
     positions = calls[0][0]
     # The others are of the probes, at the same time.
     surfaces = [surface for each, surface, _ in both_runs if np.array_equal(each, positions)]
@@ -96,6 +110,17 @@ def test_a_later_round_takes_its_metric_from_the_mixture_of_the_rounds_before(
         assert np.linalg.norm(surface - mixture) < 1e-6 * moved  # kept in single precision
         so_far += results
     assert plan.mixtures.shape[:2] == (len(STRENGTHS), len(so_far))
+
+
+def test_the_last_round_is_for_creases():
+    """The ball has none; a plan of the cube repeats all rounds, bit by bit."""
+    assert len(denoise(POINTS, FACES).plan.pilots) == len(rounds()) - 2
+    cube, faces = noisy_cube(0.15)
+    prepared = PreparedMesh(cube, faces)
+    found = denoise(cube, faces, prepared=prepared)
+    assert len(found.plan.pilots) == len(rounds()) - 1
+    again = denoise(cube, faces, prepared=prepared, plan=found.plan)
+    assert np.array_equal(again.positions, found.positions)
 
 
 @pytest.mark.parametrize("noise, is_used", [(0.1, True), (0.4, False)])
