@@ -19,5 +19,5 @@ def crease_part(topology: TriangleTopology, positions: FloatArray) -> float:
 
 
 def has_creases(topology: TriangleTopology, positions: FloatArray) -> bool:
-    """Whether enough inner edges are creases for the surface not to be a smooth one."""
-    return crease_part(topology, positions) > parameters().smooth_crease_fraction
+    """Whether enough inner edges are creases for the filters that sharpen them to be worth it."""
+    return crease_part(topology, positions) > parameters().fewest_creases

@@ -176,12 +176,11 @@ def _planned(
     _filter_both(track, shadow, first)
     for number, families in enumerate(others, start=2):
         progress.begin("filter", number)
-        (pilot,) = parts.best_coefficients(*measured(), pilot_variance[None])
         # The last round sharpens creases and takes a quarter of the time.
-        if number > len(others) and not has_creases(bank.topology, track.mixed(pilot)):
+        if number > len(others) and not has_creases(bank.topology, track.surface):
             break
-        pilots.append(pilot)
-        _filter_both(track, shadow, families, pilot)
+        pilots.extend(parts.best_coefficients(*measured(), pilot_variance[None]))
+        _filter_both(track, shadow, families, pilots[-1])
     progress.begin("mix")
     removed, divergence = measured()
     filters = tuple(track.taken)
