@@ -73,3 +73,14 @@ def weight_paint_settings(context: bpy.types.Context) -> bpy.types.UnifiedPaintS
     return (
         getattr(tools, "unified_paint_settings", None) or tools.weight_paint.unified_paint_settings
     )
+
+
+def show_scene(scene: bpy.types.Scene) -> None:
+    """Make a scene that of the present window, if there is one.
+
+    The window is reached through its manager: the one of the context has no owner in Blender 4.2,
+    which then may crash when its scene is set.
+    """
+    for window in bpy.context.window_manager.windows:
+        if window == bpy.context.window:
+            window.scene = scene

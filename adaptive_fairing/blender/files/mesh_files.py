@@ -18,7 +18,7 @@ from ...files.inspection import inspect
 from ...files.inspection.contents import Contents
 from ...files.inspection.ply import without_faces
 from ...silence import silent_output
-from ..compatibility import known_options
+from ..compatibility import known_options, show_scene
 from ..data.targets import find_mesh_object
 from .obj_order import restore_order
 from .obj_precision import restore_precision
@@ -217,7 +217,7 @@ def _show_alone(obj: bpy.types.Object) -> None:
     scene.collection.objects.link(obj)
     if obj.library is None:
         obj.hide_viewport = False
-    bpy.context.window.scene = scene
+    show_scene(scene)
     # Some exporters write every scene of the file.
     bpy.data.batch_remove([each for each in bpy.data.scenes if each != scene])
 

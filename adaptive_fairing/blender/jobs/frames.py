@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...core import InputError
 from ...files.errors import FileError
+from ..compatibility import show_scene
 from ..data.mesh_arrays import MeshData, read_mesh
 
 
@@ -108,8 +109,6 @@ def evaluated_mesh(obj: bpy.types.Object, frame: int) -> tuple[bpy.types.Mesh, o
 def go_to_frame(obj: bpy.types.Object, frame: int) -> bpy.types.Depsgraph:
     """Evaluate the scene of an object at a frame."""
     scene = obj.users_scene[0]
-    window = bpy.context.window
-    if window is not None and window.scene != scene:  # Blender 4.2 may crash when it is the same
-        window.scene = scene
+    show_scene(scene)
     scene.frame_set(frame)
     return bpy.context.evaluated_depsgraph_get()
