@@ -25,11 +25,7 @@ from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
 from .filter_family import Filter, FilterFamily, NormalFamily
 from .filter_rounds import mesh_family
-from .lifted_metric import (
-    LiftedMetric,
-    linear_elements,
-    rim_flux,
-)
+from .lifted_metric import LiftedMetric, linear_elements, rim_flux
 from .local_frame import spacing_of
 from .normal_filter import TurningLoads, smoothed_normals, triangles_around
 from .parameters import parameters

@@ -22,7 +22,7 @@ import numpy as np
 from ..fem.loop_space import LoopSpace
 from ..linalg.conjugate_gradients import SolveReport
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
-from ..runtime.threads import ordered_map
+from ..runtime.threads import for_each
 from .creases import has_creases
 from .filter_bank import FilterBank
 from .filter_family import Filter
@@ -207,10 +207,11 @@ def _filter_both(
             one.surface = one.mixed(pilot)
         one.filter(families)
 
-    both = track, shadow
-    is_small = len(track.positions) <= MOST_SIDE_BY_SIDE
-    for _ in (ordered_map if is_small else map)(filter_one, both):
-        pass
+    if len(track.positions) <= MOST_SIDE_BY_SIDE:
+        for_each(filter_one, (track, shadow))
+    else:
+        filter_one(track)
+        filter_one(shadow)
 
 
 def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:

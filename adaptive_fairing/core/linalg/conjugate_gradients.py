@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import SolverError
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.precision import SINGLE
-from ..runtime.threads import chunks, ordered_map
+from ..runtime.threads import chunks, for_each, ordered_map
 
 # The terms of A x are rounded to some machine epsilons, so no residual gets smaller than that.
 ATTAINABLE = 64  # machine epsilons
@@ -216,5 +216,4 @@ class _State:
             direction *= factor
             direction += self._inverse[chunk] * self._residual[:, chunk]
 
-        for _ in ordered_map(of_chunk, self._chunks):
-            pass
+        for_each(of_chunk, self._chunks)

@@ -9,7 +9,7 @@ from scipy import sparse
 
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, IntArray, RealArray
-from ..runtime.threads import chunks, ordered_map
+from ..runtime.threads import chunks, for_each
 from .symmetric_pattern import adopt_entries
 
 # Rows of a product that one thread computes at a time.
@@ -122,8 +122,7 @@ class EdgeMatrix:
             for own, column in zip(result[:, rows], columns, strict=True):
                 own += edges @ column
 
-        for _ in ordered_map(of_chunk, self._chunks):
-            pass
+        for_each(of_chunk, self._chunks)
         return result
 
     @cached_property

@@ -22,7 +22,7 @@ import numpy as np
 
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.precision import Precision
-from ..runtime.threads import chunks, ordered_map
+from ..runtime.threads import chunks, for_each, ordered_map
 from .conjugate_gradients import SolveReport, conjugate_gradients
 from .edge_matrix import EdgeMatrix
 
@@ -227,5 +227,4 @@ def _add_combined(result: RealArray, coefficients: FloatArray, rows: RealArray) 
     def of_chunk(chunk: slice) -> None:
         result[:, chunk] += np.einsum("jk,kn->jn", factors, rows[:, chunk])
 
-    for _ in ordered_map(of_chunk, chunks(rows.shape[1], NUMBERS_PER_CHUNK)):
-        pass
+    for_each(of_chunk, chunks(rows.shape[1], NUMBERS_PER_CHUNK))

@@ -111,7 +111,7 @@ def _mean_edge_length(topology: TriangleTopology, points: FloatArray) -> FloatAr
 
     ones = np.ones(topology.n_vertices)
     parts = chunks(topology.n_vertices, VERTICES_PER_CHUNK)
-    return np.concatenate([*ordered_map(of_chunk, parts)])
+    return np.concatenate(list(ordered_map(of_chunk, parts)))
 
 
 def _ring_area(topology: TriangleTopology, points: FloatArray) -> FloatArray:

@@ -1,7 +1,8 @@
 """Threads around numpy and scipy calls that release the interpreter lock.
 
 Work is cut into chunks: neighbouring triangles, vertices or matrix rows that one thread works on at
-a time (`chunks`).  `ordered_map` is the only way to run them, and its rules are the only ones:
+a time (`chunks`).  `ordered_map` is the only way to run them, and its rules are the only ones
+(`for_each` is the same without results):
 
 order       results come back in the order of the items, whatever thread was first: sums over them
             are the same to the last bit from run to run
@@ -90,6 +91,12 @@ def ordered_map(function: Callable[[Item], Result], items: Sequence[Item]) -> It
     finally:
         for future in waiting:
             future.cancel()
+
+
+def for_each(function: Callable[[Item], None], items: Sequence[Item]) -> None:
+    """Run function(item) for all items by several threads, by the rules of `ordered_map`."""
+    for _ in ordered_map(function, items):
+        pass
 
 
 _this_thread = threading.local()

@@ -5,13 +5,11 @@ They are most of a refined mesh, and all regular: no matrix is needed, only thei
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from ..mesh.normals import unit_vectors
 from ..runtime.arrays import FloatArray, IntArray
-from ..runtime.threads import ordered_map
+from ..runtime.threads import chunks, for_each
 from .refined_mesh import RefinedMesh
 
 CACHED_ROWS = 4096
@@ -32,12 +30,12 @@ def edge_control_points(mesh: RefinedMesh, control: FloatArray, result: FloatArr
     """
     opposite = mesh.opposite
 
-    def work(rows: slice) -> None:
+    def of_rows(rows: slice) -> None:
         a, b = _taken(control, mesh.edges[rows])
         c, d = _taken(control, opposite[rows])
         result[rows] = ((a + b) * 3 + (c + d)) / 8
 
-    _for_parts(len(result), work)
+    for_each(of_rows, chunks(len(result), CACHED_ROWS))
     if mesh.has_sharp_edges:
         result[mesh.is_sharp] = control[mesh.edges[mesh.is_sharp]].sum(axis=1) / 2
 
@@ -62,7 +60,7 @@ def edge_limits(
     """
     own, rings = control[mesh.n_vertices :], mesh.edge_point_rings
 
-    def work(rows: slice) -> None:
+    def of_rows(rows: slice) -> None:
         p = _taken(control, rings[rows])
         if points is not None:
             points[rows] = own[rows] / 2 + (p[0] + p[1] + p[2] + p[3] + p[4] + p[5]) / 12
@@ -71,18 +69,11 @@ def edge_limits(
             second = p[1] + p[2] - p[4] - p[5]
             normals[rows] = unit_cross(first, second)
 
-    _for_parts(len(rings), work)
+    for_each(of_rows, chunks(len(rings), CACHED_ROWS))
     if points is not None and mesh.has_sharp_edges:
         sharp = np.flatnonzero(mesh.is_sharp)
         ends = control[mesh.edges[sharp]].sum(axis=1)
         points[sharp] = (4 * own[sharp] + ends) / 6
-
-
-def _for_parts(n: int, work: Callable[[slice], None]) -> None:
-    """Run over rows in parts, by several threads."""
-    parts = [slice(begin, begin + CACHED_ROWS) for begin in range(0, n, CACHED_ROWS)]
-    for _ in ordered_map(work, parts):
-        pass
 
 
 def _taken(control: FloatArray, indices: IntArray) -> list[FloatArray]:
