@@ -33,7 +33,8 @@ from .noise.correlation import NoiseCorrelation, noise_correlation
 from .noise.level import beyond_clean
 from .noise.order_decay import Fading
 from .noise.own_numbers import own_signs
-from .noise.smooth_noise import smooth_noise
+from .noise.repeats import repetition
+from .noise.smooth_noise import SmoothNoise, smooth_noise
 from .noise.spikes import without_spikes
 from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
@@ -48,6 +49,10 @@ MOST_SIDE_BY_SIDE = 1_000_000
 SMOOTH = (
     "the surface is evenly uneven over several edges, by {:.2g} of an edge: fine detail, which was "
     "kept, or the smooth noise of a scanner, which is removed if all roughness counts as noise"
+)
+SMOOTH_REMOVED = (
+    "the surface is uneven over several edges, by {:.2g} of an edge, as the smooth noise of a "
+    "scanner is: it was removed; if it is fine detail, keep it with the setting for clean meshes"
 )
 IMPULSIVE = "the noise is impulsive: single vertices that stand out were put back first"
 
@@ -79,7 +84,7 @@ def mixed_surfaces(
     *,
     strength: float = 1.0,
     features: str = "auto",
-    keeps_clean: bool = True,
+    clean: str = "keep",
     plan: DenoisePlan | None = None,
     progress: ProgressReport,
 ) -> MixedSurfaces:
@@ -96,8 +101,9 @@ def mixed_surfaces(
     features : "auto", "sharp" or "smooth"
         Which filters may be used: all, only those that keep creases, or only those that round
         them.
-    keeps_clean : bool
-        Whether what looks like a clean mesh stays as it is.
+    clean : "keep", "detail" or "denoise"
+        Whether what looks like a clean mesh stays as it is; with "detail" what is smooth over
+        several edges does, too.
     plan : DenoisePlan, optional
         Of another frame of this surface: nothing is estimated then.
     progress : ProgressReport
@@ -107,6 +113,7 @@ def mixed_surfaces(
     stage = _Stage(space, positions, is_still, solves.count)
     notes: tuple[str, ...] = ()
     if plan is None:
+        keeps_clean = clean != "denoise"
         found, fading = stage.noise_found(strength, keeps_clean)
         impulsive, notes = found.impulsive, found.notes
         if impulsive.any():
@@ -114,14 +121,20 @@ def mixed_surfaces(
             found, fading = stage.noise_found(strength, keeps_clean)
             notes = (IMPULSIVE,)
         level, counted = found.level, stage.parts.is_counted
-        plan, correlation = DenoisePlan.idle(level), None
+        correlation = None
         # White noise that is stronger hides the smooth kind.
         if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:
             smooth = smooth_noise(stage.track.positions, stage.frame, fading, counted)
-            if smooth.may_be_noise and not keeps_clean:
+            if clean == "denoise":
+                is_removed = smooth.may_be_noise
+            else:
+                is_removed = clean == "keep" and stage.is_told(smooth)
+            if is_removed:
                 level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
+                notes = (SMOOTH_REMOVED.format(smooth.level),)
             elif smooth.is_likely and not beyond_clean(strength * level).any():
                 notes = (SMOOTH.format(smooth.level), *notes)
+        plan = DenoisePlan.idle(level)
         if beyond_clean(max(STRENGTHS) * strength * level).any():
             if correlation is None:
                 correlation = noise_correlation(fading, stage.frame, counted & (level > 0))
@@ -251,6 +264,11 @@ class _Stage:
         fading = Fading(self.track.positions, self.frame)
         positions = self.track.positions
         return self.parts.noise(positions, fading, strength, keeps_clean=keeps_clean), fading
+
+    def is_told(self, smooth: SmoothNoise) -> bool:
+        """Whether smooth noise is told from shape: models, which repeat triangles, have none."""
+        triangles = self._space.topology.triangles
+        return smooth.is_noise and not repetition(triangles, self.track.positions).part
 
     def calmed(self, impulsive: FloatArray) -> _Stage:
         """Put vertices back that stand out, by a part (n,) of their way."""

@@ -1,10 +1,15 @@
 """Noise that is alike over several edges, as that of range scanners and depth cameras.
 
 In differences of second order it hardly shows.  In wider bands, between averages over few and over
-many neighbours, it does, but so does shape.  Noise is as strong everywhere; a shape bends more here
-and less there.  So the quietest tenth of the surface tells how much noise there may be in each
-band, and how far it lies below the rest tells how surely it is noise.  Shapes that are as bumpy
-everywhere look the same.
+many neighbours, it does, but so does shape.  Four things tell them apart, together:
+
+- Noise is as strong everywhere; a shape bends more here and less there.
+- Noise has the strengths of white noise that was averaged, band by band; in the next wider band it
+  is hardly stronger, while shape goes on growing.
+- Noise is normally distributed: it has no outliers, and as many hills as valleys.
+- Noise repeats nothing.  Modelling makes exact copies (`repeats`).
+
+What is as fine, as even and as random as noise, such as the grain of a rock, looks the same.
 """
 
 from __future__ import annotations
@@ -17,12 +22,20 @@ from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
 from ..parameters import parameters
 from .correlation import NoiseCorrelation
+from .level import NORMAL_MEDIAN
 from .order_decay import Fading
 
-# Passes of averaging that bound the bands, from narrow to wide.
-BANDS = ((0, 1), (1, 3), (3, 8))
+# Passes of averaging that bound the bands, from narrow to wide.  Evenness is that of the first
+# three; the last one tells whether waves go on growing.
+BANDS = ((0, 1), (1, 3), (3, 8), (8, 20))
+N_NARROW = 3
 # Passes of averaging of white noise that are tried.
-PASSES = (2, 4, 8, 16, 32)
+PASSES = (2, 3, 4, 6, 8, 12, 16)
+# Weights of the narrow bands in the fit: the narrowest shows the edges of the mesh as well.
+WEIGHTS = np.array([0.5, 1.0, 1.0])
+
+# Quantile of the outliers, and that over the median of |x| for a normal distribution.
+TAIL, NORMAL_TAIL = 0.95, 2.9058
 
 
 class SmoothNoise(NamedTuple):
@@ -35,6 +48,14 @@ class SmoothNoise(NamedTuple):
     level : float
         Standard deviation in local edge lengths.
     correlation : NoiseCorrelation
+    misfit : float
+        Weighted sum of the squared logarithms by which the bands differ from those of noise.
+    excess : float
+        Logarithm of how much stronger than noise the widest band is.
+    outliers : float
+        How far out the largest heights are, relative to a normal distribution.
+    lean : float
+        How much more there is of hills than of valleys or the other way round, 0 to 1.
     n_counted : int
         Number of vertices that it was judged from.
     """
@@ -42,19 +63,38 @@ class SmoothNoise(NamedTuple):
     evenness: float
     level: float
     correlation: NoiseCorrelation
+    misfit: float
+    excess: float
+    outliers: float
+    lean: float
     n_counted: int
 
     @property
     def may_be_noise(self) -> bool:
-        """Whether it is as even as noise."""
-        return self.evenness >= parameters().least_evenness
+        """Whether it is noise if all that is rough is."""
+        tuned = parameters()
+        is_like_noise = self.evenness >= tuned.least_evenness and self.misfit <= tuned.most_misfit
+        return is_like_noise and self.n_counted >= tuned.fewest_to_tell_smooth
 
     @property
     def is_likely(self) -> bool:
-        """Whether it is more even, and stronger, than clean shapes are."""
+        """Whether it is more even, and stronger, than most clean shapes are."""
         tuned = parameters()
         is_strong = self.evenness >= tuned.likely_evenness and self.level >= tuned.likely_level
         return is_strong and self.n_counted >= tuned.fewest_of_scan
+
+    @property
+    def is_noise(self) -> bool:
+        """Whether it is told from shape: the test that acts by itself, but for exact copies."""
+        tuned = parameters()
+        return (
+            self.n_counted >= tuned.fewest_to_tell_smooth
+            and self.level >= tuned.likely_level
+            and self.misfit <= tuned.told_misfit * (self.evenness - tuned.told_evenness)
+            and self.excess <= tuned.told_excess
+            and self.outliers <= tuned.told_outliers
+            and self.lean <= tuned.told_lean
+        )
 
 
 def smooth_noise(
@@ -72,38 +112,59 @@ def smooth_noise(
         Vertices to judge from, at least one.
     """
     tuned = parameters()
-    white = _bands(frame.raised(fading.white), frame, is_counted)
-    own = _bands(positions, frame, is_counted)
-    quiet, typical = (np.quantile(own, part, axis=1) for part in (tuned.quiet_fraction, 0.5))
-    white_quiet, white_typical = (
-        np.quantile(white, part, axis=1) for part in (tuned.quiet_fraction, 0.5)
-    )
-    evenness = float(np.min((quiet / typical / (white_quiet / white_typical))[1:]))
+    quantiles = tuned.quiet_fraction, 0.5
+    heights = _bands(positions, frame)
+    white_heights = _bands(frame.raised(fading.white), frame)
+    white = _strengths(white_heights, frame, is_counted)
+    own = _strengths(heights, frame, is_counted)
+    quiet, typical = (np.quantile(own, part, axis=1) for part in quantiles)
+    white_quiet, white_typical = (np.quantile(white, part, axis=1) for part in quantiles)
+    even = quiet / typical / (white_quiet / white_typical)
+    of_white = np.median(np.abs(white_heights[:, is_counted]), axis=1)
     best = None
     for passes in PASSES:
         noise = frame.spread(fading.white * frame.spacing, passes) / frame.spacing
-        bands = np.median(_bands(frame.raised(noise), frame, is_counted), axis=1)
-        ratios = quiet / white_quiet / (bands / white_typical)
-        # All bands have at least the noise; the one with the least has no more.
-        misfit = float(np.sum(np.log(ratios / ratios.min())))
-        if best is None or misfit < best[0]:
-            deviation = float(np.std(noise[is_counted]))
-            # The level is that of the noise itself, not what second differences see of it.
-            correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
-            best = misfit, float(ratios.min()) * deviation, correlation
+        deviation = float(np.std(noise[is_counted]))
+        of_noise = np.median(np.abs(_bands(frame.raised(noise), frame)[:, is_counted]), axis=1)
+        ratios = np.log(quiet / white_quiet * of_white / of_noise)
+        narrow = ratios[:N_NARROW]
+        level = float(np.average(narrow, weights=WEIGHTS))
+        misfit = float(WEIGHTS @ np.square(narrow - level))
+        if best is None or misfit < best.misfit:
+            best = SmoothNoise(
+                evenness=float(even[:N_NARROW].min()),
+                level=float(np.exp(level)) * deviation,
+                # The level is that of the noise itself, not what second differences see of it.
+                correlation=NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes),
+                misfit=misfit,
+                excess=float(ratios[N_NARROW] - level),
+                outliers=0.0,
+                lean=0.0,
+                n_counted=int(np.count_nonzero(is_counted)),
+            )
     assert best is not None
-    return SmoothNoise(evenness, best[1], best[2], int(np.count_nonzero(is_counted)))
+    relative = heights[:, is_counted] / own
+    size = np.maximum(np.median(np.abs(relative), axis=1), 1e-9)
+    tail = np.quantile(np.abs(relative[1]), TAIL) / size[1] / NORMAL_TAIL
+    lean = np.abs(np.tanh(NORMAL_MEDIAN * relative[:2] / size[:2, None]).mean(axis=1)).max()
+    return best._replace(outliers=float(tail), lean=float(lean))
 
 
-def _bands(positions: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> FloatArray:
-    """Local strength of the bands along the normals at the counted vertices, (k, m)."""
-    tuned = parameters()
-    found = []
-    weight = np.maximum(frame.spread(is_counted.astype(float), tuned.band_passes), 1e-9)
+def _bands(positions: FloatArray, frame: LocalFrame) -> FloatArray:
+    """Heights of the bands along the normals, (k, n)."""
+    found, near, done = [], positions, 0
     for low, high in BANDS:
-        near = frame.spread(positions, low)
+        near = frame.spread(near, low - done)
+        done = low
         band = near - frame.spread(near, high - low)
-        band = band - frame.spread(band, high)
-        root = np.where(is_counted, np.sqrt(np.abs(frame.along_normal(band))), 0)
-        found.append(np.square(frame.spread(root, tuned.band_passes) / weight)[is_counted])
-    return np.maximum(np.stack(found), 1e-12)
+        found.append(frame.along_normal(band - frame.spread(band, high)))
+    return np.stack(found)
+
+
+def _strengths(heights: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> FloatArray:
+    """Local strength of the bands' heights (k, n) at the counted vertices, (k, m)."""
+    passes = parameters().band_passes
+    weight = np.maximum(frame.spread(is_counted.astype(float), passes), 1e-9)
+    roots = np.where(is_counted, np.sqrt(np.abs(heights)), 0).T
+    local = np.square(frame.spread(roots, passes) / weight[:, None])
+    return np.maximum(local[is_counted].T, 1e-12)
