@@ -52,7 +52,7 @@ SMOOTH = (
 )
 SMOOTH_REMOVED = (
     "the surface is uneven over several edges, by {:.2g} of an edge, as the smooth noise of a "
-    "scanner is: it was removed; if it is fine detail, keep it with the setting for clean meshes"
+    'scanner is: it was removed; the setting "Keep Fine Detail" (clean "detail") keeps it'
 )
 IMPULSIVE = "the noise is impulsive: single vertices that stand out were put back first"
 

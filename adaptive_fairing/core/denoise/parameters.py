@@ -241,13 +241,16 @@ class DenoiseParameters:
     quiet_fraction: float = 0.1
     # Evenness from which a surface may have smooth noise, and how far its bands may be from those
     # of noise, if all roughness counts as noise.
-    least_evenness: float = 0.5
+    least_evenness: float = 0.4
     most_misfit: float = 0.15
     # Evenness and level from which smooth noise is likely. No clean shape had both.
     likely_evenness: float = 0.75
     likely_level: float = 0.09
     # Coarse round shapes are as even as noise: a mesh of fewer vertices is no scan. By hand.
     fewest_of_scan: int = 4500
+    # Where the bands fit noise worse, the narrowest one shows the edges of the mesh and does not
+    # count. Noise alike over two edges had at most 0.05, over four edges 0.07 to 0.13.
+    least_misfit_of_edges: float = 0.06
     # Smooth noise is told from shape within these limits, on as many vertices or more: the misfit
     # is at most the first number times the evenness beyond the second. On clean tuning shapes,
     # scans of them, 120 random models, and 14 textures on each of five shapes (184 in all) this

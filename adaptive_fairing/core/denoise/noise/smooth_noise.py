@@ -61,20 +61,19 @@ class SmoothNoise(NamedTuple):
     """
 
     evenness: float
-    level: float
-    correlation: NoiseCorrelation
-    misfit: float
-    excess: float
-    outliers: float
-    lean: float
-    n_counted: int
+    level: float = 0.0
+    correlation: NoiseCorrelation = NoiseCorrelation()
+    misfit: float = np.inf
+    excess: float = np.inf
+    outliers: float = np.inf
+    lean: float = 1.0
+    n_counted: int = 0
 
     @property
     def may_be_noise(self) -> bool:
         """Whether it is noise if all that is rough is."""
         tuned = parameters()
-        is_like_noise = self.evenness >= tuned.least_evenness and self.misfit <= tuned.most_misfit
-        return is_like_noise and self.n_counted >= tuned.fewest_to_tell_smooth
+        return self.evenness >= tuned.least_evenness and self.misfit <= tuned.most_misfit
 
     @property
     def is_likely(self) -> bool:
@@ -112,42 +111,60 @@ def smooth_noise(
         Vertices to judge from, at least one.
     """
     tuned = parameters()
-    quantiles = tuned.quiet_fraction, 0.5
-    heights = _bands(positions, frame)
-    white_heights = _bands(frame.raised(fading.white), frame)
-    white = _strengths(white_heights, frame, is_counted)
-    own = _strengths(heights, frame, is_counted)
-    quiet, typical = (np.quantile(own, part, axis=1) for part in quantiles)
-    white_quiet, white_typical = (np.quantile(white, part, axis=1) for part in quantiles)
-    even = quiet / typical / (white_quiet / white_typical)
-    of_white = np.median(np.abs(white_heights[:, is_counted]), axis=1)
-    best = None
+    n_counted = int(np.count_nonzero(is_counted))
+    heights, white = (_bands(each, frame) for each in (positions, frame.raised(fading.white)))
+    strength = _strengths(heights, frame, is_counted)
+    quiet, evenness = _quiet(strength)
+    white_quiet, white_evenness = _quiet(_strengths(white, frame, is_counted))
+    even = float((evenness / white_evenness)[:N_NARROW].min())
+    if even < min(tuned.least_evenness, tuned.told_evenness):
+        return SmoothNoise(even, n_counted=n_counted)
+    deviations, ratios = [], []
     for passes in PASSES:
         noise = frame.spread(fading.white * frame.spacing, passes) / frame.spacing
-        deviation = float(np.std(noise[is_counted]))
-        of_noise = np.median(np.abs(_bands(frame.raised(noise), frame)[:, is_counted]), axis=1)
-        ratios = np.log(quiet / white_quiet * of_white / of_noise)
-        narrow = ratios[:N_NARROW]
-        level = float(np.average(narrow, weights=WEIGHTS))
-        misfit = float(WEIGHTS @ np.square(narrow - level))
-        if best is None or misfit < best.misfit:
-            best = SmoothNoise(
-                evenness=float(even[:N_NARROW].min()),
-                level=float(np.exp(level)) * deviation,
-                # The level is that of the noise itself, not what second differences see of it.
-                correlation=NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes),
-                misfit=misfit,
-                excess=float(ratios[N_NARROW] - level),
-                outliers=0.0,
-                lean=0.0,
-                n_counted=int(np.count_nonzero(is_counted)),
-            )
-    assert best is not None
-    relative = heights[:, is_counted] / own
-    size = np.maximum(np.median(np.abs(relative), axis=1), 1e-9)
-    tail = np.quantile(np.abs(relative[1]), TAIL) / size[1] / NORMAL_TAIL
-    lean = np.abs(np.tanh(NORMAL_MEDIAN * relative[:2] / size[:2, None]).mean(axis=1)).max()
-    return best._replace(outliers=float(tail), lean=float(lean))
+        deviations.append(float(np.std(noise[is_counted])))
+        ratios.append(_sizes(_bands(frame.raised(noise), frame)[:, is_counted]))
+    ratios = np.log(quiet / white_quiet * _sizes(white[:, is_counted]) / ratios)
+    best, level, misfit = _fit(ratios, WEIGHTS)
+    if misfit > tuned.least_misfit_of_edges:
+        best, level, _ = _fit(ratios, np.where(np.arange(N_NARROW) > 0, WEIGHTS, 0.0))
+    relative = heights[:2, is_counted] / strength[:2]
+    relative /= np.maximum(_sizes(relative), 1e-9)[:, None]
+    return SmoothNoise(
+        even,
+        float(np.exp(level)) * deviations[best],
+        # The level is that of the noise itself, not what second differences see of it.
+        NoiseCorrelation(seen=deviations[best], deviation=deviations[best], passes=PASSES[best]),
+        misfit,
+        excess=float(ratios[best, N_NARROW] - level),
+        outliers=float(np.quantile(np.abs(relative[1]), TAIL)) / NORMAL_TAIL,
+        lean=float(np.abs(np.tanh(NORMAL_MEDIAN * relative).mean(axis=1)).max()),
+        n_counted=n_counted,
+    )
+
+
+def _fit(ratios: FloatArray, weights: FloatArray) -> tuple[int, float, float]:
+    """Which noise fits best, the logarithm of its strength, and the misfit.
+
+    From the logarithms of the strengths of the bands over those of every noise, (p, k).
+    """
+    narrow = ratios[:, :N_NARROW]
+    levels = np.average(narrow, axis=1, weights=weights)
+    misfits = np.square(narrow - levels[:, None]) @ weights
+    best = int(np.argmin(misfits))
+    return best, float(levels[best]), float(misfits[best])
+
+
+def _quiet(strength: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Strength of the bands in the quietest part of the surface, and that over the median, (k,)."""
+    quiet, typical = np.quantile(strength, (parameters().quiet_fraction, 0.5), axis=1)
+    return quiet, quiet / typical
+
+
+def _sizes(heights: FloatArray) -> FloatArray:
+    """Median magnitude of every band, (k,)."""
+    sizes: FloatArray = np.median(np.abs(heights), axis=1)
+    return sizes
 
 
 def _bands(positions: FloatArray, frame: LocalFrame) -> FloatArray:
