@@ -29,8 +29,9 @@ from .order_decay import Fading
 # three; the last one tells whether waves go on growing.
 BANDS = ((0, 1), (1, 3), (3, 8), (8, 20))
 N_NARROW = 3
-# Passes of averaging of white noise that are tried.
-PASSES = (2, 3, 4, 6, 8, 12, 16)
+# Passes of averaging of white noise that are tried, and fewest of noise that is smooth.
+PASSES = (0, 1, 2, 3, 4, 6, 8, 12, 16)
+FEWEST_PASSES = 3
 # Weights of the narrow bands in the fit: the narrowest shows the edges of the mesh as well.
 WEIGHTS = np.array([0.5, 1.0, 1.0])
 
@@ -73,7 +74,11 @@ class SmoothNoise(NamedTuple):
     def may_be_noise(self) -> bool:
         """Whether it is noise if all that is rough is."""
         tuned = parameters()
-        return self.evenness >= tuned.least_evenness and self.misfit <= tuned.most_misfit
+        return (
+            self.correlation.passes >= FEWEST_PASSES
+            and self.evenness >= tuned.least_evenness
+            and self.misfit <= tuned.most_misfit
+        )
 
     @property
     def is_likely(self) -> bool:
@@ -88,6 +93,7 @@ class SmoothNoise(NamedTuple):
         tuned = parameters()
         return (
             self.n_counted >= tuned.fewest_to_tell_smooth
+            and self.correlation.passes >= FEWEST_PASSES
             and self.level >= tuned.likely_level
             and self.misfit <= tuned.told_misfit * (self.evenness - tuned.told_evenness)
             and self.excess <= tuned.told_excess
