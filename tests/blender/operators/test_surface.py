@@ -15,7 +15,8 @@ from support.objects import (
 )
 
 from adaptive_fairing.blender.data import shown_surface
-from adaptive_fairing.blender.data.fields import CURVATURES, field_values
+from adaptive_fairing.blender.data.color_map import CURVATURE_FIELDS
+from adaptive_fairing.blender.data.fields import field_values
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
 from adaptive_fairing.blender.data.run_record import end_comparison
 from adaptive_fairing.blender.data.shape_keys import animated_frames
@@ -418,7 +419,7 @@ class TestViews:
         surface(name)
         noisy.adaptive_fairing.strength = 0.5
         refined_mesh, shown = noisy.data, coordinates(noisy)
-        for row, field in enumerate(CURVATURES):
+        for row, field in enumerate(CURVATURE_FIELDS):
             values = field_values(noisy, field, FairingSettings())
             assert np.array_equal(values, limit.refined_curvature(LEVELS[name])[row])
         assert noisy.data == refined_mesh and np.array_equal(coordinates(noisy), shown)
