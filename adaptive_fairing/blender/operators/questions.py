@@ -8,6 +8,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..choices import AUTO
+from ..data import modifier
 from ..data.mesh_arrays import is_shared
 
 
@@ -32,8 +33,7 @@ def _hints_of(obj: bpy.types.Object, settings) -> list[str]:
     if any(each.type == "MULTIRES" for each in obj.modifiers):
         found.append("Multiresolution: the base mesh is smoothed, not the sculpted levels")
     elif any(
-        not each.name.startswith("Adaptive Fairing") and each.show_viewport
-        for each in obj.modifiers
+        not each.name.startswith(modifier.NAME) and each.show_viewport for each in obj.modifiers
     ):
         found.append("Modifiers stay above: the mesh below them is smoothed")
     low, high = min(obj.scale), max(obj.scale)
