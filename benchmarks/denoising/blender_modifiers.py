@@ -31,11 +31,7 @@ def laplacian_smooth(
     item = _object(vertices, faces)
     for value in sweep:
         yield _evaluated(
-            item,
-            "LAPLACIANSMOOTH",
-            iterations=iterations,
-            lambda_factor=value,
-            lambda_border=value,
+            item, "LAPLACIANSMOOTH", iterations=iterations, lambda_factor=value, lambda_border=value
         )
 
 

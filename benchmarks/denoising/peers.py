@@ -248,13 +248,7 @@ IN_USE: Sequence[Peer] = (
         starts_at_least=False,
         goes_on=False,
     ),
-    Peer(
-        "Blender Smooth",
-        ("bpy",),
-        "iterations",
-        ITERATIONS[:20],
-        blender_modifiers.smooth,
-    ),
+    Peer("Blender Smooth", ("bpy",), "iterations", ITERATIONS[:20], blender_modifiers.smooth),
     Peer(
         "Blender Laplacian Smooth",
         ("bpy",),
