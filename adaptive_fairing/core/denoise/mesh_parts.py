@@ -12,7 +12,7 @@ from ..runtime.arrays import BoolArray, FloatArray, IndexArray, RealArray
 from .local_frame import LocalFrame
 from .noise.clean_detail import NOISE, CleanDetail
 from .noise.level import beyond_clean, noise_model
-from .noise.order_decay import Fading
+from .noise.noisy_surface import NoisySurface
 from .noise.roughness import Roughness
 from .noise.spikes import impulsive_certainty
 from .parameters import parameters
@@ -55,7 +55,7 @@ class MeshParts:
         tuned = parameters()
         self.may_move = ~(is_still | topology.is_loose)
         self.is_counted = self.may_move & ~topology.on_boundary
-        self._topology, self._frame = topology, frame
+        self._frame = frame
         self._size = frame.spread(np.log(frame.spacing), tuned.density_passes)
         _, label = csgraph.connected_components(topology.adjacency(), directed=False)
         n_counted = np.bincount(label, self.is_counted)
@@ -70,14 +70,13 @@ class MeshParts:
         self._members: list[slice | IndexArray] = [slice(None)] if len(members) == 1 else members
 
     def noise(
-        self, positions: FloatArray, fading: Fading, strength: float, *, keeps_clean: bool = True
+        self, surface: NoisySurface, strength: float, *, keeps_clean: bool = True
     ) -> NoiseFound:
         """Estimate the noise, and say if there is nothing to do.
 
         Parameters
         ----------
-        positions : (n, 3)
-        fading : Fading
+        surface : NoisySurface
         strength : float
             Factor of the noise, for the note alone.
         keeps_clean : bool
@@ -86,31 +85,26 @@ class MeshParts:
         tuned = parameters()
         clean = tuned.clean_roughness
         n_counted = int(np.count_nonzero(self.is_counted))
-        noise, impulsive = np.zeros((2, len(positions)))
+        noise, impulsive, level = np.zeros((3, len(self.is_counted)))
         too_few = (
             f"only {n_counted} vertices inside the surface: too few to tell noise from shape; "
             "nothing was changed"
         )
         if n_counted < tuned.fewest_vertices:
             return NoiseFound(noise, impulsive, noise, (too_few,))
-        rough = Roughness.of(positions, self._frame)
-        detail = CleanDetail(self._topology, positions, self._frame, fading, self.is_counted)
-        level = np.zeros(len(positions))
+        rough = Roughness.of(surface.positions, self._frame)
+        detail = CleanDetail(surface, self.is_counted)
         models = []
         for members in self._members:
-            counted = np.zeros(len(positions), dtype=bool)
+            counted = np.zeros(len(level), dtype=bool)
             counted[members] = self.is_counted[members]
             if not counted.any():
                 continue
             model = noise_model(rough, self._frame.spacing, counted, self._averaged)
             level[counted] = model.level(self._frame.spacing[counted])
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
-            may_be_spiky = np.median(level[counted]) > clean and not fading.fades(counted)
-            spiky = (
-                impulsive_certainty(self._topology, positions, self._frame, level, counted)
-                if may_be_spiky
-                else 0.0
-            )
+            may_be_spiky = np.median(level[counted]) > clean and not surface.fading.fades(counted)
+            spiky = impulsive_certainty(surface, level, counted) if may_be_spiky else 0.0
             if keeps_clean:
                 found = detail.found(level, counted, spiky > 0)
             else:

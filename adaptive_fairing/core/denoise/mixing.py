@@ -31,8 +31,7 @@ from .local_frame import LocalFrame
 from .mesh_parts import MeshParts, NoiseFound
 from .noise.correlation import NoiseCorrelation, noise_correlation
 from .noise.level import beyond_clean
-from .noise.order_decay import Fading
-from .noise.own_numbers import own_signs
+from .noise.noisy_surface import NoisySurface
 from .noise.smooth_noise import smooth_noise
 from .noise.spikes import without_spikes
 from .parameters import parameters
@@ -107,24 +106,24 @@ def mixed_surfaces(
     stage = _Stage(space, positions, is_still, solves.count)
     notes: tuple[str, ...] = ()
     if plan is None:
-        found, fading = stage.noise_found(strength, keeps_clean)
+        found = stage.noise_found(strength, keeps_clean)
         impulsive, notes = found.impulsive, found.notes
         if impulsive.any():
             stage = stage.calmed(impulsive)
-            found, fading = stage.noise_found(strength, keeps_clean)
+            found = stage.noise_found(strength, keeps_clean)
             notes = (IMPULSIVE,)
         level, counted = found.level, stage.parts.is_counted
         plan, correlation = DenoisePlan.idle(level), None
         # White noise that is stronger hides the smooth kind.
         if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:
-            smooth = smooth_noise(stage.track.positions, stage.frame, fading, counted)
+            smooth = smooth_noise(stage.noisy, counted)
             if smooth.may_be_noise and not keeps_clean:
                 level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
             elif smooth.is_likely and not beyond_clean(strength * level).any():
                 notes = (SMOOTH.format(smooth.level), *notes)
         if beyond_clean(max(STRENGTHS) * strength * level).any():
             if correlation is None:
-                correlation = noise_correlation(fading, stage.frame, counted & (level > 0))
+                correlation = noise_correlation(stage.noisy, counted & (level > 0))
             plan = _planned(stage, level, correlation, strength, features, progress)
         plan = replace(plan, impulsive=impulsive)
     else:
@@ -155,8 +154,7 @@ def _planned(
     bank, track, frame, parts = stage.bank, stage.track, stage.frame, stage.parts
     seen, noise = noise, noise / correlation.seen * correlation.deviation
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
-    sign = own_signs(track.positions, frame)
-    probe = tuned.probe_size * correlation.applied(sign, frame)
+    probe = tuned.probe_size * correlation.applied(stage.noisy.own.signs(), frame)
     shadow = _Track(bank, track.positions + frame.raised(probe))
 
     def measured() -> tuple[FloatArray, FloatArray]:
@@ -244,24 +242,17 @@ class _Stage:
         self.bank = FilterBank(space.topology, positions, on_solve)
         self.track = _Track(self.bank, positions)
         self.frame = LocalFrame.of(space.topology, self.track.surface, self.track.surface)
+        self.noisy = NoisySurface(space.topology, positions, self.frame)
         self.parts = MeshParts(space.topology, self.frame, is_still)
 
-    def noise_found(self, strength: float, keeps_clean: bool) -> tuple[NoiseFound, Fading]:
+    def noise_found(self, strength: float, keeps_clean: bool) -> NoiseFound:
         """Estimate the noise."""
-        fading = Fading(self.track.positions, self.frame)
-        positions = self.track.positions
-        return self.parts.noise(positions, fading, strength, keeps_clean=keeps_clean), fading
+        return self.parts.noise(self.noisy, strength, keeps_clean=keeps_clean)
 
     def calmed(self, impulsive: FloatArray) -> _Stage:
         """Put vertices back that stand out, by a part (n,) of their way."""
         positions = self.track.positions
-        calm = without_spikes(
-            self._space.topology,
-            positions,
-            self.frame,
-            self.parts.is_counted,
-            self.parts.may_move,
-        )
+        calm = without_spikes(self.noisy, self.parts.is_counted, self.parts.may_move)
         start = positions + impulsive[:, None] * (calm - positions)
         return _Stage(self._space, start, self._is_still, self._on_solve)
 

@@ -9,7 +9,7 @@ from support import meshes
 from adaptive_fairing.core import TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.mesh_parts import MeshParts
-from adaptive_fairing.core.denoise.noise.order_decay import Fading
+from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.parameters import PARAMETERS, using
 
 BALL, FACES = meshes.icosphere(3)
@@ -32,7 +32,7 @@ def levels_of(points, faces):
     topology = TriangleTopology(faces, len(points))
     frame = LocalFrame.of(topology, points, points)
     parts = MeshParts(topology, frame, np.zeros(len(points), dtype=bool))
-    return parts.noise(points, Fading(points, frame), 1.0).level
+    return parts.noise(NoisySurface(topology, points, frame), 1.0).level
 
 
 def test_large_parts_have_estimates_of_their_own():
