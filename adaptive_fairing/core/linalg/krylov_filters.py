@@ -108,7 +108,7 @@ def removed_by(
     system = mass.plus(COMMON_TIME, stiffness)
 
     def removed_of(bent: RealArray, residual: float, mass_of: RealArray) -> RealArray:
-        """What a step removes of v, (3, n), from L v; the residual is relative to M v."""
+        """Compute what a step removes of v, (3, n), from L v; the residual is relative to M v."""
         result, report = conjugate_gradients(
             system,
             COMMON_TIME * bent.T,
