@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csgraph
 
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import BoolArray, FloatArray, IndexArray, RealArray
+from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
 from .local_frame import LocalFrame
+from .mixture import Mixture
 from .noise.clean_detail import NOISE, CleanDetail
 from .noise.level import beyond_clean, noise_model
 from .noise.noisy_surface import NoisySurface
@@ -56,7 +58,7 @@ class MeshParts:
         self.may_move = ~(is_still | topology.is_loose)
         self.is_counted = self.may_move & ~topology.on_boundary
         self._frame = frame
-        self._size = frame.spread(np.log(frame.spacing), tuned.density_passes)
+        size = frame.spread(np.log(frame.spacing), tuned.density_passes)
         _, label = csgraph.connected_components(topology.adjacency(), directed=False)
         n_counted = np.bincount(label, self.is_counted)
         own = n_counted >= tuned.own_estimate
@@ -68,6 +70,11 @@ class MeshParts:
             members.append(np.concatenate(rest))
         # A slice saves copies of the largest arrays where there is one part.
         self._members: list[slice | IndexArray] = [slice(None)] if len(members) == 1 else members
+        self._part: IntArray = np.zeros(topology.n_vertices, np.int32)
+        self._weights: RealArray = np.zeros((tuned.most_classes, topology.n_vertices), np.float32)
+        for part, some in enumerate(self._members):
+            classes = density_classes(size[some], self.is_counted[some])
+            self._part[some], self._weights[: len(classes), some] = part, classes
 
     def noise(
         self, surface: NoisySurface, strength: float, *, keeps_clean: bool = True
@@ -136,27 +143,27 @@ class MeshParts:
     def _averaged(self, values: FloatArray) -> FloatArray:
         return self._frame.spread(values, parameters().density_passes)
 
-    def best_coefficients(
-        self, removed: FloatArray, divergence: FloatArray, variances: FloatArray
-    ) -> RealArray:
-        """Choose the filters' coefficients of least risk in every part, (s, k, n).
+    def best_mixtures(
+        self,
+        removed: Sequence[RealArray],
+        divergence: Sequence[RealArray],
+        variances: FloatArray,
+    ) -> list[Mixture]:
+        """Mix the filters for the least risk in every part.
 
-        From what the filters remove and its divergence, (k, n), for several variances of the
-        noise, (s, n).
+        From what each filter removes and its divergence, k of (n,), for several variances of the
+        noise, (s, n); a mixture for each of these.
         """
-        # In single precision: these are the largest arrays of a run.
-        coefficients = np.zeros((len(variances), *removed.shape), dtype=np.float32)
-        for members in self._members:
-            is_counted = self.is_counted[members]
-            if not is_counted.any():
-                continue
-            classes = density_classes(self._size[members], is_counted)
-            chosen = least_risk_coefficients(
-                removed[:, members],
-                divergence[:, members],
-                variances[:, members],
-                classes * is_counted,
-            )
-            for own, of_strength in zip(coefficients, chosen, strict=True):
-                own[:, members] = np.einsum("ck,cn->kn", of_strength, classes)
-        return coefficients
+        n_parts, n_classes = len(self._members), len(self._weights)
+        chosen = np.zeros((len(variances), n_parts, n_classes, len(removed)))
+        for part, members in enumerate(self._members):
+            weights = self._weights[:, members] * self.is_counted[members]
+            used = np.flatnonzero(weights.any(axis=1))
+            if len(used):
+                chosen[:, part, used] = least_risk_coefficients(
+                    [row[members] for row in removed],
+                    [row[members] for row in divergence],
+                    variances[:, members],
+                    weights[used],
+                )
+        return [Mixture(each, self._weights, self._part) for each in chosen]
