@@ -12,11 +12,10 @@ from adaptive_fairing.core import LoopSpace, TriangleTopology, fair
 from adaptive_fairing.core.mesh.density import smoothed
 from samples.triangles import Faces, FloatArray, icosphere, local_edge_lengths
 
-from .findings import Findings
 from .linear_elements import mass_matrix, stiffness_matrix
 from .measures import UNIFORM
 from .pairs import MeshPair
-from .tables import Cell, Table
+from .tables import Cell, Findings, Table
 
 LEVELS = (2, 3, 4, 5)
 EIGEN_DEGREES = (1, 2, 3)
@@ -114,19 +113,11 @@ def orders(errors: Sequence[float]) -> list[float | None]:
 
 def _in_space(sizes, loop, linear, radius, energy) -> Table:
     last = EIGEN_DEGREES[-1]
-    series = [
-        [errors[-1] for errors in loop],
-        [errors[-1] for errors in linear],
-        radius,
-        energy,
-    ]
+    series = [[errors[-1] for errors in loop], [errors[-1] for errors in linear], radius, energy]
     rows: list[list[Cell]] = [
         [f"{size:.3f}", *(cell for pair in zip(row, order, strict=True) for cell in pair)]
         for size, row, order in zip(
-            sizes,
-            zip(*series, strict=True),
-            zip(*map(orders, series), strict=True),
-            strict=True,
+            sizes, zip(*series, strict=True), zip(*map(orders, series), strict=True), strict=True
         )
     ]
     columns = (
@@ -147,11 +138,7 @@ def _in_time(errors: Sequence[float]) -> Table:
     rows: list[list[Cell]] = [
         list(row) for row in zip(map(str, STEP_COUNTS), errors, orders(errors), strict=True)
     ]
-    return Table(
-        f"Radius of the shrinking sphere at t = {END}",
-        ("steps", "error", "order"),
-        rows,
-    )
+    return Table(f"Radius of the shrinking sphere at t = {END}", ("steps", "error", "order"), rows)
 
 
 def _draw(path: Path, sizes, loop, linear, radius, in_time) -> None:

@@ -9,11 +9,10 @@ import numpy as np
 from adaptive_fairing.core import fair
 from samples.triangles import Faces, FloatArray, corner_angles, density_ratio, triangle_areas
 
-from .findings import Findings
 from .measures import TENSOR, TIMESTEP, UNIFORM, DensityClasses
 from .pairs import MeshPair
 from .shapes import graded_hexagon
-from .tables import Cell, Table
+from .tables import Cell, Findings, Table
 
 COLUMNS = (
     "mesh",
@@ -70,10 +69,7 @@ def _flat_disc() -> Table:
 
 def _table(pair: MeshPair) -> Table:
     run_of = pair.published
-    rows = [
-        _row(pair, "clean", pair.clean),
-        _row(pair, "input", pair.noisy),
-    ]
+    rows = [_row(pair, "clean", pair.clean), _row(pair, "input", pair.noisy)]
     for scheme in (UNIFORM, TIMESTEP, TENSOR):
         tau = run_of.tau(scheme.method)
         result = scheme.faired(pair.noisy, pair.triangles, tau, run_of.steps)

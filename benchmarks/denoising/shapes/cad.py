@@ -11,6 +11,9 @@ import bmesh  # exists once bpy has been imported, like mathutils
 import numpy as np
 from mathutils import Matrix, Vector
 
+from tools.samples.blender_meshes import add_modifier, evaluated
+from tools.samples.triangles import grid_faces
+
 from .meshing import MeshArrays
 
 Point = Sequence[float]
@@ -85,33 +88,25 @@ class Part:
 
     def bevel(self, width: float, segments: int = 6) -> Part:
         """Round all edges bent by more than 30 degrees."""
-        modifier = self._item.modifiers.new("bevel", "BEVEL")
-        modifier.width, modifier.segments = width, segments
-        modifier.limit_method, modifier.angle_limit = "ANGLE", np.radians(30)
+        sharp = {"limit_method": "ANGLE", "angle_limit": np.radians(30)}
+        add_modifier(self._item, "BEVEL", width=width, segments=segments, **sharp)
         return self
 
     def arrays(self) -> MeshArrays:
         """Return the vertices and triangles."""
-        graph = bpy.context.evaluated_depsgraph_get()
-        mesh = self._item.evaluated_get(graph).to_mesh()
-        mesh.calc_loop_triangles()
-        vertices = np.array([vertex.co for vertex in mesh.vertices], dtype=float)
-        faces = np.array([each.vertices for each in mesh.loop_triangles], dtype=np.int32)
-        return vertices, faces
+        return evaluated(self._item)
 
     def _apply(self, mesh: bmesh.types.BMesh, cut: bool) -> Part:
         data = bpy.data.meshes.new("part")
         mesh.to_mesh(data)
         mesh.free()
         item = bpy.data.objects.new("part", data)
-        if self._item is None:
-            bpy.context.scene.collection.objects.link(item)
-            self._item = item
-            return self
-        modifier = self._item.modifiers.new("boolean", "BOOLEAN")
-        modifier.solver, modifier.object = "EXACT", item
-        modifier.operation = "DIFFERENCE" if cut else "UNION"
         bpy.context.scene.collection.objects.link(item)
+        if self._item is None:
+            self._item = item
+        else:
+            operation = "DIFFERENCE" if cut else "UNION"
+            add_modifier(self._item, "BOOLEAN", solver="EXACT", object=item, operation=operation)
         return self
 
 
@@ -126,21 +121,6 @@ def gear_outline(n_teeth: int, inner: float, outer: float, points_per_flank: int
     angles = (turns[None] + np.arange(n_teeth)[:, None]).ravel() * pitch
     radii = np.tile(radii, n_teeth)
     return np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)
-
-
-def torus(major: float, minor: float, segments: tuple[int, int]) -> MeshArrays:
-    """Return a ring about the z axis, of so many segments around it and across."""
-    around, across = (2 * np.pi * np.arange(n) / n for n in segments)
-    radius = major + minor * np.cos(across)
-    points = np.stack(
-        [
-            np.outer(np.cos(around), radius),
-            np.outer(np.sin(around), radius),
-            np.broadcast_to(minor * np.sin(across), segments),
-        ],
-        axis=-1,
-    )
-    return points.reshape(-1, 3), grid_faces(*segments, closed=True)
 
 
 def helical_ridge(
@@ -164,21 +144,7 @@ def helical_ridge(
     ]
     n = len(profile)
     points = np.stack(rings, axis=1).reshape(-1, 3)
-    sides = grid_faces(len(turns), n, closed=False)
+    sides = grid_faces(len(turns), n, (False, True))
     fan = np.array([[0, k, k + 1] for k in range(1, n - 1)])
     last = len(points) - n
     return points, np.concatenate([sides, fan[:, ::-1], fan + last]).astype(np.int32)
-
-
-def grid_faces(n_rows: int, n_columns: int, closed: bool) -> np.ndarray:
-    """Return the triangles (m, 3) of a grid whose rows are rings, closed to a torus or not."""
-    number = np.arange(n_rows * n_columns).reshape(n_rows, n_columns)
-    below = np.concatenate([number, number[:1]]) if closed else number
-    here, there = below[:-1], below[1:]
-    here_next, there_next = np.roll(here, -1, axis=1), np.roll(there, -1, axis=1)
-    return np.concatenate(
-        [
-            np.stack([here, there, there_next], axis=-1).reshape(-1, 3),
-            np.stack([here, there_next, here_next], axis=-1).reshape(-1, 3),
-        ]
-    ).astype(np.int32)

@@ -23,7 +23,7 @@ from ..local_frame import LocalFrame
 from ..parameters import parameters
 from .correlation import NoiseCorrelation
 from .level import NORMAL_MEDIAN
-from .order_decay import Fading
+from .noisy_surface import NoisySurface
 
 # Passes of averaging that bound the bands, from narrow to wide.  Evenness is that of the first
 # three; the last one tells whether waves go on growing.
@@ -102,23 +102,18 @@ class SmoothNoise(NamedTuple):
         )
 
 
-def smooth_noise(
-    positions: FloatArray, frame: LocalFrame, fading: Fading, is_counted: BoolArray
-) -> SmoothNoise:
+def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     """Find the noise of several edges' width that explains the quietest part of a mesh.
 
     Parameters
     ----------
-    positions : (n, 3)
-    frame : LocalFrame
-    fading : Fading
-        Of the mesh, for its white noise.
+    surface : NoisySurface
     is_counted : (n,) bool
         Vertices to judge from, at least one.
     """
-    tuned = parameters()
+    tuned, frame, own = parameters(), surface.frame, surface.fading.white
     n_counted = int(np.count_nonzero(is_counted))
-    heights, white = (_bands(each, frame) for each in (positions, frame.raised(fading.white)))
+    heights, white = (_bands(each, frame) for each in (surface.positions, frame.raised(own)))
     strength = _strengths(heights, frame, is_counted)
     quiet, evenness = _quiet(strength)
     white_quiet, white_evenness = _quiet(_strengths(white, frame, is_counted))
@@ -127,7 +122,7 @@ def smooth_noise(
         return SmoothNoise(even, n_counted=n_counted)
     deviations, ratios = [], []
     for passes in PASSES:
-        noise = frame.spread(fading.white * frame.spacing, passes) / frame.spacing
+        noise = frame.spread(own * frame.spacing, passes) / frame.spacing
         deviations.append(float(np.std(noise[is_counted])))
         ratios.append(_sizes(_bands(frame.raised(noise), frame)[:, is_counted]))
     ratios = np.log(quiet / white_quiet * _sizes(white[:, is_counted]) / ratios)

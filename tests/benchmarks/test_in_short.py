@@ -1,19 +1,9 @@
-"""The table of README: which parameters count, and how meshes are put together."""
+"""The short table, which README has: which parameters count, and how meshes are put together."""
 
 from types import SimpleNamespace
 
-import pytest
-
-from benchmarks.denoising.peers import RESEARCH, Peer
-from benchmarks.denoising.readme_table import at_published, comparison
-
-
-@pytest.mark.parametrize("peer", RESEARCH, ids=lambda peer: peer.name)
-def test_a_published_parameter_is_the_last_that_is_run(peer):
-    reduced = at_published(peer)
-    (variant,) = reduced.variants
-    assert reduced.parameter(variant, reduced.sweep[-1]) == peer.published
-    assert len(reduced.sweep) == 1 or peer.goes_on
+from benchmarks.denoising.peers import Peer
+from benchmarks.denoising.tables import in_short
 
 
 def entry(noisy, own, scores):
@@ -38,7 +28,7 @@ def test_errors_and_times_have_geometric_means_and_angles_plain_ones():
     ]
     rows = [
         [cell.strip() for cell in line.strip("|").split("|")]
-        for line in comparison(entries, [tuned, fixed]).splitlines()
+        for line in in_short(entries, [tuned, fixed]).splitlines()
     ]
     assert rows[2:] == [
         ["noisy", "", "0.400", "30.0°", ""],
