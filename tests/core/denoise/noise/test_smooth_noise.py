@@ -6,8 +6,9 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
+from adaptive_fairing.core.denoise.noise.correlation import NoiseCorrelation
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
-from adaptive_fairing.core.denoise.noise.smooth_noise import smooth_noise
+from adaptive_fairing.core.denoise.noise.smooth_noise import SmoothNoise, smooth_noise
 from adaptive_fairing.core.denoise.parameters import parameters
 
 VERTICES, FACES = meshes.torus(104, 52)
@@ -45,6 +46,36 @@ def test_it_is_even_and_its_level_is_about_right(level, passes):
 @pytest.mark.parametrize("passes", [3, 4, 6])
 def test_it_is_told_from_shape_where_it_is_narrow(passes, seed):
     assert found(noisy(0.2, passes, seed)).is_noise
+
+
+TOLD = SmoothNoise(
+    evenness=0.9,
+    level=0.2,
+    correlation=NoiseCorrelation(seen=0.3, deviation=0.3, passes=4),
+    misfit=0.01,
+    excess=0.2,
+    outliers=1.0,
+    lean=0.01,
+    n_counted=5000,
+)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"evenness": 0.5},
+        {"level": 0.05},
+        {"correlation": NoiseCorrelation(passes=2)},
+        {"misfit": 0.1},
+        {"excess": 1.0},
+        {"outliers": 1.5},
+        {"lean": 0.1},
+        {"n_counted": 1000},
+    ],
+)
+def test_all_conditions_must_hold(wrong):
+    assert TOLD.is_noise
+    assert not TOLD._replace(**wrong).is_noise
 
 
 def test_white_noise_is_not_smooth():
