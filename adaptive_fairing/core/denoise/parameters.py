@@ -29,6 +29,36 @@ class DenoiseParameters:
     # Smooth meshes have less than this fraction of creases among their edges. By hand.
     smooth_crease_fraction: float = 0.02
 
+    # flat_faces
+    # Passes of the short smoothing of normals from which faces are found.
+    face_passes: int = 10
+    # A triangle is even if those around it turn away by no more than this ...
+    even_angle: float = math.radians(2)
+    # ... or by more than this, beyond a crease.
+    face_angle: float = math.radians(15)
+    # A face is found from this many even triangles.
+    fewest_triangles: int = 12
+    # The normals of a flat face differ from its plane's by this much in the mean.
+    most_uneven: float = math.radians(4)
+    # Rings of triangles by which a face may grow.
+    face_rings: int = 8
+    # Triangles that turn away from the plane by more than this are not taken.
+    face_angle_at_rim: float = math.radians(25)
+    # Triangles with a vertex further from the plane than this are not taken.
+    face_height: float = 0.35
+
+    # plane_fits
+    # Fits of a plane: the second leaves outliers out.
+    plane_fits: int = 2
+    # What is as many standard deviations from the plane does not count.
+    plane_outlier: float = 4.0
+    # A face is bent if F, with which the quadric fits better than the plane, is larger.
+    most_bend: float = 8.0
+    # Squared angle between planes at which they are met half-way.
+    parallel_planes: float = 0.003
+    # Vertices go no further to their planes.
+    farthest_to_planes: float = 1.0
+
     # filter_bank: times, orders and steps of the diffusions.
     # Times of the filters that every metric has; creases need these gentle ones. By hand.
     gentle_times: tuple[float, ...] = (0.25, 1.0, 4.0)

@@ -1,0 +1,156 @@
+"""Flat faces: found on a denoised surface, fitted to the noisy positions, made flat.
+
+Faces are found in four steps.
+
+1.  Smooth the normals of the denoised surface.  A triangle is even if none of those around it
+    turns away by more than noise explains, but for those beyond a crease.
+2.  Even triangles that are connected are a face.  Fit planes to the noisy vertices of all faces.
+3.  Drop faces that are bent: their normals vary too much, or a quadric fits them better.
+4.  Let the others grow, ring by ring, up to where the surface leaves their planes.  Drop those
+    that are bent now.
+
+A vertex of one face then goes onto its plane, a vertex of several to where these meet.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from ..mesh.normals import triangle_normals, unit_vectors
+from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import BoolArray, FloatArray, IntArray
+from .normal_filter import Smoothing, smoothed_normals
+from .parameters import parameters
+from .plane_fits import PlaneFits
+
+NO_FACE = -1
+
+
+def flattened(
+    topology: TriangleTopology,
+    around: IntArray,
+    noisy: FloatArray,
+    surface: FloatArray,
+    spacing: FloatArray,
+) -> FloatArray:
+    """Move the vertices of a surface's flat faces onto their planes.
+
+    Parameters
+    ----------
+    topology : TriangleTopology
+    around : (9, m) int
+        Triangles around each one, see `triangles_around`.
+    noisy : (n, 3)
+        Positions that the planes are fitted to.
+    surface : (n, 3)
+        The same vertices denoised: faces are found on it.
+    spacing : (n,)
+        Local edge length.
+
+    Returns
+    -------
+    (n, 3)
+        The surface with flat faces; vertices that are not on any are as they were.
+    """
+    found = FlatFaces(topology, around, noisy, surface, spacing)
+    return found.planes().onto(surface, spacing)
+
+
+class FlatFaces:
+    """The flat faces of a surface; parameters as for `flattened`.
+
+    Attributes
+    ----------
+    face : (m,) int
+        Number of each triangle's face; `NO_FACE` where it has none.
+    """
+
+    def __init__(
+        self,
+        topology: TriangleTopology,
+        around: IntArray,
+        noisy: FloatArray,
+        surface: FloatArray,
+        spacing: FloatArray,
+    ) -> None:
+        tuned = parameters()
+        self._triangles = topology.triangles
+        self._noisy, self._surface, self._spacing = noisy, surface, spacing
+        scaled = triangle_normals(surface, self._triangles)
+        self._areas = np.sqrt(np.einsum("fd,fd->f", scaled, scaled))
+        smoothing = Smoothing(tuned.short_fit_angle, (tuned.face_passes,))
+        (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing)
+        side = np.flatnonzero(topology.twin >= 0)
+        self._beside = side // 3, topology.twin[side] // 3
+        self.face = self._connected(self._even(around))
+        self._drop_bent()
+        planes = self.planes()
+        for _ in range(tuned.face_rings):
+            if not self._grow(planes):
+                break
+        self._drop_bent()
+
+    def planes(self) -> PlaneFits:
+        """Fit the planes."""
+        return PlaneFits(self._noisy, self._spacing, self._triangles, self.face)
+
+    def _even(self, around: IntArray) -> BoolArray:
+        """Which triangles have none around them that turns away, but for those beyond creases."""
+        tuned = parameters()
+        is_even = np.ones(len(self._triangles), dtype=bool)
+        # Where there is no other triangle, the product with the last row is 0: a crease.
+        normals = np.append(self._normals, np.zeros((1, 3)), axis=0)
+        for other in around:
+            cosine = np.einsum("fd,fd->f", self._normals, normals[other])
+            is_even &= (cosine > np.cos(tuned.even_angle)) | (cosine < np.cos(tuned.face_angle))
+        return is_even
+
+    def _connected(self, is_even: BoolArray) -> IntArray:
+        """Number the sets of even triangles that are connected without a crease."""
+        first, second = self._beside
+        cosine = np.einsum("fd,fd->f", self._normals[first], self._normals[second])
+        is_inside = is_even[first] & is_even[second] & (cosine > np.cos(parameters().even_angle))
+        m = len(is_even)
+        links = sparse.coo_array(
+            (np.ones(np.count_nonzero(is_inside)), (first[is_inside], second[is_inside])), (m, m)
+        )
+        number = connected_components(links, directed=False)[1]
+        is_large = np.bincount(number) >= parameters().fewest_triangles
+        return self._renumbered(np.where(is_even & is_large[number], number, NO_FACE))
+
+    def _drop_bent(self) -> None:
+        """Forget faces that are not flat."""
+        planes, flat = self.planes(), np.flatnonzero(self.face >= 0)
+        face, areas = self.face[flat], self._areas[flat]
+        turned = 1 - np.abs(np.einsum("fd,fd->f", self._normals[flat], planes.normals[face]))
+        mean_turn = np.bincount(face, areas * turned) / np.bincount(face, areas)
+        is_bent = planes.are_bent() | (mean_turn > 1 - np.cos(parameters().most_uneven))
+        self.face[flat[is_bent[face]]] = NO_FACE
+        self.face = self._renumbered(self.face)
+
+    def _grow(self, planes: PlaneFits) -> bool:
+        """Give triangles beside faces to the one that they turn away from least, if they fit."""
+        tuned = parameters()
+        outside, inside = self._beside
+        is_rim = (self.face[outside] < 0) & (self.face[inside] >= 0)
+        triangle, face = outside[is_rim], self.face[inside[is_rim]]
+        cosine = np.abs(np.einsum("fd,fd->f", self._normals[triangle], planes.normals[face]))
+        fits = cosine > np.cos(tuned.face_angle_at_rim)
+        for vertex in self._triangles[triangle].T:
+            height = np.abs(planes.heights(self._surface[vertex], face))
+            fits &= height < tuned.face_height * self._spacing[vertex]
+        triangle, face, cosine = triangle[fits], face[fits], cosine[fits]
+        # Of several faces the last one in this order counts.
+        best = np.argsort(cosine)
+        self.face[triangle[best]] = face[best]
+        return bool(fits.any())
+
+    @staticmethod
+    def _renumbered(face: IntArray) -> IntArray:
+        """Number the faces without gaps."""
+        has_face = face >= 0
+        result = np.full(len(face), NO_FACE)
+        result[has_face] = np.unique(face[has_face], return_inverse=True)[1]
+        return result
