@@ -33,11 +33,11 @@ class Sliding:
         self, topology: TriangleTopology, positions: FloatArray, frame: LocalFrame
     ) -> None:
         tuned = parameters()
-        self._positions, self._triangles = positions, topology.triangles
+        self._topology, self._triangles = topology, topology.triangles
+        self._positions = positions
         normals = vertex_normals(topology, positions)
         for _ in range(tuned.normal_passes):
             normals = unit_vectors(frame.spread(normals, 1))
-        self._normals = normals
         self._upwards = unit_vectors(normals[topology.triangles].sum(axis=1))
         self._before = unit_vectors(triangle_normals(positions, topology.triangles))
         cosines = np.einsum("fd,fd->f", self._before, self._upwards)
@@ -48,7 +48,8 @@ class Sliding:
         """Return faired positions (n, 3) with less sliding, and no triangle turned if possible."""
         tuned = parameters()
         move = faired - self._positions
-        along = move - np.einsum("nd,nd->n", move, self._normals)[:, None] * self._normals
+        normals = vertex_normals(self._topology, faired)
+        along = move - np.einsum("nd,nd->n", move, normals)[:, None] * normals
         along_kept, kept = np.full(len(faired), tuned.sliding_fraction), np.ones(len(faired))
         judged = np.flatnonzero(self._may_turn)
         for done in range(tuned.most_sliding_rounds):
