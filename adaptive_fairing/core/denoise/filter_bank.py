@@ -23,7 +23,7 @@ from ..linalg.krylov_filters import MAX_ITERATIONS, Diffusion, removed_by
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
-from .filter_family import Filter, FilterFamily, FlatFamily, NormalFamily
+from .filter_family import Filter, FlatFamily, NormalFamily
 from .filter_rounds import Round, mesh_family
 from .flat_faces import flattened
 from .lifted_metric import LiftedMetric, linear_elements, rim_flux
@@ -109,8 +109,7 @@ class FilterBank:
         spacing = spacing_of(self.topology, surface, tuned.spacing_passes)
         for family in families:
             if isinstance(family, FlatFamily):
-                flat = flattened(self.topology, self._around, positions, surface, spacing)
-                yield family.filters[0], flat
+                yield family.filters[0], self.flattened(positions, surface)
                 continue
             if isinstance(family, NormalFamily):
                 start = positions if family.is_of_noisy else surface
@@ -124,6 +123,11 @@ class FilterBank:
             all_removed = self._removed(matrices, bending, family.diffusions)
             for each, removed in zip(family.filters, all_removed, strict=True):
                 yield each, positions - removed
+
+    def flattened(self, positions: FloatArray, surface: FloatArray) -> FloatArray:
+        """Make the flat faces of a surface flat, in planes fitted to positions, (n, 3) all."""
+        spacing = spacing_of(self.topology, surface, parameters().spacing_passes)
+        return flattened(self.topology, self._around, positions, surface, spacing)
 
     def _fitted(
         self, surface: FloatArray, spacing: FloatArray, family: NormalFamily

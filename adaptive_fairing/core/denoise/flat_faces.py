@@ -54,8 +54,8 @@ def flattened(
     (n, 3)
         The surface with flat faces; vertices that are not on any are as they were.
     """
-    found = FlatFaces(topology, around, noisy, surface, spacing)
-    return found.planes().onto(surface, spacing)
+    planes = FlatFaces(topology, around, noisy, surface, spacing).planes()
+    return planes.onto(surface, spacing) if len(planes) else surface
 
 
 class FlatFaces:
@@ -108,7 +108,7 @@ class FlatFaces:
         return is_even
 
     def _connected(self, is_even: BoolArray) -> IntArray:
-        """Number the sets of even triangles that are connected without a crease."""
+        """Find the sets of even triangles that are connected without a crease."""
         first, second = self._beside
         cosine = np.einsum("fd,fd->f", self._normals[first], self._normals[second])
         is_inside = is_even[first] & is_even[second] & (cosine > np.cos(parameters().even_angle))
@@ -143,13 +143,13 @@ class FlatFaces:
             fits &= height < tuned.face_height * self._spacing[vertex]
         triangle, face, cosine = triangle[fits], face[fits], cosine[fits]
         # Of several faces the last one in this order counts.
-        best = np.argsort(cosine)
+        best = np.argsort(cosine, kind="stable")
         self.face[triangle[best]] = face[best]
         return bool(fits.any())
 
     @staticmethod
     def _renumbered(face: IntArray) -> IntArray:
-        """Number the faces without gaps."""
+        """Close the gaps in the numbers."""
         has_face = face >= 0
         result = np.full(len(face), NO_FACE)
         result[has_face] = np.unique(face[has_face], return_inverse=True)[1]

@@ -122,7 +122,8 @@ def mixed_surfaces(
                 level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
             elif smooth.is_likely and not beyond_clean(strength * level).any():
                 notes = (SMOOTH.format(smooth.level), *notes)
-        if beyond_clean(max(STRENGTHS) * strength * level).any():
+        is_noisy = beyond_clean(max(STRENGTHS) * strength * level).any()
+        if is_noisy and not stage.is_dented(level, impulsive):
             if correlation is None:
                 correlation = noise_correlation(fading, stage.frame, counted & (level > 0))
             plan = _planned(stage, level, correlation, strength, features, progress)
@@ -133,7 +134,11 @@ def mixed_surfaces(
         if not plan.is_idle:
             stage.repeat(plan, progress)
     if plan.is_idle:
-        results = [stage.track.positions] * len(STRENGTHS)
+        calm = stage.track.positions
+        if stage.is_dented(plan.noise, plan.impulsive):
+            sliding = Sliding(space.topology, positions, stage.frame)
+            calm = sliding.limited(stage.undented(plan.impulsive))
+        results = [calm] * len(STRENGTHS)
     else:
         progress.begin("mix")
         results = [stage.track.mixed(coefficients) for coefficients in plan.mixtures]
@@ -264,6 +269,27 @@ class _Stage:
         )
         start = positions + impulsive[:, None] * (calm - positions)
         return _Stage(self._space, start, self._is_still, self._on_solve)
+
+    def is_dented(self, level: FloatArray, impulsive: FloatArray) -> bool:
+        """Whether low spikes may have left dents in flat faces, and nothing else is to be done.
+
+        That is so where spikes were the noise, the level (n,) of the rest is that of clean meshes,
+        and there are creases.
+        """
+        judged = level[level > 0]
+        is_rest_clean = not len(judged) or not beyond_clean(np.median(judged, keepdims=True)).any()
+        return (
+            bool(impulsive.any())
+            and is_rest_clean
+            and has_creases(self.bank.topology, self.track.positions)
+        )
+
+    def undented(self, impulsive: FloatArray) -> FloatArray:
+        """Make flat faces flat, where low spikes left dents, by a part (n,) of the way."""
+        start = calm = self.track.positions
+        for _ in range(parameters().undenting_rounds):
+            calm = self.bank.flattened(calm, calm)
+        return start + impulsive[:, None] * (calm - start)
 
     def repeat(self, plan: DenoisePlan, progress: ProgressReport) -> None:
         """Filter as on another frame of the surface."""

@@ -47,6 +47,9 @@ class DenoiseParameters:
     # Triangles with a vertex further from the plane than this are not taken.
     face_height: float = 0.35
 
+    # Times that flat faces are made flat after spikes. By hand.
+    undenting_rounds: int = 2
+
     # plane_fits
     # Fits of a plane: the second leaves outliers out.
     plane_fits: int = 2

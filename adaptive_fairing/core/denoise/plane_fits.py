@@ -10,6 +10,9 @@ from .parameters import parameters
 # Of the median of absolute values and the standard deviation, for normal noise.
 MEDIAN_TO_DEVIATION = 1.4826
 
+# In local edge lengths: exact planes have residuals of rounding.
+LEAST_DEVIATION = 1e-9
+
 # Relative to the trace, keeps a system of a handful of vertices on one line definite.
 RIDGE = 1e-9
 
@@ -43,15 +46,16 @@ class PlaneFits:
         self.vertex, self.face = np.divmod(np.unique(corner), max(n_faces, 1))
         self._count = np.bincount(self.face, minlength=n_faces)
         self._points, self._spacing = positions[self.vertex], spacing[self.vertex]
-        by_noise = 1 / self._spacing**2
-        self._weights = by_noise
-        for _ in range(parameters().plane_fits):
+        tuned = parameters()
+        self._weights = by_noise = 1 / self._spacing**2
+        for _ in range(tuned.plane_fits):
             self._fit()
             self._residuals = self.heights(self._points, self.face) / self._spacing
-            scale = MEDIAN_TO_DEVIATION * self._medians(np.abs(self._residuals))
-            far = self._residuals / (parameters().plane_outlier * np.maximum(scale, 1e-9)[self.face])
+            deviation = MEDIAN_TO_DEVIATION * self._medians(np.abs(self._residuals))
+            limit = tuned.plane_outlier * np.maximum(deviation, LEAST_DEVIATION)
             # Tukey's biweight.
-            self._weights = by_noise * np.square(np.clip(1 - far**2, 0, None))
+            inside = np.clip(1 - (self._residuals / limit[self.face]) ** 2, 0, None)
+            self._weights = by_noise * inside**2
 
     def __len__(self) -> int:
         return len(self._count)
@@ -124,7 +128,7 @@ class PlaneFits:
         self.normals: FloatArray = self._axes[:, :, 0]
 
     def _sums(self, values: FloatArray) -> FloatArray:
-        return np.bincount(self.face, values, len(self))
+        return np.bincount(self.face, values, len(self)).astype(np.float64, copy=False)
 
     def _medians(self, values: FloatArray) -> FloatArray:
         """Median of the values (p,) of each face, (k,)."""
