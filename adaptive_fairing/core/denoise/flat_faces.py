@@ -6,8 +6,8 @@ Faces are found in four steps.
     turns away by more than noise explains, but for those beyond a crease.
 2.  Even triangles that are connected are a face.  Fit planes to the noisy vertices of all faces.
 3.  Drop faces that are bent: their normals vary too much, or a quadric fits them better.
-4.  Let the others grow, ring by ring, up to where the surface leaves their planes.  Drop those
-    that are bent now.
+4.  Let the others grow, ring by ring, up to where the surface leaves their planes.  Those that are
+    bent then become as they were.
 
 A vertex of one face then goes onto its plane, a vertex of several to where these meet.
 """
@@ -86,11 +86,14 @@ class FlatFaces:
         self._beside = side // 3, topology.twin[side] // 3
         self.face = self._connected(self._even(around))
         self._drop_bent()
-        planes = self.planes()
+        found, planes = self.face.copy(), self.planes()
         for _ in range(tuned.face_rings):
             if not self._grow(planes):
                 break
-        self._drop_bent()
+        # Those that are bent now have grown too far: onto what is round.
+        grown = np.flatnonzero(self.face >= 0)
+        too_far = grown[self.planes().are_bent()[self.face[grown]]]
+        self.face[too_far] = found[too_far]
 
     def planes(self) -> PlaneFits:
         """Fit the planes."""
