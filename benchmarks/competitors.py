@@ -90,14 +90,16 @@ def ours_on_the_first_surface(mesh: meshes.Mesh, amount: Amount) -> Smoother:
     return run
 
 
-def solved_by_cg(matrix, right_side: FloatArray, start: FloatArray) -> FloatArray:
+def solved_by_cg(
+    matrix, right_side: FloatArray, start: FloatArray, tolerance: float = CG_TOLERANCE
+) -> FloatArray:
     """Solve with scipy's conjugate gradients, one coordinate after the other."""
     from scipy.sparse import diags_array
     from scipy.sparse.linalg import cg
 
     inverse = diags_array(1 / matrix.diagonal())
     columns = [
-        cg(matrix, b, x, rtol=CG_TOLERANCE, M=inverse)[0]
+        cg(matrix, b, x, rtol=tolerance, M=inverse)[0]
         for b, x in zip(right_side.T.copy(), start.T.copy(), strict=True)
     ]
     return np.stack(columns, axis=1)
@@ -147,25 +149,19 @@ def blender(mesh: meshes.Mesh, amount: Amount, modifier: str, **options: object)
     """Evaluate a modifier in Blender."""
     import bpy
 
-    data = bpy.data.meshes.new("mesh")
-    data.from_pydata(mesh.vertices, [], mesh.triangles)
-    item = bpy.data.objects.new("mesh", data)
-    bpy.context.scene.collection.objects.link(item)
+    from tools.samples.blender_meshes import add_modifier, evaluated, new_object
+
+    item = new_object(mesh.vertices, mesh.triangles)
     bpy.context.view_layer.update()
 
     def run(steps: int) -> Timed:
         item.modifiers.clear()
         bpy.context.view_layer.update()
         start = time.perf_counter()
-        smoothing = item.modifiers.new("smoothing", modifier)
-        for name, value in {"iterations": steps, **options}.items():
-            setattr(smoothing, name, value)
-        graph = bpy.context.evaluated_depsgraph_get()
-        evaluated = item.evaluated_get(graph).data
+        add_modifier(item, modifier, iterations=steps, **options)
+        bpy.context.evaluated_depsgraph_get()
         seconds = time.perf_counter() - start
-        positions = np.empty(3 * len(evaluated.vertices), dtype=np.float32)
-        evaluated.vertices.foreach_get("co", positions)
-        return Timed(seconds, positions.reshape(-1, 3).astype(float))
+        return Timed(seconds, evaluated(item)[0])
 
     return run
 

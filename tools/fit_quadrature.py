@@ -18,7 +18,6 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 from scipy.optimize import minimize
-from scipy.spatial import ConvexHull
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 
@@ -29,6 +28,7 @@ from adaptive_fairing.core.loop.fitted_quadrature import is_fitted
 from adaptive_fairing.core.loop.patch_class import PatchClass, is_regular_patch
 from adaptive_fairing.core.loop.patches import PatchSet
 from adaptive_fairing.core.loop.quadrature import quadrature_choice
+from tools.samples.triangles import convex_hull, unit
 
 VALENCES = (4, 5, 6, 7, 8, 9, 10)
 N_KINDS = 6
@@ -59,11 +59,8 @@ def random_hull(generator: np.random.Generator, bump: float) -> tuple[FloatArray
     """Make the convex hull of 12 to 100 random points, of valences 3 to 10, and bump it."""
     while True:
         points = generator.normal(size=(int(generator.integers(12, 101)), 3))
-        points /= np.linalg.norm(points, axis=1, keepdims=True)
-        faces = ConvexHull(points).simplices
-        a, b, c = points[faces].transpose(1, 0, 2)
-        volume = np.einsum("fd,fd->f", np.cross(b - a, c - a), a - points.mean(axis=0))
-        faces = np.where((volume > 0)[:, None], faces, faces[:, ::-1])
+        points = unit(points)
+        _, faces = convex_hull(points)
         if np.bincount(faces.ravel()).max() <= 10:
             return points * (1 + bump * generator.normal(size=(len(points), 1))), faces
 

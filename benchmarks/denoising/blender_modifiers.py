@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import bpy
-import numpy as np
 
+from tools.samples.blender_meshes import add_modifier, evaluated, new_object
 from tools.samples.triangles import Faces, FloatArray
 
 
@@ -31,11 +31,7 @@ def laplacian_smooth(
     item = _object(vertices, faces)
     for value in sweep:
         yield _evaluated(
-            item,
-            "LAPLACIANSMOOTH",
-            iterations=iterations,
-            lambda_factor=value,
-            lambda_border=value,
+            item, "LAPLACIANSMOOTH", iterations=iterations, lambda_factor=value, lambda_border=value
         )
 
 
@@ -52,19 +48,10 @@ def _counted(vertices, faces, sweep, modifier: str, **options) -> Iterator[Float
 def _object(vertices: FloatArray, faces: Faces) -> bpy.types.Object:
     """Make the mesh the only object of an empty file."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    mesh = bpy.data.meshes.new("mesh")
-    mesh.from_pydata(vertices, [], faces)
-    item = bpy.data.objects.new("mesh", mesh)
-    bpy.context.scene.collection.objects.link(item)
-    return item
+    return new_object(vertices, faces)
 
 
 def _evaluated(item: bpy.types.Object, modifier: str, **options) -> FloatArray:
     item.modifiers.clear()
-    smoothing = item.modifiers.new("smoothing", modifier)
-    for name, value in options.items():
-        setattr(smoothing, name, value)
-    mesh = item.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    positions = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", positions)
-    return positions.reshape(-1, 3).astype(float)
+    add_modifier(item, modifier, **options)
+    return evaluated(item)[0]

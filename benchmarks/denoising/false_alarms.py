@@ -21,6 +21,7 @@ from scipy.stats import beta
 from tqdm import tqdm
 
 from adaptive_fairing.core import denoise
+from tools.samples.blender_meshes import add_modifier, evaluated
 from tools.samples.triangles import Faces, FloatArray
 
 from ..measuring import table
@@ -109,10 +110,8 @@ def random_model(random: np.random.Generator) -> tuple[str, Mesh]:
         bpy.ops.object.transform_apply()
         chosen = [str(each) for each in random.choice(list(MODIFIERS), random.integers(1, 4))]
         for modifier in chosen:
-            added = item.modifiers.new(modifier, modifier)
-            for setting, value in MODIFIERS[modifier](random).items():
-                setattr(added, setting, value)
-        vertices, faces = _mesh_of(item)
+            add_modifier(item, modifier, **MODIFIERS[modifier](random))
+        vertices, faces = evaluated(item)
         if 0 < len(faces) and len(vertices) <= MOST:
             return " ".join([kind, *chosen]).lower().replace("_", " "), (vertices, faces)
 
@@ -123,7 +122,7 @@ def _of_primitives() -> list[list[str]]:
         for options in ({}, fine) if fine else ({},):
             _empty_file()
             add(**options)
-            vertices, faces = _mesh_of(bpy.context.object)
+            vertices, faces = evaluated(bpy.context.object)
             moves = np.abs(denoise(vertices, faces).positions - vertices)
             shown = ", ".join(f"{key.replace('_', ' ')} {value}" for key, value in options.items())
             rows.append([f"{name}, {shown or 'default'}", str(len(vertices)), f"{moves.max():.4f}"])
@@ -136,17 +135,6 @@ def _is_changed(vertices: FloatArray, faces: Faces) -> bool:
 
 def _empty_file() -> None:
     bpy.ops.wm.read_factory_settings(use_empty=True)
-
-
-def _mesh_of(item: bpy.types.Object) -> Mesh:
-    """Return the triangles of an object with its modifiers."""
-    mesh = item.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
-    mesh.calc_loop_triangles()
-    vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", vertices)
-    faces = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
-    mesh.loop_triangles.foreach_get("vertices", faces)
-    return vertices.reshape(-1, 3).astype(float), faces.reshape(-1, 3)
 
 
 if __name__ == "__main__":

@@ -12,11 +12,10 @@ from dataclasses import dataclass, field, replace
 from importlib.metadata import version
 
 import numpy as np
-from scipy.sparse import diags_array
-from scipy.sparse.linalg import cg
 
 from tools.samples.triangles import Faces, FloatArray, edges_of
 
+from ..competitors import solved_by_cg
 from . import blender_modifiers
 from .l0_minimisation import l0_minimisation
 from .normal_filters import bilateral_filter, guided_filter
@@ -80,21 +79,26 @@ class Peer:
 
     def result(self, vertices: FloatArray, faces: Faces, parameter: str) -> FloatArray:
         """Return the positions at one point of the grid."""
-        for variant, options in self.variants.items():
-            for k, value in enumerate(self.sweep):
-                if self.parameter(variant, value) == parameter:
-                    *_, positions = self.run(vertices, faces, self.sweep[: k + 1], **options)
-                    return positions
-        raise KeyError(f"{self.name} has no {parameter}")
+        variant, k = self._point(parameter)
+        sweep = self.sweep[: k + 1]
+        *_, positions = self.run(vertices, faces, sweep, **self.variants[variant])
+        return positions
 
     @property
     def as_published(self) -> Peer:
         """The peer at the parameter of its authors alone; without one, the whole grid."""
-        for variant, options in self.variants.items():
-            for value in self.sweep:
-                if self.parameter(variant, value) == self.published:
-                    return replace(self, sweep=(value,), variants={variant: options})
-        return self
+        if self.published is None:
+            return self
+        variant, k = self._point(self.published)
+        return replace(self, sweep=(self.sweep[k],), variants={variant: self.variants[variant]})
+
+    def _point(self, parameter: str) -> tuple[str, int]:
+        """Return the variant of a point of the grid, and its place in the sweep."""
+        for variant in self.variants:
+            for k, value in enumerate(self.sweep):
+                if self.parameter(variant, value) == parameter:
+                    return variant, k
+        raise KeyError(f"{self.name} has no {parameter}")
 
     def at_edge(self, parameter: str) -> bool:
         """Tell whether the grid should have gone further at this point of it."""
@@ -156,12 +160,7 @@ def cotangent_flow(vertices: FloatArray, faces: Faces, sweep: Values, steps: int
         for _ in range(steps):
             mass = igl.massmatrix(positions, faces)
             matrix = (mass - time * laplacian).tocsr()
-            inverse = diags_array(1 / matrix.diagonal())
-            columns = [
-                cg(matrix, right, start, rtol=1e-8, maxiter=4000, M=inverse)[0]
-                for right, start in zip((mass @ positions).T.copy(), positions.T, strict=True)
-            ]
-            positions = np.stack(columns, axis=1)
+            positions = solved_by_cg(matrix, mass @ positions, positions, tolerance=1e-8)
         yield positions
 
 
@@ -248,13 +247,7 @@ IN_USE: Sequence[Peer] = (
         starts_at_least=False,
         goes_on=False,
     ),
-    Peer(
-        "Blender Smooth",
-        ("bpy",),
-        "iterations",
-        ITERATIONS[:20],
-        blender_modifiers.smooth,
-    ),
+    Peer("Blender Smooth", ("bpy",), "iterations", ITERATIONS[:20], blender_modifiers.smooth),
     Peer(
         "Blender Laplacian Smooth",
         ("bpy",),

@@ -9,8 +9,7 @@ Usage: python -m benchmarks.denoising.readme_table [SHAPE ...]
 from __future__ import annotations
 
 import argparse
-from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
 
 import numpy as np
 from tqdm import tqdm
@@ -20,6 +19,7 @@ from .measures import Score
 from .pairs import MAIN_NOISE, made
 from .peers import PEERS, Peer
 from .tables import table
+from .verdict import best_of, geometric_mean
 
 METHODS = ("MeshLab Taubin", "MeshLab two-step", "guided normals", "L0 minimisation")
 
@@ -31,21 +31,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("shapes", nargs="*", metavar="SHAPE", help="default: the held-out ones")
     names = parser.parse_args(arguments).shapes or GROUPS["held-out"]
-    peers = [at_published(peer) for peer in PEERS if peer.name in METHODS]
+    peers = [peer.as_published for peer in PEERS if peer.name in METHODS]
     pairs = tqdm(list(made(names, [MAIN_NOISE])), unit="mesh")
     print(comparison([contest(pair, peers, None, with_auto=True) for pair in pairs], peers))
-
-
-def at_published(peer: Peer) -> Peer:
-    """Leave a method that has a published parameter only what leads to it."""
-    if peer.published is None:
-        return peer
-    for variant, options in peer.variants.items():
-        for k, value in enumerate(peer.sweep):
-            if peer.parameter(variant, value) == peer.published:
-                sweep = peer.sweep[: k + 1] if peer.goes_on else peer.sweep[k : k + 1]
-                return replace(peer, sweep=sweep, variants={variant: options})
-    raise KeyError(f"{peer.name} has no {peer.published}")
 
 
 def comparison(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
@@ -53,33 +41,28 @@ def comparison(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
     seconds = [entry.auto["seconds"] for entry in entries]
     rows = [_row("noisy", "", [entry.noisy for entry in entries], seconds)]
     for peer in peers:
-        found = [_score(entry.peers[peer.name], peer) for entry in entries]
+        found = [
+            entry.peers[peer.name][peer.published]
+            if peer.published
+            else best_of(entry, peer.name).score
+            for entry in entries
+        ]
         how = "best for each mesh" if peer.published is None else f"published: {peer.published}"
         rows.append(_row(peer.name, how, found, seconds))
     rows.append(_row("Denoise", "none", [entry.auto for entry in entries], seconds))
     return table(("method", "parameters", "error", "angle", "time, Denoise = 1"), rows)
 
 
-def _score(scores: dict[str, Score], peer: Peer) -> Score:
-    if peer.published is not None:
-        return scores[peer.published]
-    return min(scores.values(), key=lambda score: score["mean"])
-
-
 def _row(name: str, how: str, scores: Sequence[Score], seconds: Sequence[float]) -> list[str]:
     times = [score.get("seconds", np.nan) / own for score, own in zip(scores, seconds, strict=True)]
-    time = _geometric(times)
+    time = geometric_mean(times)
     return [
         name,
         how,
-        f"{_geometric(score['mean'] for score in scores):.3f}",
+        f"{geometric_mean([score['mean'] for score in scores]):.3f}",
         f"{np.mean([score['angle'] for score in scores]):.1f}°",
         "" if np.isnan(time) else f"{time:.2g}",
     ]
-
-
-def _geometric(values: Iterable[float]) -> float:
-    return float(np.exp(np.mean(np.log(list(values)))))
 
 
 if __name__ == "__main__":

@@ -8,15 +8,7 @@ from ..measuring import table
 from .contest import Entry
 from .measures import Score
 from .peers import Peer
-from .verdict import (
-    Criterion,
-    Standing,
-    best_of,
-    best_peer,
-    geometric_mean,
-    one_parameter,
-    slashed,
-)
+from .verdict import Criterion, Standing, best_of, best_peer, geometric_mean, one_parameter, slashed
 
 Rows = list[list[str]]
 

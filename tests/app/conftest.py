@@ -65,7 +65,7 @@ class App:
         )
 
     def play(self, scenario: str) -> dict:
-        """Play a scenario of inside/scenarios.py in a window; once a session, even if it fails.
+        """Play a scenario of inside/*_scenarios.py in a window; once a session, even if it fails.
 
         Returns
         -------

@@ -28,6 +28,17 @@ def addon():
     adaptive_fairing.blender.unregister()
 
 
+@pytest.fixture
+def noisy():
+    """Add a selected ball with noise."""
+    from support.meshes import noisy_ball
+    from support.objects import add_object
+
+    obj = add_object(*noisy_ball(3, 0.02))
+    obj.select_set(True)
+    return obj
+
+
 @pytest.fixture(scope="session")
 def five_meshes(tmp_path_factory):
     """Give a folder with five small meshes."""

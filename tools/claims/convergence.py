@@ -114,19 +114,11 @@ def orders(errors: Sequence[float]) -> list[float | None]:
 
 def _in_space(sizes, loop, linear, radius, energy) -> Table:
     last = EIGEN_DEGREES[-1]
-    series = [
-        [errors[-1] for errors in loop],
-        [errors[-1] for errors in linear],
-        radius,
-        energy,
-    ]
+    series = [[errors[-1] for errors in loop], [errors[-1] for errors in linear], radius, energy]
     rows: list[list[Cell]] = [
         [f"{size:.3f}", *(cell for pair in zip(row, order, strict=True) for cell in pair)]
         for size, row, order in zip(
-            sizes,
-            zip(*series, strict=True),
-            zip(*map(orders, series), strict=True),
-            strict=True,
+            sizes, zip(*series, strict=True), zip(*map(orders, series), strict=True), strict=True
         )
     ]
     columns = (
@@ -147,11 +139,7 @@ def _in_time(errors: Sequence[float]) -> Table:
     rows: list[list[Cell]] = [
         list(row) for row in zip(map(str, STEP_COUNTS), errors, orders(errors), strict=True)
     ]
-    return Table(
-        f"Radius of the shrinking sphere at t = {END}",
-        ("steps", "error", "order"),
-        rows,
-    )
+    return Table(f"Radius of the shrinking sphere at t = {END}", ("steps", "error", "order"), rows)
 
 
 def _draw(path: Path, sizes, loop, linear, radius, in_time) -> None:

@@ -70,10 +70,7 @@ def _flat_disc() -> Table:
 
 def _table(pair: MeshPair) -> Table:
     run_of = pair.published
-    rows = [
-        _row(pair, "clean", pair.clean),
-        _row(pair, "input", pair.noisy),
-    ]
+    rows = [_row(pair, "clean", pair.clean), _row(pair, "input", pair.noisy)]
     for scheme in (UNIFORM, TIMESTEP, TENSOR):
         tau = run_of.tau(scheme.method)
         result = scheme.faired(pair.noisy, pair.triangles, tau, run_of.steps)

@@ -104,11 +104,7 @@ class DensityClasses:
 
 
 def matched_tau(
-    scheme: Scheme,
-    noisy: FloatArray,
-    clean: FloatArray,
-    classes: DensityClasses,
-    steps: int,
+    scheme: Scheme, noisy: FloatArray, clean: FloatArray, classes: DensityClasses, steps: int
 ) -> float:
     """Return the τ at which the coarse parts come out as rough as without noise (bisection)."""
     goal = classes.roughness(clean, classes.coarse)

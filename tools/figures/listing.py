@@ -24,6 +24,7 @@ from adaptive_fairing.blender.data.color_map import (
 from adaptive_fairing.core import DenoiseResult, denoise
 from claims.pairs import MeshPair, sample_pair
 from render import Look, View, render
+from samples.triangles import vertex_normals
 
 ROOT = Path(__file__).resolve().parents[2]
 FONT = matplotlib.get_data_path() + "/fonts/ttf/DejaVuSans.ttf"
@@ -104,9 +105,8 @@ def _removed(scene: Scene) -> Image.Image:
     size = (FULL[0] // 3, FULL[1])
     sheet = Image.new("RGB", FULL, BACKDROP)
     pair, result = scene.pair, denoised(scene.name)
-    moved = np.einsum(
-        "nd,nd->n", pair.noisy - result.positions, _normals(result.positions, pair.triangles)
-    )
+    normals = vertex_normals(result.positions, pair.triangles)
+    moved = np.einsum("nd,nd->n", pair.noisy - result.positions, normals)
     colors = srgb_to_linear(colors_srgb(moved, *symmetric_range(moved), DIVERGING_ANCHORS))
     items = [
         ("Before", scene.picture(size, is_noisy=True)),
@@ -171,15 +171,6 @@ def _rendered(
         path = Path(folder, "picture.png")
         render(path, positions, triangles, view, Look(size=size, samples=SAMPLES), colors)
         return Image.open(path).convert("RGBA")
-
-
-def _normals(positions: NDArray[np.float64], triangles: NDArray[np.int32]) -> NDArray[np.float64]:
-    corners = positions[triangles]
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals = np.zeros_like(positions)
-    for corner in range(3):
-        np.add.at(normals, triangles[:, corner], across)
-    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
 def _write(sheet: Image.Image, place: tuple[int, int], text: str, size: int) -> None:

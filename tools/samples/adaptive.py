@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .blender_meshes import add_modifier, evaluated, new_object
 from .implicit import Array, Primitive, project
 from .meshing import Faces
 from .triangles import corner_angles, edge_lengths, local_edge_lengths, normals, vertex_normals
@@ -30,10 +31,7 @@ def decimate(
     contrast
         How strongly the weights count against the quadric error.
     """
-    mesh = bpy.data.meshes.new("dense")
-    mesh.from_pydata(vertices, [], triangles)
-    item = bpy.data.objects.new("dense", mesh)
-    bpy.context.scene.collection.objects.link(item)
+    item = new_object(vertices, triangles)
     group = item.vertex_groups.new(name="detail")
     # The modifier collapses vertices of weight one first and never those of weight zero.
     # To the quadric error of an edge it adds contrast * length * (1 - level), summed over the
@@ -41,19 +39,17 @@ def decimate(
     levels = np.round(LEAST_LEVEL**weights, 2)
     for level in np.unique(levels):
         group.add(np.flatnonzero(levels == level).tolist(), float(level), "REPLACE")
-    modifier = item.modifiers.new("decimate", "DECIMATE")
-    modifier.ratio = n_triangles / len(triangles)
-    modifier.use_collapse_triangulate = True
-    modifier.vertex_group = group.name
-    modifier.vertex_group_factor = contrast
-    evaluated = item.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
-    positions = np.empty(3 * len(evaluated.vertices), dtype=np.float32)
-    evaluated.vertices.foreach_get("co", positions)
-    corners = np.empty(3 * len(evaluated.polygons), dtype=np.int32)
-    evaluated.polygons.foreach_get("vertices", corners)
-    bpy.data.objects.remove(item)
-    bpy.data.meshes.remove(mesh)
-    return positions.reshape(-1, 3).astype(float), corners.reshape(-1, 3)
+    add_modifier(
+        item,
+        "DECIMATE",
+        ratio=n_triangles / len(triangles),
+        use_collapse_triangulate=True,
+        vertex_group=group.name,
+        vertex_group_factor=contrast,
+    )
+    result = evaluated(item)
+    bpy.data.meshes.remove(item.data)  # the object goes with it
+    return result
 
 
 def improve(

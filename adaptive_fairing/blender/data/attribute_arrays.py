@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import bpy
@@ -72,6 +73,14 @@ def write_attribute(mesh: bpy.types.Mesh, array: AttributeArray) -> None:
         return
     name, _, dtype = STORAGE[array.data_type]
     attribute.data.foreach_set(name, np.ascontiguousarray(array.values, dtype=dtype).reshape(-1))
+
+
+def remove_attributes(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
+    """Remove attributes by their names; one that is absent is no error."""
+    for name in names:
+        attribute = mesh.attributes.get(name)
+        if attribute is not None:
+            mesh.attributes.remove(attribute)
 
 
 def read_boolean(mesh: bpy.types.Mesh, name: str, size: int) -> NDArray[np.bool_]:

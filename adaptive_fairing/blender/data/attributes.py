@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .attribute_arrays import remove_attributes
 from .color_map import ANCHORS, color_range, colors_srgb, srgb_to_linear
 
 DENSITY = "fairing_density"
@@ -89,10 +90,7 @@ def write_density(mesh: bpy.types.Mesh, density: ArrayLike) -> None:
 
 def remove_density(mesh: bpy.types.Mesh) -> None:
     """Remove what `write_density` has stored."""
-    for name in (DENSITY, color_name(DENSITY)):
-        attribute = mesh.attributes.get(name)
-        if attribute is not None:
-            mesh.attributes.remove(attribute)
+    remove_attributes(mesh, (DENSITY, color_name(DENSITY)))
 
 
 def _per_vertex(mesh: bpy.types.Mesh, values: ArrayLike) -> np.ndarray:

@@ -65,6 +65,8 @@ CURVATURE_PERCENTILES = (5.0, 95.0)
 """The same for curvatures, of which noise makes more extremes: they are second derivatives."""
 
 CURVATURE_FIELDS = ("CURVATURE", "GAUSSIAN")
+"""In the order in which `LimitSurface.refined_curvature` gives them."""
+
 SIGNED_FIELDS = ("REMOVED", *CURVATURE_FIELDS)
 """Fields with a zero that matters: it gets the middle of the colours for both sides of zero."""
 

@@ -6,6 +6,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core import FairingSettings, InputError
+from .attribute_arrays import remove_attributes
 from .attributes import FIELD_ATTRIBUTES, color_name, write_color, write_scalar
 from .color_map import ANCHORS, DIVERGING_ANCHORS, SIGNED_FIELDS, field_range
 from .fields import field_values
@@ -53,8 +54,5 @@ def end_view(obj: bpy.types.Object) -> None:
         return
     name = FIELD_ATTRIBUTES[record.view]
     if record.view != "DENSITY" or not record.keeps_density:
-        for each in (name, color_name(name)):
-            attribute = obj.data.attributes.get(each)
-            if attribute is not None:
-                obj.data.attributes.remove(attribute)
+        remove_attributes(obj.data, (name, color_name(name)))
     record.view = ""

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import bpy
 
 from .key_copies import copy_settings
-from .mesh_arrays import write_positions
+from .mesh_arrays import is_shared, write_positions
 from .results import has_result
 from .run_record import remember_coordinates
 from .shape_keys import mixed_keys, show_time
@@ -45,7 +45,7 @@ def take_control(obj: bpy.types.Object) -> None:
     """Put the control mesh in place of the refined one, which is left as it is."""
     refined, record = obj.data, obj.adaptive_fairing
     groups = read_groups(obj)
-    if record.control.users - record.control.use_fake_user > 1:  # of a copy of the object
+    if is_shared(record.control):  # of a copy of the object
         record.control = record.control.copy()
     obj.data = control = record.control
     n = len(control.vertices)

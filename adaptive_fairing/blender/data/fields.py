@@ -11,15 +11,13 @@ from ...core import FairingSettings, InputError, LimitSurface, mesh_density
 from ...core.mesh.solver_mesh import SolverFrame, solvable_surface
 from ...core.surface.refined_net import RefinedNet
 from .attributes import COMPARED_FIELDS
+from .color_map import CURVATURE_FIELDS
 from .control_mesh import LEVELS, control_read, is_refined
 from .mesh_arrays import read_positions, read_triangles
 from .refined_object import control_surface
 from .results import original_positions, shown_positions
 
 FloatArray = NDArray[np.float64]
-
-CURVATURES = {"CURVATURE": 0, "GAUSSIAN": 1}
-"""Row of `LimitSurface.refined_curvature` by field."""
 
 
 def field_values(
@@ -69,8 +67,8 @@ def field_values(
         normals = _vertex_normals(shown, triangles)
         removed = np.einsum("id,id->i", original - shown, normals)
         return np.where(normals.any(axis=1), removed, np.nan)
-    if field in CURVATURES:
-        return _curvatures(obj)[CURVATURES[field]]
+    if field in CURVATURE_FIELDS:
+        return _curvatures(obj)[CURVATURE_FIELDS.index(field)]
     return shown_density(shown, triangles, settings)
 
 

@@ -9,6 +9,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
+def is_shared(mesh: bpy.types.Mesh) -> bool:
+    """Whether a mesh has more than one user; the fake one does not count."""
+    return mesh.users - mesh.use_fake_user > 1
+
+
+def n_triangles(mesh: bpy.types.Mesh) -> int:
+    """Count the triangles of the polygons: a polygon of k corners has k - 2."""
+    return max(len(mesh.loops) - 2 * len(mesh.polygons), 0)
+
+
 @dataclass(frozen=True)
 class MeshData:
     """What the solver needs of a mesh.

@@ -28,7 +28,7 @@ from .attribute_arrays import (
     write_attribute,
 )
 from .key_copies import read_keys, write_keys
-from .mesh_arrays import flat_float32, read_positions, write_positions
+from .mesh_arrays import flat_float32, is_shared, n_triangles, read_positions, write_positions
 from .refinements import RefinedShape, refinement_of
 from .vertex_groups import read_groups, write_groups
 
@@ -89,9 +89,8 @@ def refine_object(
     """
     mesh = obj.data
     n_keys = len(mesh.shape_keys.key_blocks) if mesh.shape_keys is not None else 0
-    n_triangles = max(len(mesh.loops) - 2 * len(mesh.polygons), 0)
     n_arrays = len(mesh.attributes) - len(GEOMETRY) + n_keys + len(obj.vertex_groups)
-    require_memory(n_triangles, options.levels, n_arrays)
+    require_memory(n_triangles(mesh), options.levels, n_arrays)
     source = _Source(mesh, options.sharp_creases, options.levels)
     refinement, net = source.refinement, source.refinement.net(options.levels)
     keys = read_keys(mesh)
@@ -203,7 +202,7 @@ def _move_vertices(
     obj: bpy.types.Object, shapes: list[NDArray[np.float32]], attributes: list[AttributeArray]
 ) -> None:
     """Put the vertices of all shapes elsewhere, on a mesh that is the object's own."""
-    if obj.data.users - obj.data.use_fake_user > 1:
+    if is_shared(obj.data):
         obj.data = obj.data.copy()
     mesh = obj.data
     if mesh.shape_keys is not None:

@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import NDArray
 
 from .attribute_arrays import read_boolean
+from .mesh_building import integers
 from .stored_result import group_weights
 
 MODES = ("OBJECT", "EDIT", "SCULPT")
@@ -107,8 +108,7 @@ def vertex_weights(
         weights = group_weights(obj, group).astype(np.float64)
         factors.append(1.0 - weights if invert else weights)
     if hold_sharp and "sharp_edge" in mesh.attributes:
-        ends = np.empty((len(mesh.edges), 2), dtype=np.int32)
-        mesh.attributes[".edge_verts"].data.foreach_get("value", ends.reshape(-1))
+        ends = integers(mesh.attributes[".edge_verts"].data, "value", 2)
         is_free = np.ones(len(mesh.vertices))
         is_free[ends[read_boolean(mesh, "sharp_edge", len(ends))]] = 0.0
         factors.append(is_free)

@@ -181,8 +181,7 @@ def apply(obj: bpy.types.Object) -> None:
     InputError
         There is no result.
     """
-    if not has_result(obj):
-        raise InputError(rpt_("there is no result on this object"))
+    _required_original(obj)
     mesh = obj.data
     if has_foreign_keys(mesh):  # of a "MODIFIER" result: all keys move along
         offset = shown_by(obj) - read_mesh_coordinates(mesh)
@@ -204,9 +203,7 @@ def discard(obj: bpy.types.Object) -> None:
     InputError
         There is no result.
     """
-    original = original_positions(obj)
-    if original is None:
-        raise InputError(rpt_("there is no result on this object"))
+    original = _required_original(obj)
     clear(obj)
     if obj.data.shape_keys is None:
         write_positions(obj.data, original)
@@ -220,9 +217,7 @@ def show_split(obj: bpy.types.Object, normal: Sequence[float], point: Sequence[f
     InputError
         There is no result.
     """
-    original = original_positions(obj)
-    if original is None:
-        raise InputError(rpt_("there is no result on this object"))
+    original = _required_original(obj)
     record = obj.adaptive_fairing
     split_along(record, normal, point)
     if record.result == "LIVE":  # is the mesh itself, which `split_along` has updated
@@ -230,6 +225,14 @@ def show_split(obj: bpy.types.Object, normal: Sequence[float], point: Sequence[f
     if record.result == "MODIFIER" and obj.data.shape_keys is not None:
         original = mixed_keys(obj.data.shape_keys)
     split.add(obj, original, (original - np.float32(point)) @ np.float32(normal) < 0)
+
+
+def _required_original(obj: bpy.types.Object) -> Positions:
+    """Positions (n, 3) before the first run that still counts; InputError if no result is left."""
+    original = original_positions(obj)
+    if original is None:
+        raise InputError(rpt_("there is no result on this object"))
+    return original
 
 
 def drop_control(obj: bpy.types.Object) -> None:

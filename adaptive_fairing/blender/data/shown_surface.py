@@ -22,7 +22,7 @@ from ...core import FairingSettings
 from .attribute_arrays import read_attributes
 from .coloring import color_by_field, end_view
 from .control_mesh import CONTROL, LEVELS, is_refined, net_print, show_again, take_control
-from .mesh_arrays import read_key
+from .mesh_arrays import is_shared, n_triangles, read_key
 from .refined_object import RENEWED, RefineOptions, refine_object
 from .results import has_result
 from .rollback import remove_mesh
@@ -115,12 +115,12 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
         return ()
     view = record.view
     end_view(obj)
-    if obj.data.users - obj.data.use_fake_user > 1:
+    if is_shared(obj.data):
         obj.data = obj.data.copy()
     control = obj.data
     names = [ORIGINAL, *(offset_name(i + 1) for i in range(record.n_strengths))]
     levels = LEVELS[record.surface]
-    is_exact = (len(control.loops) - 2 * len(control.polygons)) * 4**levels <= LARGEST_EXACT
+    is_exact = n_triangles(control) * 4**levels <= LARGEST_EXACT
     obj.data = control.copy()
     try:
         notes = refine_object(obj, RefineOptions(levels, exact_normals=is_exact), names)

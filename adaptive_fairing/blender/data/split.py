@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import modifier
+from .attribute_arrays import remove_attributes
 from .stored_result import write_vectors
 
 NAME = "Adaptive Fairing Split"
@@ -41,10 +42,7 @@ def add(obj: bpy.types.Object, original: NDArray[np.float32], is_behind: NDArray
 def remove(obj: bpy.types.Object) -> None:
     """Show the whole result."""
     modifier.remove_marked(obj, _MARK)
-    for name in (SIDE, ORIGINAL):
-        attribute = obj.data.attributes.get(name)
-        if attribute is not None:
-            obj.data.attributes.remove(attribute)
+    remove_attributes(obj.data, (SIDE, ORIGINAL))
 
 
 def _node_group() -> bpy.types.NodeTree:

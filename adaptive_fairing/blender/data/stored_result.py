@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import modifier
+from .attribute_arrays import remove_attributes
 from .mesh_arrays import read_mesh_coordinates, write_positions
 
 FloatArray = NDArray[np.float32]
@@ -94,12 +95,8 @@ def write_stored(mesh: bpy.types.Mesh, stored: StoredResult, *, with_original: b
 
 def remove_stored(mesh: bpy.types.Mesh) -> None:
     """Remove the attributes of a result; the coordinates stay."""
-    names = [ORIGINAL]
-    names += [name for name in mesh.attributes.keys() if name.startswith(offset_name(0)[:-1])]
-    for name in names:
-        attribute = mesh.attributes.get(name)
-        if attribute is not None:
-            mesh.attributes.remove(attribute)
+    offsets = [name for name in mesh.attributes.keys() if name.startswith(offset_name(0)[:-1])]
+    remove_attributes(mesh, [ORIGINAL, *offsets])
 
 
 def read_stored(obj: bpy.types.Object) -> StoredResult | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ...core import FairingError
-from .mesh_arrays import read_positions, write_positions
+from .mesh_arrays import is_shared, read_positions, write_positions
 from .shape_keys import has_foreign_keys, mixed_keys
 
 
@@ -73,8 +73,7 @@ def writable_object(obj: bpy.types.Object, *, in_place: bool = False) -> bpy.typ
     if needs_copy(obj, in_place=in_place):
         return _copy_in_place(obj)
     mesh = obj.data
-    is_shared = mesh.users - mesh.use_fake_user > 1
-    if is_shared or mesh.library is not None or mesh.override_library is not None:
+    if is_shared(mesh) or mesh.library is not None or mesh.override_library is not None:
         obj.data = mesh.copy()
     return obj
 

@@ -8,6 +8,8 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..choices import AUTO
+from ..data import modifier
+from ..data.mesh_arrays import is_shared
 
 
 def hints(objects: Iterable[bpy.types.Object], settings) -> list[str]:
@@ -24,15 +26,14 @@ def _hints_of(obj: bpy.types.Object, settings) -> list[str]:
     is_modifier = settings.method == AUTO and settings.result == "MODIFIER"
     if needs_copy(obj, in_place=is_modifier):
         found.append("The result goes to a copy; this object is hidden")
-    elif mesh.users - mesh.use_fake_user > 1:
+    elif is_shared(mesh):
         found.append("Other objects share this mesh: they keep the old one")
     if settings.method == AUTO and not is_modifier and animated_frames(obj) is not None:
         found.append("The animation of the evolution is removed with its shape keys")
     if any(each.type == "MULTIRES" for each in obj.modifiers):
         found.append("Multiresolution: the base mesh is smoothed, not the sculpted levels")
     elif any(
-        not each.name.startswith("Adaptive Fairing") and each.show_viewport
-        for each in obj.modifiers
+        not each.name.startswith(modifier.NAME) and each.show_viewport for each in obj.modifiers
     ):
         found.append("Modifiers stay above: the mesh below them is smoothed")
     low, high = min(obj.scale), max(obj.scale)

@@ -35,7 +35,6 @@ STOP_REASONS = {
     "stopped": "Stopped by hand",
 }
 
-
 CURVATURE_POWERS = {"CURVATURE": 1, "GAUSSIAN": 2}
 """Power of 1 / length that a curvature is."""
 

@@ -158,7 +158,9 @@ def _median_where(judged: BoolArray, values: FloatArray) -> float:
 
 def _sharp_part(plan: DenoisePlan) -> float:
     """Fraction of the coefficients at strength 1 that belongs to filters that keep creases."""
-    keeps_creases = [each.creases == KEEPS for each in plan.filters]
-    coefficients = plan.mixtures[STRENGTHS.index(1.0)]
-    total = float(coefficients.sum())
-    return float(coefficients[keeps_creases].sum()) / total if total > 0 else 0.0
+    if plan.is_idle:
+        return 0.0
+    mixture = plan.mixtures[STRENGTHS.index(1.0)]
+    totals = {index: float(mixture.coefficients(index).sum()) for index in mixture.used}
+    keeping = (total for index, total in totals.items() if plan.filters[index].creases == KEEPS)
+    return sum(keeping) / sum(totals.values()) if totals else 0.0

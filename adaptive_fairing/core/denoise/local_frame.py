@@ -49,6 +49,10 @@ class LocalFrame:
         component: FloatArray = np.einsum("nd,nd->n", displacement, self.normals) / self.spacing
         return component
 
+    def rises(self, positions: FloatArray) -> FloatArray:
+        """How far positions (n, 3) lie over the mean of their neighbours, as `along_normal`."""
+        return self.along_normal(positions - self.mean @ positions)
+
     def raised(self, heights: FloatArray) -> FloatArray:
         """Turn heights (n,) along the normals, in local edge lengths, into vectors (n, 3)."""
         return (heights * self.spacing)[:, None] * self.normals

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csgraph
 
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import BoolArray, FloatArray, IndexArray, RealArray
+from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
 from .local_frame import LocalFrame
+from .mixture import Mixture
 from .noise.clean_detail import NOISE, CleanDetail
 from .noise.level import beyond_clean, noise_model
-from .noise.order_decay import Fading
+from .noise.noisy_surface import NoisySurface
 from .noise.roughness import Roughness
 from .noise.spikes import impulsive_certainty
 from .parameters import parameters
@@ -55,8 +57,8 @@ class MeshParts:
         tuned = parameters()
         self.may_move = ~(is_still | topology.is_loose)
         self.is_counted = self.may_move & ~topology.on_boundary
-        self._topology, self._frame = topology, frame
-        self._size = frame.spread(np.log(frame.spacing), tuned.density_passes)
+        self._frame = frame
+        size = frame.spread(np.log(frame.spacing), tuned.density_passes)
         _, label = csgraph.connected_components(topology.adjacency(), directed=False)
         n_counted = np.bincount(label, self.is_counted)
         own = n_counted >= tuned.own_estimate
@@ -68,16 +70,20 @@ class MeshParts:
             members.append(np.concatenate(rest))
         # A slice saves copies of the largest arrays where there is one part.
         self._members: list[slice | IndexArray] = [slice(None)] if len(members) == 1 else members
+        self._part: IntArray = np.zeros(topology.n_vertices, np.int32)
+        self._weights: RealArray = np.zeros((tuned.most_classes, topology.n_vertices), np.float32)
+        for part, some in enumerate(self._members):
+            classes = density_classes(size[some], self.is_counted[some])
+            self._part[some], self._weights[: len(classes), some] = part, classes
 
     def noise(
-        self, positions: FloatArray, fading: Fading, strength: float, *, keeps_clean: bool = True
+        self, surface: NoisySurface, strength: float, *, keeps_clean: bool = True
     ) -> NoiseFound:
         """Estimate the noise, and say if there is nothing to do.
 
         Parameters
         ----------
-        positions : (n, 3)
-        fading : Fading
+        surface : NoisySurface
         strength : float
             Factor of the noise, for the note alone.
         keeps_clean : bool
@@ -86,31 +92,26 @@ class MeshParts:
         tuned = parameters()
         clean = tuned.clean_roughness
         n_counted = int(np.count_nonzero(self.is_counted))
-        noise, impulsive = np.zeros((2, len(positions)))
+        noise, impulsive, level = np.zeros((3, len(self.is_counted)))
         too_few = (
             f"only {n_counted} vertices inside the surface: too few to tell noise from shape; "
             "nothing was changed"
         )
         if n_counted < tuned.fewest_vertices:
             return NoiseFound(noise, impulsive, noise, (too_few,))
-        rough = Roughness.of(positions, self._frame)
-        detail = CleanDetail(self._topology, positions, self._frame, fading, self.is_counted)
-        level = np.zeros(len(positions))
+        rough = Roughness.of(surface.positions, self._frame)
+        detail = CleanDetail(surface, self.is_counted)
         models = []
         for members in self._members:
-            counted = np.zeros(len(positions), dtype=bool)
+            counted = np.zeros(len(level), dtype=bool)
             counted[members] = self.is_counted[members]
             if not counted.any():
                 continue
             model = noise_model(rough, self._frame.spacing, counted, self._averaged)
             level[counted] = model.level(self._frame.spacing[counted])
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
-            may_be_spiky = np.median(level[counted]) > clean and not fading.fades(counted)
-            spiky = (
-                impulsive_certainty(self._topology, positions, self._frame, level, counted)
-                if may_be_spiky
-                else 0.0
-            )
+            may_be_spiky = np.median(level[counted]) > clean and not surface.fading.fades(counted)
+            spiky = impulsive_certainty(surface, level, counted) if may_be_spiky else 0.0
             if keeps_clean:
                 found = detail.found(level, counted, spiky > 0)
             else:
@@ -142,27 +143,27 @@ class MeshParts:
     def _averaged(self, values: FloatArray) -> FloatArray:
         return self._frame.spread(values, parameters().density_passes)
 
-    def best_coefficients(
-        self, removed: FloatArray, divergence: FloatArray, variances: FloatArray
-    ) -> RealArray:
-        """Choose the filters' coefficients of least risk in every part, (s, k, n).
+    def best_mixtures(
+        self,
+        removed: Sequence[RealArray],
+        divergence: Sequence[RealArray],
+        variances: FloatArray,
+    ) -> list[Mixture]:
+        """Mix the filters for the least risk in every part.
 
-        From what the filters remove and its divergence, (k, n), for several variances of the
-        noise, (s, n).
+        From what each filter removes and its divergence, k of (n,), for several variances of the
+        noise, (s, n); a mixture for each of these.
         """
-        # In single precision: these are the largest arrays of a run.
-        coefficients = np.zeros((len(variances), *removed.shape), dtype=np.float32)
-        for members in self._members:
-            is_counted = self.is_counted[members]
-            if not is_counted.any():
-                continue
-            classes = density_classes(self._size[members], is_counted)
-            chosen = least_risk_coefficients(
-                removed[:, members],
-                divergence[:, members],
-                variances[:, members],
-                classes * is_counted,
-            )
-            for own, of_strength in zip(coefficients, chosen, strict=True):
-                own[:, members] = np.einsum("ck,cn->kn", of_strength, classes)
-        return coefficients
+        n_parts, n_classes = len(self._members), len(self._weights)
+        chosen = np.zeros((len(variances), n_parts, n_classes, len(removed)))
+        for part, members in enumerate(self._members):
+            weights = self._weights[:, members] * self.is_counted[members]
+            used = np.flatnonzero(weights.any(axis=1))
+            if len(used):
+                chosen[:, part, used] = least_risk_coefficients(
+                    [row[members] for row in removed],
+                    [row[members] for row in divergence],
+                    variances[:, members],
+                    weights[used],
+                )
+        return [Mixture(each, self._weights, self._part) for each in chosen]

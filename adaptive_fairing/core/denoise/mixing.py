@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import compress
 from threading import Lock
 
 import numpy as np
@@ -29,10 +30,10 @@ from .filter_family import Filter
 from .filter_rounds import Round, rounds_for
 from .local_frame import LocalFrame
 from .mesh_parts import MeshParts, NoiseFound
+from .mixture import Mixture
 from .noise.correlation import NoiseCorrelation, noise_correlation
 from .noise.level import beyond_clean
-from .noise.order_decay import Fading
-from .noise.own_numbers import own_signs
+from .noise.noisy_surface import NoisySurface
 from .noise.smooth_noise import smooth_noise
 from .noise.spikes import without_spikes
 from .parameters import parameters
@@ -107,17 +108,17 @@ def mixed_surfaces(
     stage = _Stage(space, positions, is_still, solves.count)
     notes: tuple[str, ...] = ()
     if plan is None:
-        found, fading = stage.noise_found(strength, keeps_clean)
+        found = stage.noise_found(strength, keeps_clean)
         impulsive, notes = found.impulsive, found.notes
         if impulsive.any():
             stage = stage.calmed(impulsive)
-            found, fading = stage.noise_found(strength, keeps_clean)
+            found = stage.noise_found(strength, keeps_clean)
             notes = (IMPULSIVE,)
         level, counted = found.level, stage.parts.is_counted
         plan, correlation = DenoisePlan.idle(level), None
         # White noise that is stronger hides the smooth kind.
         if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:
-            smooth = smooth_noise(stage.track.positions, stage.frame, fading, counted)
+            smooth = smooth_noise(stage.noisy, counted)
             if smooth.may_be_noise and not keeps_clean:
                 level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
             elif smooth.is_likely and not beyond_clean(strength * level).any():
@@ -125,7 +126,7 @@ def mixed_surfaces(
         is_noisy = beyond_clean(max(STRENGTHS) * strength * level).any()
         if is_noisy and not stage.is_dented(level, impulsive):
             if correlation is None:
-                correlation = noise_correlation(fading, stage.frame, counted & (level > 0))
+                correlation = noise_correlation(stage.noisy, counted & (level > 0))
             plan = _planned(stage, level, correlation, strength, features, progress)
         plan = replace(plan, impulsive=impulsive)
     else:
@@ -141,7 +142,7 @@ def mixed_surfaces(
         results = [calm] * len(STRENGTHS)
     else:
         progress.begin("mix")
-        results = [stage.track.mixed(coefficients) for coefficients in plan.mixtures]
+        results = [stage.track.mixed(mixture) for mixture in plan.mixtures]
         sliding = Sliding(space.topology, stage.track.positions, stage.frame)
         results = [sliding.limited(result) for result in results]
     return MixedSurfaces(results, plan, solves.report(), notes)
@@ -160,13 +161,19 @@ def _planned(
     bank, track, frame, parts = stage.bank, stage.track, stage.frame, stage.parts
     seen, noise = noise, noise / correlation.seen * correlation.deviation
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
-    sign = own_signs(track.positions, frame)
-    probe = tuned.probe_size * correlation.applied(sign, frame)
+    probe = tuned.probe_size * correlation.applied(stage.noisy.own.signs(), frame)
     shadow = _Track(bank, track.positions + frame.raised(probe))
 
-    def measured() -> tuple[FloatArray, FloatArray]:
-        removed = track.removed(frame)
-        return removed, filter_divergence(removed, shadow.removed(frame), probe)
+    # Kept in single precision, as what they are measured from.
+    removed: list[RealArray] = []
+    divergence: list[RealArray] = []
+
+    def measure() -> None:
+        """Measure the filters that are new: the normal part of what they remove, and of whose."""
+        for each in list(track.taken)[len(removed) :]:
+            own, probed = (one.removed(each, frame) for one in (track, shadow))
+            removed.append(own.astype(np.float32))
+            divergence.append(filter_divergence(own, probed, probe).astype(np.float32))
 
     def variance(factor: float) -> FloatArray:
         return np.square(
@@ -176,7 +183,7 @@ def _planned(
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
     first, *others = rounds_for(noise)
     pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen)
-    pilots: list[RealArray] = []
+    pilots: list[Mixture] = []
     progress.begin("filter", 1)
     _filter_both(track, shadow, first)
     for number, families in enumerate(others, start=2):
@@ -184,26 +191,27 @@ def _planned(
         # The last round sharpens creases and takes a quarter of the time.
         if number > len(others) and not has_creases(bank.topology, track.surface):
             break
-        pilots.extend(parts.best_coefficients(*measured(), pilot_variance[None]))
+        measure()
+        pilots.extend(parts.best_mixtures(removed, divergence, pilot_variance[None]))
         _filter_both(track, shadow, families, pilots[-1])
     progress.begin("mix")
-    removed, divergence = measured()
+    measure()
+    shadow.taken.clear()  # has told all, and is large
     filters = tuple(track.taken)
     usable = [each.serves(features) for each in filters]
+    rows = list(compress(removed, usable)), list(compress(divergence, usable))
     variances = np.stack([variance(factor) for factor in STRENGTHS])
-    if all(usable):
-        mixtures = parts.best_coefficients(removed, divergence, variances)
-    else:
-        mixtures = np.zeros((len(STRENGTHS), *removed.shape), dtype=np.float32)
-        of_usable = removed[usable], divergence[usable]
-        mixtures[:, usable] = parts.best_coefficients(*of_usable, variances)
-    removed_noise = np.einsum("skn,kn->sn", mixtures, divergence)[:, parts.is_counted]
-    kept = 1 - removed_noise.mean(axis=1) / correlation.deviation**2
-    return DenoisePlan(filters, noise, tuple(pilots), mixtures, kept, np.zeros(len(noise)))
+    mixtures = [each.spread(usable) for each in parts.best_mixtures(*rows, variances)]
+    counted, kept = parts.is_counted, np.ones(len(mixtures))
+    for index, mixture in enumerate(mixtures):
+        for used in mixture.used:
+            removed_noise = (mixture.coefficients(used) * divergence[used])[counted]
+            kept[index] -= removed_noise.mean(dtype=float) / correlation.deviation**2
+    return DenoisePlan(filters, noise, tuple(pilots), tuple(mixtures), kept, np.zeros(len(noise)))
 
 
 def _filter_both(
-    track: _Track, shadow: _Track, families: Round, pilot: RealArray | None = None
+    track: _Track, shadow: _Track, families: Round, pilot: Mixture | None = None
 ) -> None:
     """Filter in the next round, on the surfaces of a mixture if one is given."""
 
@@ -220,9 +228,9 @@ def _filter_both(
 
 
 def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
-    """How much of its own noise each filter removes at each vertex, (k, n); for white noise 0 to 1.
+    """How much of its own noise a filter removes at each vertex, (n,); for white noise 0 to 1.
 
-    From what the filters remove of the positions, and of them with the probes (n,) added.  The
+    From what it removes of the positions, and of them with the probes added, (n,) each.  The
     neighbours' probes mix in, but cancel in sums over many vertices.
 
     Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
@@ -249,24 +257,17 @@ class _Stage:
         self.bank = FilterBank(space.topology, positions, on_solve)
         self.track = _Track(self.bank, positions)
         self.frame = LocalFrame.of(space.topology, self.track.surface, self.track.surface)
+        self.noisy = NoisySurface(space.topology, positions, self.frame)
         self.parts = MeshParts(space.topology, self.frame, is_still)
 
-    def noise_found(self, strength: float, keeps_clean: bool) -> tuple[NoiseFound, Fading]:
+    def noise_found(self, strength: float, keeps_clean: bool) -> NoiseFound:
         """Estimate the noise."""
-        fading = Fading(self.track.positions, self.frame)
-        positions = self.track.positions
-        return self.parts.noise(positions, fading, strength, keeps_clean=keeps_clean), fading
+        return self.parts.noise(self.noisy, strength, keeps_clean=keeps_clean)
 
     def calmed(self, impulsive: FloatArray) -> _Stage:
         """Put vertices back that stand out, by a part (n,) of their way."""
         positions = self.track.positions
-        calm = without_spikes(
-            self._space.topology,
-            positions,
-            self.frame,
-            self.parts.is_counted,
-            self.parts.may_move,
-        )
+        calm = without_spikes(self.noisy, self.parts.is_counted, self.parts.may_move)
         start = positions + impulsive[:, None] * (calm - positions)
         return _Stage(self._space, start, self._is_still, self._on_solve)
 
@@ -322,19 +323,15 @@ class _Track:
         for each, filtered in self._bank.filtered(self.positions, self.surface, families):
             self.taken[each] = (self.positions - filtered).astype(np.float32)
 
-    def removed(self, frame: LocalFrame) -> FloatArray:
-        """Measure the normal part of what each filter takes away, in local edge lengths, (k, n)."""
-        removed = np.empty((len(self.taken), len(self.positions)))
-        for row, taken in zip(removed, self.taken.values(), strict=True):
-            row[:] = frame.along_normal(taken.astype(np.float64))
-        return removed
+    def removed(self, each: Filter, frame: LocalFrame) -> FloatArray:
+        """Measure the normal part of what a filter takes away, in local edge lengths, (n,)."""
+        return frame.along_normal(self.taken[each].astype(np.float64))
 
-    def mixed(self, coefficients: RealArray) -> FloatArray:
-        """Mix the filters with coefficients (k, n) at each vertex."""
-        result = self.positions.copy()
-        for row, taken in zip(coefficients, self.taken.values(), strict=True):
-            if row.any():
-                result -= row[:, None] * taken
+    def mixed(self, mixture: Mixture) -> FloatArray:
+        """Mix the filters so far."""
+        result, taken = self.positions.copy(), list(self.taken.values())
+        for used in mixture.used:
+            result -= mixture.coefficients(used)[:, None] * taken[used]
         return result
 
 

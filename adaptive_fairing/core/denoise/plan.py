@@ -6,8 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..runtime.arrays import FloatArray, RealArray
+from ..runtime.arrays import FloatArray
 from .filter_family import Filter
+from .mixture import Mixture
 
 # Strengths that every run computes, as factors of the estimated noise.
 STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)
@@ -23,10 +24,10 @@ class DenoisePlan:
         What is mixed, in the order of the coefficients.
     noise : (n,)
         Standard deviation of the noise in local edge lengths; 0 where it was not judged.
-    pilots : sequence of (k, n)
-        Coefficients of the filters so far, after each round but the last that was run.
-    mixtures : (s, k, n)
-        Coefficients of all filters, for each of `STRENGTHS`.
+    pilots : tuple of Mixture
+        Of the filters so far, after each round but the last that was run.
+    mixtures : tuple of Mixture
+        Of all filters, for each of `STRENGTHS`; none if nothing is to be done.
     kept : (s,)
         Fraction of the noise that each mixture keeps, 0 to 1.
     impulsive : (n,)
@@ -35,21 +36,20 @@ class DenoisePlan:
 
     filters: tuple[Filter, ...]
     noise: FloatArray
-    pilots: tuple[RealArray, ...]
-    mixtures: RealArray
+    pilots: tuple[Mixture, ...]
+    mixtures: tuple[Mixture, ...]
     kept: FloatArray
     impulsive: FloatArray
 
     @classmethod
     def idle(cls, noise: FloatArray) -> DenoisePlan:
         """Leave everything as it is."""
-        nothing = np.zeros((len(STRENGTHS), 0, len(noise)))
-        return cls((), noise, (), nothing, np.ones(len(STRENGTHS)), np.zeros(len(noise)))
+        return cls((), noise, (), (), np.ones(len(STRENGTHS)), np.zeros(len(noise)))
 
     @property
     def is_idle(self) -> bool:
         """Whether the plan changes nothing."""
-        return not self.mixtures.any()
+        return not any(len(each.used) for each in self.mixtures)
 
     @property
     def radius(self) -> float:

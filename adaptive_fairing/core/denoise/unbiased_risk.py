@@ -14,10 +14,12 @@ filters after T. Blu and F. Luisier, The SURE-LET approach to image denoising, 2
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.optimize import nnls
 
-from ..runtime.arrays import BoolArray, FloatArray
+from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from .parameters import parameters
 
 # Sums over the vertices are taken over this many at once, which bounds the memory.
@@ -30,15 +32,18 @@ CONSTRAINT = 100.0
 
 
 def least_risk_coefficients(
-    removed: FloatArray, divergence: FloatArray, variances: FloatArray, classes: FloatArray
+    removed: Sequence[RealArray],
+    divergence: Sequence[RealArray],
+    variances: FloatArray,
+    classes: RealArray,
 ) -> FloatArray:
     """Find the coefficients of the filters in the best mixture.
 
     Parameters
     ----------
-    removed : (k, n)
+    removed : k of (n,)
         Normal part of what each filter removes.
-    divergence : (k, n)
+    divergence : k of (n,)
         Its derivative with respect to the same vertex's noise: 1 where all noise is removed, 0
         where none is.
     variances : (s, n)
@@ -56,14 +61,15 @@ def least_risk_coefficients(
     n_classes, n_filters = len(classes), len(removed)
     n = n_classes * n_filters
     square, gains = np.zeros((n, n)), np.zeros((n, len(variances)))
-    for start in range(0, removed.shape[1], VERTICES_AT_ONCE):
+    for start in range(0, classes.shape[1], VERTICES_AT_ONCE):
         some = slice(start, start + VERTICES_AT_ONCE)
-        weights = classes[:, None, some]
-        parts = (weights * removed[:, some]).reshape(n, -1)
+        weights = classes[:, None, some].astype(np.float64)
+        parts = (weights * np.stack([row[some] for row in removed])).reshape(n, -1)
         square += parts @ parts.T
         # The weights go to the variances, which are fewer than the filters.
         weighted = (weights * variances[:, some]).reshape(n_classes * len(variances), -1)
-        by_class = (divergence[:, some] @ weighted.T).reshape(n_filters, n_classes, -1)
+        gained = np.stack([row[some] for row in divergence]) @ weighted.T
+        by_class = gained.reshape(n_filters, n_classes, -1)
         gains += by_class.swapaxes(0, 1).reshape(n, -1)
     size = float(np.trace(square)) / n
     result = np.zeros((len(variances), n_classes, n_filters))

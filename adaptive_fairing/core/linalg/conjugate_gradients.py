@@ -117,7 +117,8 @@ def conjugate_gradients(
     columns = np.ascontiguousarray(start.T)
     right_columns = np.ascontiguousarray(right_side.T)
     reference = _size(right_columns if relative_to is None else relative_to.T, inverse)
-    residual = right_columns - matrix.product(columns)
+    # Most solves start at 0, whose product is known.
+    residual = right_columns - matrix.product(columns) if columns.any() else right_columns.copy()
     first_size = _size(residual, inverse)
     if matrix.is_single and not SINGLE.serves_solve(first_size, tolerance * reference):
         matrix, inverse = matrix.doubled(), inverse.astype(np.float64)

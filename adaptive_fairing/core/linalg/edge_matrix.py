@@ -76,7 +76,9 @@ class EdgeMatrix:
 
     def in_precision(self, precision: type) -> EdgeMatrix:
         """Return the same entries in another precision."""
-        return EdgeMatrix(self._edges.astype(precision), self._diagonal.astype(precision))
+        # Not the matrix's own astype, which would sort the entries of every row first.
+        data = self._edges.data.astype(precision)
+        return EdgeMatrix(self._like(data), self._diagonal.astype(precision))
 
     def doubled(self) -> EdgeMatrix:
         """Return the same entries in double precision."""

@@ -3,8 +3,8 @@
 Every diffusion in a metric is a function of the same M and L: it multiplies each
 eigenvector of M⁻¹L, of eigenvalue λ, by 1 - r(λ), and so removes the fraction r(λ) of it.
 
-One solve with M + t L gives what a step of time t removes.  The operator (M + t L)⁻¹ M, applied to
-that again and again, spans a space.  In this space the Rayleigh-Ritz method finds what all
+One solve with M + t L gives what a step of time t removes, (M + t L)⁻¹ t L x.  What a step removes
+of that, and of that again, spans a space.  In this space the Rayleigh-Ritz method finds what all
 diffusions remove.  About eight solves give an accuracy of a hundredth; the steps of six diffusions
 would take seventy-two, one by one.
 
@@ -103,31 +103,33 @@ def removed_by(
     -------
     list of (n, 3)
     """
-    columns = np.ascontiguousarray(COMMON_TIME * bending.T, dtype=precision)
+    columns = np.ascontiguousarray(bending.T, dtype=precision)
     mass, stiffness = mass.in_precision(precision), stiffness.in_precision(precision)
     system = mass.plus(COMMON_TIME, stiffness)
 
-    def solved(right_side: RealArray, start: RealArray, residual: float) -> RealArray:
+    def removed_of(bent: RealArray, residual: float, mass_of: RealArray) -> RealArray:
+        """Compute what a step removes of v, (3, n), from L v; the residual is relative to M v."""
         result, report = conjugate_gradients(
             system,
-            right_side.T,
-            start.T,
+            COMMON_TIME * bent.T,
+            np.zeros_like(bent.T),
             is_held=is_loose,
             tolerance=residual,
             max_iterations=MAX_ITERATIONS,
+            relative_to=mass_of.T,
         )
         on_solve(report)
         return result.T
 
     space = _Space(mass, stiffness, precision)
-    direction = solved(columns, np.zeros_like(columns), FIRST_FACTOR * tolerance)
+    direction = removed_of(columns, FIRST_FACTOR * tolerance, COMMON_TIME * columns)
     while space.add(direction):
         coefficients = space.coefficients(diffusions)
         size = np.linalg.norm(coefficients, axis=0)
         is_accurate = (np.abs(coefficients[-1]) <= tolerance * size).all()
         if is_accurate or space.n_directions == MOST_DIRECTIONS:
             break
-        direction = solved(space.last_image, space.last, tolerance)
+        direction = removed_of(space.last_bent, tolerance, space.last_image)
     if not space.n_directions:
         return [np.zeros_like(bending) for _ in diffusions]
     return [combined.T for combined in space.combined(coefficients)]
@@ -138,6 +140,12 @@ class _Space:
 
     All coordinates of all vertices are one vector, so that the result does not depend on the choice
     of the coordinate axes.
+
+    Attributes
+    ----------
+    n_directions : int
+    last_bent : (3, n)
+        L v for the newest direction v.
     """
 
     def __init__(self, mass: EdgeMatrix, stiffness: EdgeMatrix, precision: Precision) -> None:
@@ -148,17 +156,12 @@ class _Space:
         self._least_outside = LEAST_OUTSIDE[precision]
         self._bending = np.zeros((MOST_DIRECTIONS, MOST_DIRECTIONS))
         self._first_length = 0.0
+        self.last_bent: RealArray = np.zeros((3, mass.n), precision)
         self.n_directions = 0
 
     @property
-    def last(self) -> RealArray:
-        """The newest direction v, (3, n)."""
-        newest: RealArray = self._directions[self.n_directions - 1].reshape(3, -1)
-        return newest
-
-    @property
     def last_image(self) -> RealArray:
-        """M v, (3, n)."""
+        """M v, (3, n), for the newest direction v."""
         newest: RealArray = self._images[self.n_directions - 1].reshape(3, -1)
         return newest
 
@@ -181,8 +184,8 @@ class _Space:
         if done == 0:
             self._first_length = length
         self.n_directions += 1
-        bent = self._stiffness.product(self.last).reshape(-1)
-        entries = _products(self._directions[: done + 1], bent)
+        self.last_bent = self._stiffness.product(self._directions[done].reshape(3, -1))
+        entries = _products(self._directions[: done + 1], self.last_bent.reshape(-1))
         self._bending[done, : done + 1] = self._bending[: done + 1, done] = entries
         return True
 

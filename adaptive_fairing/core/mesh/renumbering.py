@@ -10,6 +10,11 @@ from scipy import sparse
 from ..runtime.arrays import FloatArray, IndexArray, IntArray, LongArray
 from .input_checks import bounding_box
 
+# Vertices of one section of the sweep.  Within it, those with as many triangles stand together: a
+# loop over matrix rows is three times as fast where the length of the rows hardly changes, because
+# the processor foresees where each ends.
+SECTION = 1024
+
 
 class LocalOrder(NamedTuple):
     """A renumbered mesh.
@@ -30,12 +35,15 @@ def sweep_order(positions: FloatArray, triangles: IntArray | LongArray) -> Local
     """Renumber vertices in a sweep along the longest axis, and sort triangles to match.
 
     Matrix bandwidth and cache use come close to those of reverse Cuthill-McKee (the fronts are
-    plane sections), at the cost of a sort.
+    plane sections), at the cost of a sort.  Within a `SECTION` of the sweep vertices are sorted by
+    how many triangles they have.
     """
     n_vertices = len(positions)
     low, high = bounding_box(positions)
     axis = int((high - low).argmax())
     vertices = np.argsort(positions[:, axis], kind="stable")
+    n_around = np.bincount(triangles.reshape(-1), minlength=n_vertices)[vertices]
+    vertices = vertices[np.lexsort((n_around, np.arange(n_vertices) // SECTION))]
     new_number = np.empty(n_vertices, dtype=np.int32)
     new_number[vertices] = np.arange(n_vertices, dtype=np.int32)
     renumbered = new_number[triangles]

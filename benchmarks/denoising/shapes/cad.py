@@ -11,6 +11,8 @@ import bmesh  # exists once bpy has been imported, like mathutils
 import numpy as np
 from mathutils import Matrix, Vector
 
+from tools.samples.blender_meshes import add_modifier, evaluated
+
 from .meshing import MeshArrays
 
 Point = Sequence[float]
@@ -85,33 +87,25 @@ class Part:
 
     def bevel(self, width: float, segments: int = 6) -> Part:
         """Round all edges bent by more than 30 degrees."""
-        modifier = self._item.modifiers.new("bevel", "BEVEL")
-        modifier.width, modifier.segments = width, segments
-        modifier.limit_method, modifier.angle_limit = "ANGLE", np.radians(30)
+        sharp = {"limit_method": "ANGLE", "angle_limit": np.radians(30)}
+        add_modifier(self._item, "BEVEL", width=width, segments=segments, **sharp)
         return self
 
     def arrays(self) -> MeshArrays:
         """Return the vertices and triangles."""
-        graph = bpy.context.evaluated_depsgraph_get()
-        mesh = self._item.evaluated_get(graph).to_mesh()
-        mesh.calc_loop_triangles()
-        vertices = np.array([vertex.co for vertex in mesh.vertices], dtype=float)
-        faces = np.array([each.vertices for each in mesh.loop_triangles], dtype=np.int32)
-        return vertices, faces
+        return evaluated(self._item)
 
     def _apply(self, mesh: bmesh.types.BMesh, cut: bool) -> Part:
         data = bpy.data.meshes.new("part")
         mesh.to_mesh(data)
         mesh.free()
         item = bpy.data.objects.new("part", data)
-        if self._item is None:
-            bpy.context.scene.collection.objects.link(item)
-            self._item = item
-            return self
-        modifier = self._item.modifiers.new("boolean", "BOOLEAN")
-        modifier.solver, modifier.object = "EXACT", item
-        modifier.operation = "DIFFERENCE" if cut else "UNION"
         bpy.context.scene.collection.objects.link(item)
+        if self._item is None:
+            self._item = item
+        else:
+            operation = "DIFFERENCE" if cut else "UNION"
+            add_modifier(self._item, "BOOLEAN", solver="EXACT", object=item, operation=operation)
         return self
 
 
@@ -128,9 +122,15 @@ def gear_outline(n_teeth: int, inner: float, outer: float, points_per_flank: int
     return np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)
 
 
-def torus(major: float, minor: float, segments: tuple[int, int]) -> MeshArrays:
-    """Return a ring about the z axis, of so many segments around it and across."""
-    around, across = (2 * np.pi * np.arange(n) / n for n in segments)
+def torus(major: float, minor: float, segments: tuple[int, int], shift: float = 0.0) -> MeshArrays:
+    """Return a ring about the z axis, of so many segments around it and across.
+
+    It is turned in itself by `shift` segments.
+    """
+    around, across = (
+        2 * np.pi * (np.arange(n) + begin) / n
+        for n, begin in zip(segments, (0.0, shift), strict=True)
+    )
     radius = major + minor * np.cos(across)
     points = np.stack(
         [

@@ -27,10 +27,7 @@ def remeshed(vertices: FloatArray, faces: Faces, edge: float, crease: float = 25
     meshes = _loaded(vertices, faces)
     meshes.meshing_merge_close_vertices(threshold=pymeshlab.PureValue(1e-4 * edge))
     meshes.meshing_isotropic_explicit_remeshing(
-        iterations=12,
-        targetlen=pymeshlab.PureValue(edge),
-        featuredeg=crease,
-        checksurfdist=False,
+        iterations=12, targetlen=pymeshlab.PureValue(edge), featuredeg=crease, checksurfdist=False
     )
     return _arrays(meshes)
 

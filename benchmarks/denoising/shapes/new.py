@@ -8,7 +8,7 @@ from tools.samples.implicit import Ellipsoid, Formula, Solid, Tube, rotation
 from tools.samples.meshing import dense_mesh
 from tools.samples.triangles import FloatArray, convex_hull, spiral
 
-from .cad import Part, grid_faces
+from .cad import Part, grid_faces, torus
 from .meshing import MeshArrays, graded, near, remeshed, uneven
 from .turned import lathe
 
@@ -33,17 +33,7 @@ def die() -> MeshArrays:
 
 def faceted_ring() -> MeshArrays:
     """Return an even ring of flat facets, sharp all over."""
-    around, across = 2 * np.pi * np.arange(10) / 10, 2 * np.pi * (np.arange(5) + 0.25) / 5
-    radius = 1.4 + 0.55 * np.cos(across)
-    ring = np.stack(
-        [
-            np.outer(np.cos(around), radius),
-            np.outer(np.sin(around), radius),
-            np.broadcast_to(0.55 * np.sin(across), (10, 5)),
-        ],
-        axis=-1,
-    )
-    return remeshed(ring.reshape(-1, 3), grid_faces(10, 5, closed=True), 0.06, 10.0)
+    return remeshed(*torus(1.4, 0.55, (10, 5), shift=0.25), 0.06, 10.0)
 
 
 def heat_sink() -> MeshArrays:

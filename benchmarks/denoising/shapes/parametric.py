@@ -5,34 +5,21 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import Delaunay
 
-from tools.samples.triangles import convex_hull, spiral
+from tools.samples.triangles import Faces, FloatArray, convex_hull, spiral
 
 from .cad import grid_faces
 from .meshing import MeshArrays, near, uneven
+from .turned import lathe
 
 
 def pole_sphere(n_around: int, n_rings: int, bumps: float) -> MeshArrays:
     """Make a sphere of longitudes and latitudes, all of whose longitudes meet in two poles."""
-    polar = np.pi * np.arange(1, n_rings) / n_rings
-    around = 2 * np.pi * np.arange(n_around) / n_around
-    ring = np.stack(np.broadcast_arrays(polar[:, None], around[None]), axis=-1).reshape(-1, 2)
-    sine = np.sin(ring[:, 0])
-    middle = np.stack(
-        [sine * np.cos(ring[:, 1]), sine * np.sin(ring[:, 1]), np.cos(ring[:, 0])], axis=1
-    )
-    points = np.concatenate([middle, [[0, 0, 1], [0, 0, -1]]])
-    number = np.arange(len(middle)).reshape(n_rings - 1, n_around)
-    after = np.roll(number, -1, axis=1)
-    north, south = np.full(n_around, len(middle)), np.full(n_around, len(middle) + 1)
-    faces = [
-        np.stack([number[:-1], number[1:], after[1:]], axis=-1).reshape(-1, 3),
-        np.stack([number[:-1], after[1:], after[:-1]], axis=-1).reshape(-1, 3),
-        np.stack([north, number[0], after[0]], axis=1),
-        np.stack([south, after[-1], number[-1]], axis=1),
-    ]
+    polar = np.pi * np.arange(n_rings + 1) / n_rings
+    points, faces = lathe(np.stack([np.sin(polar), np.cos(polar)], axis=1), n_around)
     x, y, z = points.T
     height = 1 + bumps * (np.sin(3 * x + 1) * np.cos(3 * y) + 0.5 * np.sin(5 * z + 2 * x))
-    return points * height[:, None] * [1.0, 0.85, 1.2], np.concatenate(faces).astype(np.int32)
+    # The profile runs from the north to the south: turned over, the triangles face outwards.
+    return points * height[:, None] * [1.0, 0.85, 1.2], faces[:, ::-1]
 
 
 def terrain(seed: int, n_points: int, ridged: bool) -> MeshArrays:
@@ -44,13 +31,7 @@ def terrain(seed: int, n_points: int, ridged: bool) -> MeshArrays:
     share[inside] += generator.uniform(-0.6, 0.6, (inside.sum(), 2)) / n
     # Squeezed towards the point (0.3, -0.2), with the square's sides kept.
     place = share - 0.28 * np.sin(np.pi * share) - 0.06 * (1 - share**2)
-    faces = Delaunay(place).simplices
-    corner = place[faces]
-    first, second = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    faces = faces[np.abs(area) > 1e-12]
-    turned = area[np.abs(area) > 1e-12] < 0
-    faces[turned] = faces[turned][:, ::-1]
+    faces = _triangulated(place)
     height = np.zeros(len(place))
     for octave in range(5):
         frequency = 1.7 * 1.9**octave
@@ -59,7 +40,7 @@ def terrain(seed: int, n_points: int, ridged: bool) -> MeshArrays:
         phases = generator.uniform(0, 2 * np.pi, 6)
         waves = np.sin(frequency * np.pi * place @ direction.T / 2 + phases)
         height += (1 - np.abs(waves) if ridged else waves).mean(axis=1) * 0.5 / 2.1**octave
-    return np.column_stack([place, height]), faces.astype(np.int32)
+    return np.column_stack([place, height]), faces
 
 
 def crater(n_points: int = 9_500) -> MeshArrays:
@@ -73,12 +54,7 @@ def crater(n_points: int = 9_500) -> MeshArrays:
     turn = 2 * np.pi * np.arange(n_rim) / n_rim
     inner = disc[np.linalg.norm(disc, axis=1) < 1 - 1.2 / n_points**0.5]
     disc = np.concatenate([inner, np.stack([np.cos(turn), np.sin(turn)], axis=1)])
-    faces = Delaunay(disc).simplices
-    corner = disc[faces]
-    first, second = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
-    is_turned = first[:, 0] * second[:, 1] < first[:, 1] * second[:, 0]
-    faces[is_turned] = faces[is_turned][:, ::-1]
-
+    faces = _triangulated(disc)
     radius, angle = np.linalg.norm(disc, axis=1), np.arctan2(disc[:, 1], disc[:, 0])
     coast = 1 + 0.12 * np.sin(3 * angle + 1) + 0.06 * np.sin(8 * angle) + 0.03 * np.sin(17 * angle)
     # Drawn towards the middle, and out to the coast near the rim.
@@ -89,7 +65,17 @@ def crater(n_points: int = 9_500) -> MeshArrays:
     height -= 0.55 * np.exp(-((far / 0.32) ** 4))
     height += 0.03 * np.tanh(2 * np.sin(9 * place[:, 0] + 3 * place[:, 1])) * np.clip(far - 1, 0, 1)
     height += 0.01 * np.sin(21 * place[:, 0]) * np.cos(19 * place[:, 1])
-    return np.column_stack([place, height]), faces.astype(np.int32)
+    return np.column_stack([place, height]), faces
+
+
+def _triangulated(points: FloatArray) -> Faces:
+    """Return Delaunay's triangles of points (n, 2), counter-clockwise, none without an area."""
+    faces = Delaunay(points).simplices
+    corner = points[faces]
+    first, second = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    faces[area < 0] = faces[area < 0][:, ::-1]
+    return faces[np.abs(area) > 1e-12].astype(np.int32)
 
 
 def knot(n_along: int = 420, n_around: int = 26) -> MeshArrays:

@@ -8,8 +8,8 @@ from support.meshes import ellipsoid, flat_hexagon, icosphere, noisy_ball
 from support.objects import add_object, numbers, shown_positions
 
 from adaptive_fairing.blender.data.attributes import FIELD_ATTRIBUTES
-from adaptive_fairing.blender.data.color_map import color_range
-from adaptive_fairing.blender.data.fields import CURVATURES, field_values
+from adaptive_fairing.blender.data.color_map import CURVATURE_FIELDS, color_range
+from adaptive_fairing.blender.data.fields import field_values
 from adaptive_fairing.blender.data.shape_keys import write_absolute_keys
 from adaptive_fairing.core import (
     FairingSettings,
@@ -60,7 +60,7 @@ class TestCurvature:
     def test_a_sphere_turned_inside_out_has_the_opposite_mean_curvature(self):
         vertices, faces = icosphere(2)
         out, inward = (
-            {field: field_values(obj, field, FairingSettings()) for field in CURVATURES}
+            {field: field_values(obj, field, FairingSettings()) for field in CURVATURE_FIELDS}
             for obj in (add_object(vertices, faces), add_object(vertices, faces[:, ::-1]))
         )
         assert inward["CURVATURE"] == pytest.approx(-out["CURVATURE"], rel=1e-9)

@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from support.layouts import draw
 from support.meshes import noisy_ball
-from support.objects import add_object, key_positions
+from support.objects import key_positions
+from support.results import run
 
 from adaptive_fairing.blender.data.mesh_arrays import read_positions
 from adaptive_fairing.blender.jobs.frame_sequence import run_frames
@@ -21,17 +22,6 @@ pytestmark = pytest.mark.usefixtures("addon")
 
 FIELDS = ("vertices", "triangles", "settings")
 STRENGTHS = [0.5, 0.75, 1.0, 1.5, 2.0]
-
-
-@pytest.fixture
-def noisy():
-    obj = add_object(*noisy_ball(3, 0.02))
-    obj.select_set(True)
-    return obj
-
-
-def run(**options):
-    return bpy.ops.object.adaptive_fairing(**options)
 
 
 @functools.cache

@@ -9,7 +9,7 @@ from adaptive_fairing.core.denoise.filter_bank import FilterBank
 from adaptive_fairing.core.denoise.filter_rounds import mesh_family
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.mixing import filter_divergence
-from adaptive_fairing.core.denoise.noise.own_numbers import own_signs
+from adaptive_fairing.core.denoise.noise.own_numbers import OwnNumbers
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
 
 
@@ -63,7 +63,7 @@ def test_the_signs_of_a_mesh_find_the_trace_of_its_diffusions(shape):
         _, filtered = bank.started(positions)
         return np.stack([frame.along_normal(positions - each) for each in filtered.values()])
 
-    probe = PARAMETERS.probe_size * own_signs(vertices, frame)
+    probe = PARAMETERS.probe_size * OwnNumbers(vertices, frame).signs()
     removed = removed_from(vertices)
     found = filter_divergence(removed, removed_from(vertices + frame.raised(probe)), probe)
     # The exact diagonal, vertex by vertex: the response to a step of one vertex alone.

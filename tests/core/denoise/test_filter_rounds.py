@@ -47,9 +47,7 @@ def test_features_decide_which_filters_are_mixed(features, kind):
     plan = denoise(*noisy_cube(0.15), DenoiseSettings(features=features)).plan
     expected = tuple(each for family in all_families() for each in family.filters)
     assert plan.filters == expected
-    used = {
-        each.creases for each, row in zip(plan.filters, plan.mixtures[2], strict=True) if row.any()
-    }
+    used = {plan.filters[index].creases for index in plan.mixtures[2].used}
     assert used == {kind}
 
 
@@ -103,13 +101,15 @@ def test_a_later_round_takes_its_metric_from_the_mixture_of_the_rounds_before(
     so_far = [*of_mesh.values(), *calls[0][2]]
     for pilot, (_, surface, results) in zip(plan.pilots, calls[1:], strict=True):
         mixture = positions - sum(
-            row[:, None] * (positions - each) for row, each in zip(pilot, so_far, strict=True)
+            pilot.coefficients(index)[:, None] * (positions - each)
+            for index, each in enumerate(so_far)
         )
         moved = np.linalg.norm(mixture - positions)
         assert moved > 0
         assert np.linalg.norm(surface - mixture) < 1e-6 * moved  # kept in single precision
         so_far += results
-    assert plan.mixtures.shape[:2] == (len(STRENGTHS), len(so_far))
+    assert len(plan.mixtures) == len(STRENGTHS)
+    assert all(each.by_class.shape[-1] == len(so_far) for each in plan.mixtures)
 
 
 def test_the_last_round_is_for_creases():

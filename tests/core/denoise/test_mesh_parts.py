@@ -9,7 +9,7 @@ from support import meshes
 from adaptive_fairing.core import TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.mesh_parts import MeshParts
-from adaptive_fairing.core.denoise.noise.order_decay import Fading
+from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.parameters import PARAMETERS, using
 
 BALL, FACES = meshes.icosphere(3)
@@ -32,7 +32,7 @@ def levels_of(points, faces):
     topology = TriangleTopology(faces, len(points))
     frame = LocalFrame.of(topology, points, points)
     parts = MeshParts(topology, frame, np.zeros(len(points), dtype=bool))
-    return parts.noise(points, Fading(points, frame), 1.0).level
+    return parts.noise(NoisySurface(topology, points, frame), 1.0).level
 
 
 def test_large_parts_have_estimates_of_their_own():
@@ -78,6 +78,7 @@ def test_filters_are_chosen_in_every_part_by_its_noise():
     parts = MeshParts(topology, frame, np.zeros(len(points), dtype=bool))
     removed = np.random.default_rng(0).normal(size=(1, len(points)))
     variances = np.where(np.arange(len(points)) < len(BALL), 1.0, 0.0)[None]
-    (chosen,) = parts.best_coefficients(removed, np.ones_like(removed), variances)[0]
+    (mixture,) = parts.best_mixtures(removed, np.ones_like(removed), variances)
+    chosen = mixture.coefficients(0)
     assert chosen[: len(BALL)].mean() == pytest.approx(1, abs=0.1)
     assert not chosen[len(BALL) :].any()

@@ -7,12 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import BoolArray, FloatArray
-from ..local_frame import LocalFrame
 from ..parameters import parameters
-from .line_roughness import LineRoughness
-from .order_decay import Fading
+from .noisy_surface import NoisySurface
 from .repeats import repetition
 
 
@@ -40,24 +37,13 @@ class CleanDetail:
 
     Parameters
     ----------
-    topology : TriangleTopology
-    positions : (n, 3)
-    frame : LocalFrame
-    fading : Fading
+    surface : NoisySurface
     is_counted : (n,) bool
         Vertices of the whole mesh that can be judged from.
     """
 
-    def __init__(
-        self,
-        topology: TriangleTopology,
-        positions: FloatArray,
-        frame: LocalFrame,
-        fading: Fading,
-        is_counted: BoolArray,
-    ) -> None:
-        self._topology, self._positions, self._frame = topology, positions, frame
-        self._fading, self._all_counted = fading, is_counted
+    def __init__(self, surface: NoisySurface, is_counted: BoolArray) -> None:
+        self._surface, self._all_counted = surface, is_counted
 
     def found(self, level: FloatArray, is_counted: BoolArray, is_impulsive: bool) -> Found:
         """Tell what the roughness of some vertices, (n,) bool, is.
@@ -69,11 +55,11 @@ class CleanDetail:
         is_impulsive : bool
             Whether the roughness is that of single vertices.
         """
-        tuned = parameters()
+        tuned, surface = parameters(), self._surface
         if np.quantile(level[is_counted], 1 - tuned.rough_fraction) <= tuned.clean_roughness:
             return DETAIL
-        of_part = is_counted[self._topology.triangles].any(axis=1)
-        repeated = repetition(self._topology.triangles[of_part], self._positions)
+        triangles = surface.topology.triangles
+        repeated = repetition(triangles[is_counted[triangles].any(axis=1)], surface.positions)
         # Spikes leave the triangles between them as they were.
         is_model = repeated.part > (tuned.left_by_spikes if is_impulsive else 0)
         if is_model and not repeated.is_contour:
@@ -83,13 +69,13 @@ class CleanDetail:
             )
         # Creases everywhere look like noise to the level; along them all may be smooth, but for the
         # few places where they meet.  Contoured voxels have more of these.
-        is_smooth = self._lines.level(is_counted) <= tuned.clean_roughness
-        corners = self._lines.level(is_counted, tuned.smooth_fraction)
+        is_smooth = surface.lines.level(is_counted) <= tuned.clean_roughness
+        corners = surface.lines.level(is_counted, tuned.smooth_fraction)
         if is_smooth and corners <= tuned.corner_roughness:
             return DETAIL
         # Detail as fine as the mesh fades, while white noise does not.
-        rough, kept = self._fading.of_mesh(is_counted)
-        if self._fading.fades(is_counted) and rough < tuned.least_roughness:
+        rough, kept = surface.fading.of_mesh(is_counted)
+        if surface.fading.fades(is_counted) and rough < tuned.least_roughness:
             return DETAIL
         # Small parts, such as the eyes of a head, go with the whole.
         is_small = np.count_nonzero(is_counted) < tuned.small_part
@@ -110,10 +96,9 @@ class CleanDetail:
         tuned = parameters()
         if np.count_nonzero(self._all_counted) > tuned.low_poly:
             return ""
-        of_mesh, of_noise = (
-            self._alikeness(values)
-            for values in (self._positions, self._frame.raised(self._fading.white))
-        )
+        surface, frame = self._surface, self._surface.frame
+        of_white = frame.rises(frame.raised(surface.fading.white))
+        of_mesh, of_noise = (self._alikeness(rises) for rises in (surface.own.rises, of_white))
         alike = (of_mesh - of_noise) / max(1 - of_noise, 1e-9)
         if alike < tuned.least_bend_correlation:
             return ""
@@ -121,15 +106,9 @@ class CleanDetail:
             f"neighbouring vertices stand out alike by {100 * alike:.0f} %, as where a shape bends"
         )
 
-    def _alikeness(self, values: FloatArray) -> float:
-        """Correlation of the deviations from the neighbours' mean with those of the neighbours."""
-        frame = self._frame
-        own = frame.along_normal(values - frame.mean @ values)
-        around = frame.mean @ own
+    def _alikeness(self, own: FloatArray) -> float:
+        """Correlation of the deviations (n,) from the neighbours' mean with the neighbours'."""
+        around = self._surface.frame.mean @ own
         own, around = own[self._all_counted], around[self._all_counted]
         size = float(own.std() * around.std())
         return float(np.mean((own - own.mean()) * (around - around.mean()))) / size if size else 0.0
-
-    @cached_property
-    def _lines(self) -> LineRoughness:
-        return LineRoughness(self._topology, self._positions, self._frame)

@@ -14,7 +14,7 @@ import numpy as np
 from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
 from ..parameters import parameters
-from .order_decay import Fading
+from .noisy_surface import NoisySurface
 
 # Number of coefficients of the neighbours' mean that are tried; the first is 0, for white noise.
 N_TRIED = 8
@@ -50,25 +50,23 @@ class NoiseCorrelation(NamedTuple):
         return (1 - self.coefficient) * values + self.coefficient * mean
 
 
-def noise_correlation(fading: Fading, frame: LocalFrame, is_counted: BoolArray) -> NoiseCorrelation:
+def noise_correlation(surface: NoisySurface, is_counted: BoolArray) -> NoiseCorrelation:
     """Find the correlation with which noise fades as the mesh does.
 
     Parameters
     ----------
-    fading : Fading
-        Of the mesh.
-    frame : LocalFrame
+    surface : NoisySurface
     is_counted : (n,) bool
         Vertices to judge from, at least one.
     """
-    tuned = parameters()
+    tuned, fading = parameters(), surface.fading
     rough, kept = fading.of_mesh(is_counted)
     if rough < tuned.least_roughness or not fading.fades(is_counted):
         return NoiseCorrelation()
     coefficients = np.linspace(0, tuned.most_correlation, N_TRIED)
     rows = [(1.0, 1.0, np.std(fading.white[is_counted]))]
     for coefficient in coefficients[1:]:
-        noise = NoiseCorrelation(coefficient).applied(fading.white, frame)
+        noise = NoiseCorrelation(coefficient).applied(fading.white, surface.frame)
         rows.append((*fading.of_noise(noise, is_counted), np.std(noise[is_counted])))
     seen, kept_of_noise, deviation = np.array(rows).T
     found = float(np.interp(-kept, -np.minimum.accumulate(kept_of_noise), coefficients))

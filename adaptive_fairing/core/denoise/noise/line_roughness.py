@@ -12,7 +12,6 @@ from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
 from ..parameters import parameters
-from .own_numbers import LINE_NOISE, own_noise
 
 
 class OppositeLines:
@@ -72,16 +71,26 @@ class LineRoughness:
     topology : TriangleTopology
     positions : (n, 3)
     frame : LocalFrame
+    noise : (n,)
+        White noise of unit variance along the normals, to compare with.
+
+    Attributes
+    ----------
+    least, least_of_noise : (n,)
+        Their magnitudes in local edge lengths, of the positions and of the noise.
     """
 
     def __init__(
-        self, topology: TriangleTopology, positions: FloatArray, frame: LocalFrame
+        self,
+        topology: TriangleTopology,
+        positions: FloatArray,
+        frame: LocalFrame,
+        noise: FloatArray,
     ) -> None:
         lines = OppositeLines(topology, frame)
         passing = lines.passing(positions)
-        noise = frame.raised(own_noise(positions, frame, LINE_NOISE))
-        self._least = np.abs(lines.least_deviation(positions, passing))
-        self._least_of_noise = np.abs(lines.least_deviation(noise, passing))
+        self.least = np.abs(lines.least_deviation(positions, passing))
+        self.least_of_noise = np.abs(lines.least_deviation(frame.raised(noise), passing))
 
     def level(self, is_counted: BoolArray, quantile: float = 0.5) -> float:
         """Return the standard deviation of noise that is as rough, in local edge lengths.
@@ -90,6 +99,6 @@ class LineRoughness:
         surface.  A higher `quantile` tells how rough the roughest part of the vertices is.
         """
         return float(
-            np.quantile(self._least[is_counted], quantile)
-            / np.median(self._least_of_noise[is_counted])
+            np.quantile(self.least[is_counted], quantile)
+            / np.median(self.least_of_noise[is_counted])
         )

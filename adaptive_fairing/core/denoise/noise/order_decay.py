@@ -14,7 +14,6 @@ import numpy as np
 from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
 from ..parameters import parameters
-from .own_numbers import WHITE_NOISE, own_noise
 
 # Orders of the differences that are compared.
 LOW, HIGH = 2, 5
@@ -27,15 +26,12 @@ class Fading:
     ----------
     positions : (n, 3)
     frame : LocalFrame
-
-    Attributes
-    ----------
     white : (n,)
-        The white noise, in local edge lengths.
+        The white noise along the normals, in local edge lengths.
     """
 
-    def __init__(self, positions: FloatArray, frame: LocalFrame) -> None:
-        self.white: FloatArray = own_noise(positions, frame, WHITE_NOISE)
+    def __init__(self, positions: FloatArray, frame: LocalFrame, white: FloatArray) -> None:
+        self.white = white
         self._positions, self._frame = positions, frame
 
     def fades(self, is_counted: BoolArray) -> bool:

@@ -25,47 +25,54 @@ MIXING = 13.0
 PROBE, WHITE_NOISE, LINE_NOISE = 0.0, 7.3, 12.9
 
 
-def own_phases(positions: FloatArray, frame: LocalFrame, use: float) -> FloatArray:
-    """Return numbers in [0, 1), one for each vertex, (n,).
+class OwnNumbers:
+    """The numbers of a mesh; other ones for each use.
 
     Parameters
     ----------
     positions : (n, 3)
     frame : LocalFrame
-    use : float
-        `PROBE`, `WHITE_NOISE` or `LINE_NOISE`.
+
+    Attributes
+    ----------
+    rises : (n,)
+        How far each vertex lies over the mean of its neighbours, see `LocalFrame.rises`.
     """
-    centred = positions - positions.mean(axis=0)
-    to_middle = centred - frame.mean @ centred
-    square = np.einsum("nd,nd->n", centred, centred)
-    spread = square + frame.mean @ square - 2 * np.einsum("nd,nd->n", centred, frame.mean @ centred)
-    first = np.linalg.norm(to_middle, axis=1) / frame.spacing
-    second = spread / frame.spacing**2
-    turns = (TURNS[0] + use) * first + (TURNS[1] + use) * second
-    # Where a mesh is exactly regular, the lengths around its vertices are all the same.  Products,
-    # because a phase that is linear in the position would be a wave on a lattice.
-    _, axes = np.linalg.eigh(centred.T @ centred)
-    from_planes = np.abs(centred @ axes) * TURNS_FROM_PLANES / np.mean(frame.spacing)
-    waves = from_planes - np.floor(from_planes)
-    turns += MIXING * np.einsum("nk,nk->n", waves, np.roll(waves, 1, axis=1))
-    phases: FloatArray = turns - np.floor(turns)
-    return phases
 
+    def __init__(self, positions: FloatArray, frame: LocalFrame) -> None:
+        self.rises = frame.rises(positions)
+        centred = positions - positions.mean(axis=0)
+        around = frame.mean @ centred
+        square = np.einsum("nd,nd->n", centred, centred)
+        spread = square + frame.mean @ square - 2 * np.einsum("nd,nd->n", centred, around)
+        self._to_middle = np.linalg.norm(centred - around, axis=1) / frame.spacing
+        self._spread = spread / frame.spacing**2
+        # Where a mesh is exactly regular, the lengths around its vertices are all the same.
+        # Products, because a phase that is linear in the position would be a wave on a lattice.
+        _, axes = np.linalg.eigh(centred.T @ centred)
+        from_planes = np.abs(centred @ axes) * TURNS_FROM_PLANES / np.mean(frame.spacing)
+        waves = from_planes - np.floor(from_planes)
+        self._waves = MIXING * np.einsum("nk,nk->n", waves, np.roll(waves, 1, axis=1))
 
-def own_signs(positions: FloatArray, frame: LocalFrame) -> FloatArray:
-    """Return 1 or -1 for each vertex, (n,), for steps along the normals.
+    def phases(self, use: float) -> FloatArray:
+        """Return numbers in [0, 1), (n,), for `PROBE`, `WHITE_NOISE` or `LINE_NOISE`."""
+        turns = (TURNS[0] + use) * self._to_middle + (TURNS[1] + use) * self._spread
+        turns += self._waves
+        phases: FloatArray = turns - np.floor(turns)
+        return phases
 
-    A sign changes with its normal, so that the step is the same if the faces are turned over.
-    """
-    rises = frame.along_normal(positions - frame.mean @ positions)
-    return np.where(own_phases(positions, frame, PROBE) < 0.5, 1.0, -1.0) * np.where(
-        rises < 0, -1.0, 1.0
-    )
+    def signs(self) -> FloatArray:
+        """Return 1 or -1 for each vertex, (n,), for steps along the normals.
 
+        A sign changes with its normal, so that the step is the same if the faces are turned over.
+        """
+        return np.where(self.phases(PROBE) < 0.5, 1.0, -1.0) * self._sides
 
-def own_noise(positions: FloatArray, frame: LocalFrame, use: float) -> FloatArray:
-    """Return normal-distributed numbers of unit variance, (n,), for heights along the normals."""
-    phases = own_phases(positions, frame, use)
-    rises = frame.along_normal(positions - frame.mean @ positions)
-    noise: FloatArray = ndtri(np.clip(phases, 1e-9, 1 - 1e-9)) * np.where(rises < 0, -1.0, 1.0)
-    return noise
+    def noise(self, use: float) -> FloatArray:
+        """Return normal-distributed numbers of unit variance, (n,), for heights along normals."""
+        noise: FloatArray = ndtri(np.clip(self.phases(use), 1e-9, 1 - 1e-9)) * self._sides
+        return noise
+
+    @property
+    def _sides(self) -> FloatArray:
+        return np.where(self.rises < 0, -1.0, 1.0)

@@ -17,7 +17,7 @@ from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
 from ..parameters import parameters
 from .correlation import NoiseCorrelation
-from .order_decay import Fading
+from .noisy_surface import NoisySurface
 
 # Passes of averaging that bound the bands, from narrow to wide.
 BANDS = ((0, 1), (1, 3), (3, 8))
@@ -57,23 +57,18 @@ class SmoothNoise(NamedTuple):
         return is_strong and self.n_counted >= tuned.fewest_of_scan
 
 
-def smooth_noise(
-    positions: FloatArray, frame: LocalFrame, fading: Fading, is_counted: BoolArray
-) -> SmoothNoise:
+def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     """Find the noise of several edges' width that explains the quietest part of a mesh.
 
     Parameters
     ----------
-    positions : (n, 3)
-    frame : LocalFrame
-    fading : Fading
-        Of the mesh, for its white noise.
+    surface : NoisySurface
     is_counted : (n,) bool
         Vertices to judge from, at least one.
     """
-    tuned = parameters()
-    white = _bands(frame.raised(fading.white), frame, is_counted)
-    own = _bands(positions, frame, is_counted)
+    tuned, frame, heights = parameters(), surface.frame, surface.fading.white
+    white = _bands(frame.raised(heights), frame, is_counted)
+    own = _bands(surface.positions, frame, is_counted)
     quiet, typical = (np.quantile(own, part, axis=1) for part in (tuned.quiet_fraction, 0.5))
     white_quiet, white_typical = (
         np.quantile(white, part, axis=1) for part in (tuned.quiet_fraction, 0.5)
@@ -81,7 +76,7 @@ def smooth_noise(
     evenness = float(np.min((quiet / typical / (white_quiet / white_typical))[1:]))
     best = None
     for passes in PASSES:
-        noise = frame.spread(fading.white * frame.spacing, passes) / frame.spacing
+        noise = frame.spread(heights * frame.spacing, passes) / frame.spacing
         bands = np.median(_bands(frame.raised(noise), frame, is_counted), axis=1)
         ratios = quiet / white_quiet / (bands / white_typical)
         # All bands have at least the noise; the one with the least has no more.

@@ -13,21 +13,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import BoolArray, FloatArray
-from ..local_frame import LocalFrame
 from ..parameters import parameters
 from .line_roughness import OppositeLines
-from .own_numbers import LINE_NOISE, own_noise
+from .noisy_surface import NoisySurface
 
 
-def impulsive_certainty(
-    topology: TriangleTopology,
-    positions: FloatArray,
-    frame: LocalFrame,
-    level: FloatArray,
-    is_counted: BoolArray,
-) -> float:
+def impulsive_certainty(surface: NoisySurface, level: FloatArray, is_counted: BoolArray) -> float:
     """Tell how surely noise is impulsive or has heavy tails, from 0 to 1.
 
     The largest of the deviations from the smoothest lines are compared with their median, and that
@@ -36,9 +28,7 @@ def impulsive_certainty(
 
     Parameters
     ----------
-    topology : TriangleTopology
-    positions : (n, 3)
-    frame : LocalFrame
+    surface : NoisySurface
     level : (n,)
         Noise that was found, in local edge lengths.
     is_counted : (n,) bool
@@ -47,11 +37,9 @@ def impulsive_certainty(
     tuned = parameters()
     if not is_counted.any():
         return 0.0
-    lines = OppositeLines(topology, frame)
-    passing = lines.passing(positions)
-    noise = frame.raised(own_noise(positions, frame, LINE_NOISE))
-    normal = np.abs(lines.least_deviation(noise, passing))[is_counted]
-    size = np.abs(lines.least_deviation(positions, passing)) / np.maximum(level, 1e-9)
+    frame = surface.frame
+    normal = surface.lines.least_of_noise[is_counted]
+    size = surface.lines.least / np.maximum(level, 1e-9)
     root = frame.spread(np.where(is_counted, np.sqrt(size), 0), tuned.calm_passes)
     around = root / np.maximum(frame.spread(is_counted.astype(float), tuned.calm_passes), 1e-9)
     size, around = size[is_counted], around[is_counted]
@@ -75,30 +63,22 @@ def _tail(size: FloatArray) -> float:
     return float(tail / median) if median > 0 else 0.0
 
 
-def without_spikes(
-    topology: TriangleTopology,
-    positions: FloatArray,
-    frame: LocalFrame,
-    is_counted: BoolArray,
-    may_move: BoolArray,
-) -> FloatArray:
+def without_spikes(surface: NoisySurface, is_counted: BoolArray, may_move: BoolArray) -> FloatArray:
     """Return positions (n, 3) whose spikes lie on the lines through their neighbours.
 
     Parameters
     ----------
-    topology : TriangleTopology
-    positions : (n, 3)
-    frame : LocalFrame
+    surface : NoisySurface
     is_counted : (n,) bool
         Vertices that tell how far others stand out.
     may_move : (n,) bool
         Vertices that may be spikes: rims too.
     """
     tuned = parameters()
+    topology, frame = surface.topology, surface.frame
     lines = OppositeLines(topology, frame)
-    noise = frame.raised(own_noise(positions, frame, LINE_NOISE))
-    unit = np.median(np.abs(lines.least_deviation(noise, lines.passing(positions)))[is_counted])
-    result = positions.copy()
+    unit = np.median(surface.lines.least_of_noise[is_counted])
+    result = surface.positions.copy()
     centre = np.repeat(np.arange(topology.n_vertices), topology.ring_size)
     was_moved = np.zeros(len(result), dtype=bool)
     for _ in range(tuned.most_spike_rounds):

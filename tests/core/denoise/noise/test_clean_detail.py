@@ -8,7 +8,7 @@ from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.mesh_parts import MeshParts
 from adaptive_fairing.core.denoise.noise.level import beyond_clean, noise_model
-from adaptive_fairing.core.denoise.noise.order_decay import Fading
+from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.noise.roughness import Roughness
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
 
@@ -46,7 +46,7 @@ def levels(shape, points):
         Roughness.of(points, frame), frame.spacing, inside, lambda each: frame.spread(each, 3)
     )
     parts = MeshParts(topology, frame, ~inside)
-    found = parts.noise(points, Fading(points, frame), 1.0)
+    found = parts.noise(NoisySurface(topology, points, frame), 1.0)
     return model.level(frame.spacing), found.level
 
 
@@ -86,8 +86,8 @@ def test_what_is_rough_and_fades_is_not_taken_for_detail():
 
 
 def test_few_vertices_of_white_noise_seem_to_fade_by_chance_and_are_not_taken_for_detail():
-    _, frame = frame_of("graded")
-    fading = Fading(with_noise("graded", 0.1), frame)
+    topology, frame = frame_of("graded")
+    fading = NoisySurface(topology, with_noise("graded", 0.1), frame).fading
     parts = np.array_split(np.arange(len(frame.spacing)), 40)
     counted = [np.isin(np.arange(len(frame.spacing)), part) for part in parts]
     kept = np.array([fading.of_mesh(part)[1] for part in counted])

@@ -7,7 +7,7 @@ from support import meshes
 from adaptive_fairing.core import TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.noise.correlation import NoiseCorrelation, noise_correlation
-from adaptive_fairing.core.denoise.noise.order_decay import Fading
+from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
 
 SHAPES = {
@@ -32,8 +32,8 @@ def noisy(vertices, faces, coefficient, amplitude):
 
 def found(points, smooth, faces):
     everywhere = np.ones(len(points), dtype=bool)
-    frame = frame_of(smooth, faces)
-    return noise_correlation(Fading(points, frame), frame, everywhere)
+    topology, frame = TriangleTopology(faces, len(points)), frame_of(smooth, faces)
+    return noise_correlation(NoisySurface(topology, points, frame), everywhere)
 
 
 @pytest.mark.parametrize("amplitude", [0.05, 0.1, 0.4])

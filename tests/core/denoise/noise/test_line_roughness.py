@@ -7,7 +7,7 @@ from support import meshes
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame, spacing_of
 from adaptive_fairing.core.denoise.noise.level import noise_model
-from adaptive_fairing.core.denoise.noise.line_roughness import LineRoughness
+from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.noise.roughness import Roughness
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
 
@@ -36,7 +36,7 @@ def levels(points, smooth, faces):
     )
     return (
         np.median(model.level(frame.spacing)[inside]),
-        LineRoughness(topology, points, frame).level(inside),
+        NoisySurface(topology, points, frame).lines.level(inside),
     )
 
 

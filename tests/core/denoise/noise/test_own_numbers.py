@@ -10,9 +10,7 @@ from adaptive_fairing.core.denoise.noise.own_numbers import (
     LINE_NOISE,
     PROBE,
     WHITE_NOISE,
-    own_noise,
-    own_phases,
-    own_signs,
+    OwnNumbers,
 )
 
 VERTICES, FACES = meshes.graded_sphere(4)
@@ -26,27 +24,28 @@ def frame_of(points, faces):
 def steps(points, faces):
     """Vectors (n, 3) that the signs stand for."""
     frame = frame_of(points, faces)
-    return frame.raised(own_signs(points, frame))
+    return frame.raised(OwnNumbers(points, frame).signs())
 
 
 def test_they_are_spread_evenly_and_not_alike_at_neighbours():
     frame = frame_of(POINTS, FACES)
+    own = OwnNumbers(POINTS, frame)
     for use in (PROBE, WHITE_NOISE, LINE_NOISE):
-        phases = own_phases(POINTS, frame, use)
+        phases = own.phases(use)
         assert np.all((phases >= 0) & (phases < 1))
         counts, _ = np.histogram(phases, 10, (0, 1))
         expected = len(POINTS) / 10
         assert np.sum((counts - expected) ** 2) / expected < 30  # chi² of 9, one in 3000
         around = frame.mean @ phases
         assert abs(np.corrcoef(phases, around)[0, 1]) < 4 / np.sqrt(len(POINTS))
-    numbers = [own_noise(POINTS, frame, use) for use in (WHITE_NOISE, LINE_NOISE)]
+    numbers = [own.noise(use) for use in (WHITE_NOISE, LINE_NOISE)]
     assert np.std(numbers[0]) == pytest.approx(1, abs=0.05)
     assert abs(np.corrcoef(numbers)[0, 1]) < 4 / np.sqrt(len(POINTS))
 
 
 def test_neighbours_differ_on_an_exactly_regular_mesh_too():
     vertices, faces = meshes.flat_grid(30, 30)
-    phases = own_phases(vertices, frame_of(vertices, faces), PROBE)
+    phases = OwnNumbers(vertices, frame_of(vertices, faces)).phases(PROBE)
     assert len(np.unique(np.round(phases, 6))) > len(vertices) / 8
 
 

@@ -6,11 +6,12 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
-from adaptive_fairing.core.denoise.noise.order_decay import Fading
+from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.noise.smooth_noise import smooth_noise
 
 VERTICES, FACES = meshes.torus(104, 52)
-FRAME = LocalFrame.of(TriangleTopology(FACES, len(VERTICES)), VERTICES, VERTICES)
+TOPOLOGY = TriangleTopology(FACES, len(VERTICES))
+FRAME = LocalFrame.of(TOPOLOGY, VERTICES, VERTICES)
 
 
 def noisy(level, passes=8, seed=0):
@@ -20,7 +21,7 @@ def noisy(level, passes=8, seed=0):
 
 def found(points):
     everywhere = np.ones(len(points), dtype=bool)
-    return smooth_noise(points, FRAME, Fading(points, FRAME), everywhere)
+    return smooth_noise(NoisySurface(TOPOLOGY, points, FRAME), everywhere)
 
 
 @pytest.mark.parametrize("level", [0.1, 0.2, 0.4])

@@ -6,6 +6,7 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
+from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.noise.spikes import impulsive_certainty, without_spikes
 
 SHAPES = {"sphere": meshes.icosphere(4), "graded": meshes.graded_sphere(4)}
@@ -32,7 +33,7 @@ def certainty(shape, heights):
     points = SHAPES[shape][0] + frame.raised(heights)
     level = np.full(len(heights), np.median(np.abs(heights)) / 0.6745)
     everywhere = np.ones(len(heights), dtype=bool)
-    return impulsive_certainty(topology, points, frame, level, everywhere)
+    return impulsive_certainty(NoisySurface(topology, points, frame), level, everywhere)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -61,7 +62,7 @@ def test_spikes_come_off_and_the_others_stay(shape):
     topology, frame = frame_of(shape)
     points = with_spikes(shape)
     everywhere = np.ones(len(points), dtype=bool)
-    calm = without_spikes(topology, points, frame, everywhere, everywhere)
+    calm = without_spikes(NoisySurface(topology, points, frame), everywhere, everywhere)
     before = np.linalg.norm(points - vertices, axis=1) / frame.spacing
     after = np.linalg.norm(calm - vertices, axis=1) / frame.spacing
     assert np.sqrt(np.mean(after**2)) < 0.45 * np.sqrt(np.mean(before**2))

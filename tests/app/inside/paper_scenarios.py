@@ -1,0 +1,222 @@
+"""Scenarios of the paper's method: keys, undo, Esc, what may happen meanwhile, frames."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Generator
+
+import bpy
+import numpy as np
+from driver import Scenario, Stage
+from meshes import (
+    add_noisy,
+    equal_to_core,
+    key_names,
+    key_positions,
+    shown_evolution,
+    vertex_positions,
+)
+from steps import open_panel, press_fairing, run_to_the_end
+
+
+def full_run(stage: Stage) -> Scenario:
+    """Press the button, wait, move the Evolution slider, undo, redo, save and open again."""
+    noisy = vertex_positions(add_noisy("ico_sphere", 0.01, subdivisions=6))
+    seen = stage.results
+    yield from stage.open_sidebar("Fairing")
+    yield from stage.picture("before")
+    yield from run_to_the_end(stage, 120)
+    yield from stage.picture("after")
+
+    obj = bpy.context.object
+    keys = key_positions(obj)
+    seen["keys"] = list(keys)
+    seen["basis kept"] = bool(np.array_equal(keys["Basis"], noisy))
+    seen["equal to core"] = equal_to_core(obj, noisy, list(keys.values())[1:])
+
+    x, y = yield from stage.find_button("adaptive_fairing.evolution", "shift+ctrl+c")
+    yield from stage.enter_value(x, y, 0.0)
+    yield from stage.picture("slider-at-the-start")
+    seen["slider at the start"] = shown_evolution(obj, keys)
+    yield from stage.drag(x, y, 70)
+    yield from stage.picture("slider-dragged")
+    seen["slider dragged"] = shown_evolution(obj, keys)
+    yield from stage.enter_value(x, y, 1.0)
+    yield from stage.picture("slider-at-the-end")
+    seen["slider at the end"] = shown_evolution(obj, keys)
+
+    path = str(stage.directory / "saved.blend")
+    with stage.context():
+        bpy.ops.wm.save_as_mainfile(filepath=path)
+        bpy.ops.wm.open_mainfile(filepath=path)
+    yield 2.0
+    reopened = key_positions(bpy.context.view_layer.objects.active)
+    seen["same after reopening"] = {
+        name: bool(np.array_equal(reopened.get(name), positions))
+        for name, positions in keys.items()
+    }
+    yield from stage.picture("reopened")
+
+
+def undo(stage: Stage) -> Scenario:
+    """One undo takes a whole run back, one redo brings it again."""
+    noisy = vertex_positions(add_noisy("ico_sphere", 0.01, subdivisions=4))
+    yield from run_to_the_end(stage, 60)
+    stage.results["after run"] = key_names()
+    yield from stage.press_in_view("ctrl+z")
+    stage.results["after undo"] = key_names()
+    stage.results["vertices back"] = bool(
+        np.array_equal(vertex_positions(bpy.context.object), noisy)
+    )
+    yield from stage.press_in_view("ctrl+shift+z")
+    stage.results["after redo"] = key_names()
+
+
+def escape(stage: Stage) -> Scenario:
+    """Press Esc in a long run; the finished steps stay, and one undo removes them."""
+    add_noisy("ico_sphere", 0.01, subdivisions=6)
+    settings = bpy.context.scene.adaptive_fairing
+    settings.steps, settings.tau = 1000, 0.0001
+    stage.results["steps asked for"] = settings.steps
+    yield from press_fairing(stage)
+    yield 6.0
+    yield from stage.picture("running")
+    yield 4.0
+    yield from stage.picture("running-later")
+    yield from stage.press_in_view("Escape")
+    yield stage.until(lambda: not stage.is_running(), 60, "end after Esc")
+    yield 1.0
+    yield from stage.picture("stopped")
+    stage.results["after escape"] = key_names()
+    yield from stage.press_in_view("ctrl+z")
+    stage.results["after undo"] = key_names()
+
+
+def delete_object(stage: Stage) -> Scenario:
+    """Delete the object while it is being faired; afterwards another one can be faired."""
+    obj = add_noisy("ico_sphere", 0.01, subdivisions=6)
+    bpy.context.scene.adaptive_fairing.steps = 1000
+    yield from press_fairing(stage)
+    yield 2.0
+    bpy.data.objects.remove(obj)
+    yield 2.0
+    yield from stage.picture("deleted")
+    if stage.is_running():
+        yield from stage.press_in_view("Escape")
+    yield stage.until(lambda: not stage.is_running(), 60, "end without the object")
+    yield from run_once_more(stage)
+
+
+def load_file(stage: Stage) -> Scenario:
+    """Load a new file during a run; afterwards another mesh can be faired."""
+    add_noisy("ico_sphere", 0.01, subdivisions=6)
+    bpy.context.scene.adaptive_fairing.steps = 1000
+    yield from press_fairing(stage)
+    yield 2.0
+    with stage.context():
+        bpy.ops.wm.read_homefile()
+    yield 3.0
+    stage.results["running after load"] = stage.is_running()
+    stage.results["objects after load"] = sorted(obj.name for obj in bpy.data.objects)
+    stage.results["keys in the loaded file"] = len(bpy.data.shape_keys)
+    yield from stage.picture("loaded")
+    yield from run_once_more(stage)
+
+
+def run_once_more(stage: Stage) -> Scenario:
+    """Fair another mesh, to see that the add-on is still in order."""
+    add_noisy("ico_sphere", 0.01, subdivisions=3)
+    bpy.context.scene.adaptive_fairing.steps = 2
+    yield 1.0
+    yield from run_to_the_end(stage, 60)
+    stage.results["second run"] = key_names()
+
+
+def quit_program(stage: Stage) -> Scenario:
+    """Quit Blender during a run."""
+    add_noisy("ico_sphere", 0.01, subdivisions=6)
+    bpy.context.scene.adaptive_fairing.steps = 1000
+    yield from press_fairing(stage)
+    yield 2.0
+    stage.results["running at the end"] = stage.is_running()
+
+
+def sequence(stage: Stage) -> Scenario:
+    """Press the button for frames; Esc in a second run keeps the frames that are finished."""
+    obj = add_noisy("ico_sphere", 0.01, subdivisions=5)
+    wave = obj.modifiers.new("Wave", "WAVE")
+    wave.height, wave.width, wave.narrowness, wave.time_offset = 0.3, 1.0, 2.0, -20
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 5
+    scene.adaptive_fairing.steps = 2
+    open_panel("VIEW3D_PT_adaptive_fairing_sequence")
+    yield from stage.open_sidebar("Fairing")
+    x, y = yield from stage.find_button("object.adaptive_fairing_sequence(")
+    yield from stage.picture("sequence-before")
+    stage.click(x, y)
+    yield stage.until(stage.is_running, 20, "start of the modal run")
+    yield from stage.picture("sequence-running")
+    yield stage.until(lambda: not stage.is_running(), 120, "end of the run")
+    yield 1.0
+    result = bpy.context.object
+    stage.results["result"] = result.name
+    stage.results["keys"] = key_names()
+    stage.results["hidden"] = not obj.visible_get()
+    stage.results["eval_time"] = []
+    for frame in range(1, 6):
+        scene.frame_set(frame)
+        stage.results["eval_time"].append(result.data.shape_keys.eval_time)
+    stage.results["frames of the keys"] = [key.frame for key in result.data.shape_keys.key_blocks]
+    yield from stage.picture("sequence-after")
+    yield from stage.press_in_view("ctrl+z")
+    stage.results["after undo"] = sorted(each.name for each in bpy.data.objects)
+
+    obj = bpy.data.objects[0]
+    bpy.context.view_layer.objects.active = obj
+    scene = bpy.context.scene
+    scene.frame_end = 200
+    x, y = yield from stage.find_button("object.adaptive_fairing_sequence(")
+    stage.click(x, y)
+    yield stage.until(stage.is_running, 60, "start of the second run")
+    yield 3.0
+    yield from stage.press_in_view("Escape")
+    yield stage.until(lambda: not stage.is_running(), 60, "end after Esc")
+    yield 1.0
+    stage.results["kept after escape"] = key_names()
+
+
+def large_mesh(stage: Stage) -> Scenario:
+    """Fair 200 000 triangles, and count how often the window is drawn meanwhile."""
+    obj = add_noisy("grid", 0.0005, x_subdivisions=320, y_subdivisions=320)
+    obj.data.calc_loop_triangles()
+    stage.results["triangles"] = len(obj.data.loop_triangles)
+    yield from stage.open_sidebar("Fairing")
+    idle_until = time.monotonic() + 5.0
+    stage.results["idle"] = yield from draws_while(
+        stage, lambda: time.monotonic() < idle_until, seconds=60
+    )
+
+    yield from press_fairing(stage)
+    stage.results["run"] = yield from draws_while(stage, stage.is_running, 400)
+    yield 2.0
+    stage.results["keys"] = key_names()
+    yield from stage.picture("large-after")
+
+
+def draws_while(
+    stage: Stage, running: Callable[[], bool], seconds: float
+) -> Generator[float, None, dict]:
+    """Ask for a drawing at every tick while `running`, and measure how many there are."""
+    stage.draws.clear()
+    start = time.monotonic()
+    while running():
+        if time.monotonic() - start > seconds:
+            raise TimeoutError(f"still running after {seconds} s")
+        stage.view.tag_redraw()
+        yield 0.0
+    times = np.array([start, *stage.draws, time.monotonic()])
+    return {
+        "seconds": float(times[-1] - start),
+        "draws": len(stage.draws),
+        "longest gap": float(np.diff(times).max()),
+    }

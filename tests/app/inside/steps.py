@@ -1,0 +1,53 @@
+"""Steps that several scenarios take. Runs inside Blender."""
+
+from __future__ import annotations
+
+import sys
+
+import bpy
+from driver import Scenario, Stage
+
+BUTTON = "object.adaptive_fairing("  # other operators begin with the same words
+
+
+def press_fairing(stage: Stage) -> Scenario:
+    """Open the sidebar's tab, look for the button and press it."""
+    yield from stage.open_sidebar("Fairing")
+    x, y = yield from stage.find_button(BUTTON)
+    stage.click(x, y)
+    yield stage.until(stage.is_running, 20, "start of the modal run")
+
+
+def finished_part() -> float:
+    """Part of the run that is done, 1 if there is none."""
+    (module,) = (each for name, each in sys.modules.items() if name.endswith(".modal_run"))
+    progress = module.progress()
+    return 1.0 if progress is None else progress.factor
+
+
+def run_to_the_end(stage: Stage, seconds: float) -> Scenario:
+    """Press the button and wait for the result, so many seconds at most."""
+    yield from press_fairing(stage)
+    yield stage.until(lambda: not stage.is_running(), seconds, "end of the run")
+    yield 1.0
+
+
+def take_brush(stage: Stage) -> None:
+    """Take a brush with a hard edge in Weight Paint: Debian's Blender 4.3 comes without brushes."""
+    brush = bpy.data.brushes.new("Hard", mode="WEIGHT_PAINT")
+    names = ("curve_distance_falloff_preset", "curve_preset")  # since Blender 5.0, before
+    setattr(brush, next(name for name in names if hasattr(brush, name)), "CONSTANT")
+    brush.asset_mark()
+    with stage.context():
+        bpy.ops.brush.asset_activate(
+            asset_library_type="LOCAL", relative_asset_identifier="Brush/Hard"
+        )
+
+
+def open_panel(panel: str) -> None:
+    """Open a panel that is closed at first, as a click on its header would."""
+    panel_class = getattr(bpy.types, panel)
+    bpy.utils.unregister_class(panel_class)
+    panel_class.bl_options = set()
+    panel_class.bl_idname = f"{panel}_open"  # Blender remembers which panels are closed
+    bpy.utils.register_class(panel_class)
