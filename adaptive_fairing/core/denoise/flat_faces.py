@@ -54,7 +54,7 @@ def flattened(
     (n, 3)
         The surface with flat faces; vertices that are not on any are as they were.
     """
-    planes = FlatFaces(topology, around, noisy, surface, spacing).planes()
+    planes = FlatFaces(topology, around, noisy, surface, spacing).planes
     return planes.onto(surface, spacing) if len(planes) else surface
 
 
@@ -64,7 +64,9 @@ class FlatFaces:
     Attributes
     ----------
     face : (m,) int
-        Number of each triangle's face; `NO_FACE` where it has none.
+        Number of each triangle's face; `NO_FACE` where it has none.  Some numbers may be of none.
+    planes : PlaneFits
+        By these numbers.
     """
 
     def __init__(
@@ -85,18 +87,20 @@ class FlatFaces:
         side = np.flatnonzero(topology.twin >= 0)
         self._beside = side // 3, topology.twin[side] // 3
         self.face = self._connected(self._even(around))
-        self._drop_bent()
-        found, planes = self.face.copy(), self.planes()
+        self.planes = self._fitted()
+        self._drop(self.planes.are_bent() | self._are_uneven())
+        found = self.face.copy()
         for _ in range(tuned.face_rings):
-            if not self._grow(planes):
+            if not self._grow():
                 break
+        self.planes = self._fitted()
         # Those that are bent now have grown too far: onto what is round.
-        grown = np.flatnonzero(self.face >= 0)
-        too_far = grown[self.planes().are_bent()[self.face[grown]]]
-        self.face[too_far] = found[too_far]
+        has_grown_too_far = self._of_triangles(self.planes.are_bent())
+        if has_grown_too_far.any():
+            self.face = np.where(has_grown_too_far, found, self.face)
+            self.planes = self._fitted()
 
-    def planes(self) -> PlaneFits:
-        """Fit the planes."""
+    def _fitted(self) -> PlaneFits:
         return PlaneFits(self._noisy, self._spacing, self._triangles, self.face)
 
     def _even(self, around: IntArray) -> BoolArray:
@@ -123,19 +127,26 @@ class FlatFaces:
         is_large = np.bincount(number) >= parameters().fewest_triangles
         return self._renumbered(np.where(is_even & is_large[number], number, NO_FACE))
 
-    def _drop_bent(self) -> None:
-        """Forget faces that are not flat."""
-        planes, flat = self.planes(), np.flatnonzero(self.face >= 0)
+    def _are_uneven(self) -> BoolArray:
+        """Whose normals differ too much from those of their planes, (k,)."""
+        flat = np.flatnonzero(self.face >= 0)
         face, areas = self.face[flat], self._areas[flat]
-        turned = 1 - np.abs(np.einsum("fd,fd->f", self._normals[flat], planes.normals[face]))
-        mean_turn = np.bincount(face, areas * turned) / np.bincount(face, areas)
-        is_bent = planes.are_bent() | (mean_turn > 1 - np.cos(parameters().most_uneven))
-        self.face[flat[is_bent[face]]] = NO_FACE
-        self.face = self._renumbered(self.face)
+        cosine = np.abs(np.einsum("fd,fd->f", self._normals[flat], self.planes.normals[face]))
+        n = len(self.planes)
+        limit = np.cos(parameters().most_uneven) * np.bincount(face, areas, n)
+        uneven: BoolArray = np.bincount(face, areas * cosine, n) < limit
+        return uneven
 
-    def _grow(self, planes: PlaneFits) -> bool:
+    def _of_triangles(self, of_faces: BoolArray) -> BoolArray:
+        """Tell of every triangle what is true of its face (k,); not true where it has none."""
+        return np.append(of_faces, False)[self.face]
+
+    def _drop(self, faces: BoolArray) -> None:
+        self.face = np.where(self._of_triangles(faces), NO_FACE, self.face)
+
+    def _grow(self) -> bool:
         """Give triangles beside faces to the one that they turn away from least, if they fit."""
-        tuned = parameters()
+        tuned, planes = parameters(), self.planes
         outside, inside = self._beside
         is_rim = (self.face[outside] < 0) & (self.face[inside] >= 0)
         triangle, face = outside[is_rim], self.face[inside[is_rim]]

@@ -115,7 +115,7 @@ class DenoiseParameters:
     most_noise_in_normals: float = 0.25
     # Passes of the short and long smoothing in the last round. By hand.
     last_short_fit_passes: tuple[int, ...] = (5,)
-    last_long_fit_passes: tuple[int, ...] = (20, 60)
+    last_long_fit_passes: tuple[int, ...] = (20,)
     # The last round is for meshes with more creases than this among their edges. Of 25 shapes the
     # smooth ones had at most 0.008 (one with slivers 0.027), those with creases 0.016 or more.
     fewest_creases: float = 0.01

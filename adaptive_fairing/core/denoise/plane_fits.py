@@ -79,7 +79,8 @@ class PlaneFits:
         matrix = np.empty((len(self), 6, 6))
         for i, j in zip(*np.tril_indices(6), strict=True):
             matrix[:, i, j] = matrix[:, j, i] = self._sums(weights * terms[i] * terms[j])
-        matrix += RIDGE * np.einsum("kii->k", matrix)[:, None, None] * np.eye(6)
+        ridge = RIDGE * np.einsum("kii->k", matrix) + np.finfo(float).tiny
+        matrix += ridge[:, None, None] * np.eye(6)
 
         def explained(n_terms: int) -> FloatArray:
             of_terms = right[:, :n_terms, None]
@@ -131,8 +132,9 @@ class PlaneFits:
         return np.bincount(self.face, values, len(self)).astype(np.float64, copy=False)
 
     def _medians(self, values: FloatArray) -> FloatArray:
-        """Median of the values (p,) of each face, (k,)."""
+        """Median of the values (p,) of each face, (k,); any where there is none."""
         ordered = values[np.lexsort((values, self.face))]
         last = np.cumsum(self._count)
-        median: FloatArray = ordered[last - self._count + self._count // 2]
+        middle = np.minimum(last - self._count + self._count // 2, len(ordered) - 1)
+        median: FloatArray = ordered[middle]
         return median
