@@ -17,6 +17,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
 
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
@@ -24,6 +25,10 @@ from .parameters import parameters
 
 # Sums over the vertices are taken over this many at once, which bounds the memory.
 VERTICES_AT_ONCE = 16384
+
+# And matrix products over this many: for larger ones OpenBLAS starts threads, for 40 filters or for
+# one, and they spin for longer than all of this takes.
+VERTICES_PER_PRODUCT = 128
 
 # Relative weights of two terms of the least squares: the first keeps them definite, the second
 # keeps the sum of the coefficients at most 1.
@@ -60,23 +65,31 @@ def least_risk_coefficients(
     """
     n_classes, n_filters = len(classes), len(removed)
     n = n_classes * n_filters
-    square, gains = np.zeros((n, n)), np.zeros((n, len(variances)))
+    square = np.zeros((n_classes, n_filters, n_classes, n_filters))
+    gains = np.zeros((n_classes, len(variances), n_filters))
+    pairs = [(i, j) for i in range(n_classes) for j in range(i + 1)]
     for start in range(0, classes.shape[1], VERTICES_AT_ONCE):
         some = slice(start, start + VERTICES_AT_ONCE)
-        weights = classes[:, None, some].astype(np.float64)
-        parts = (weights * np.stack([row[some] for row in removed])).reshape(n, -1)
-        square += parts @ parts.T
+        weights = classes[:, some].astype(np.float64)
+        rows = np.stack([row[some] for row in removed], dtype=np.float64)
+        for i, j in pairs:
+            weight = weights[i] * weights[j]
+            if weight.any():
+                square[i, :, j] += _products(weight * rows, rows)
+        gain_rows = np.stack([row[some] for row in divergence], dtype=np.float64)
         # The weights go to the variances, which are fewer than the filters.
-        weighted = (weights * variances[:, some]).reshape(n_classes * len(variances), -1)
-        gained = np.stack([row[some] for row in divergence]) @ weighted.T
-        by_class = gained.reshape(n_filters, n_classes, -1)
-        gains += by_class.swapaxes(0, 1).reshape(n, -1)
+        for index, weight in enumerate(weights):
+            gains[index] += _products(weight * variances[:, some], gain_rows)
+    for i, j in pairs:
+        square[j, :, i] = square[i, :, j]
+    square, gains = square.reshape(n, n), gains.swapaxes(1, 2).reshape(n, -1)
     size = float(np.trace(square)) / n
     result = np.zeros((len(variances), n_classes, n_filters))
     if not size > 0:
         return result
     square[np.diag_indices(n)] += RIDGE * size
-    factor = np.linalg.cholesky(square)
+    # Not numpy's: its OpenBLAS starts threads for matrices as small as this.
+    factor = cholesky(square, lower=True)
     # The sum of a class and a slack is 1, as further equations of great weight.
     system = np.zeros((n + n_classes, n + n_classes))
     system[:n, :n] = factor.T
@@ -86,10 +99,20 @@ def least_risk_coefficients(
         system[n + index, n + index] = weight
     for coefficients, gain in zip(result, gains.T, strict=True):
         if gain.any():
-            target = np.concatenate([np.linalg.solve(factor, gain), np.full(n_classes, weight)])
+            seen = solve_triangular(factor, gain, lower=True)
+            target = np.concatenate([seen, np.full(n_classes, weight)])
             found, _ = nnls(system, target, maxiter=100 * len(target))
             coefficients[:] = found[:n].reshape(n_classes, n_filters)
     return result
+
+
+def _products(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Scalar products of rows (j, n) with others (k, n), added up over small matrix products."""
+    whole = first.shape[1] // VERTICES_PER_PRODUCT * VERTICES_PER_PRODUCT
+    parts = (r[:, :whole].reshape(len(r), -1, VERTICES_PER_PRODUCT) for r in (first, second))
+    left, right = (part.swapaxes(0, 1) for part in parts)
+    products: FloatArray = np.matmul(left, right.swapaxes(1, 2)).sum(axis=0)
+    return products + first[:, whole:] @ second[:, whole:].T
 
 
 def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:

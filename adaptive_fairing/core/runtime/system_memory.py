@@ -11,15 +11,25 @@ from pathlib import Path
 def available_bytes() -> int | None:
     """Memory that this process can still get, or None if the system does not tell.
 
-    Free or reclaimable memory with swap space, within the limit of the control group.  Asked of
-    psutil where it is installed; Blender does not bring it along, so also of the system itself:
-    there macOS tells only how much memory the machine has.
+    Free or reclaimable memory with swap space, within the limit of the control group.  Linux tells
+    in a file; elsewhere psutil is asked where it is installed.  Blender does not bring it along, so
+    the last to be asked is the system: macOS tells only how much memory the machine has.
     """
-    free = _free_by_psutil()
+    free = _free_on_linux()
     if free is None:
-        free = _free_on_windows() if sys.platform == "win32" else _free_on_unix()
+        free = _free_by_psutil()
+    if free is None:
+        free = _free_on_windows() if sys.platform == "win32" else _memory_of_machine()
     group = _free_in_group()
     return free if free is None or group is None else min(free, group)
+
+
+def _free_on_linux(meminfo: Path = Path("/proc/meminfo")) -> int | None:
+    try:
+        values = _numbers(meminfo)  # in units of 1024 bytes
+        return 1024 * (values["MemAvailable:"] + values.get("SwapFree:", 0))
+    except (KeyError, OSError):
+        return None
 
 
 def _free_by_psutil() -> int | None:
@@ -30,12 +40,7 @@ def _free_by_psutil() -> int | None:
     return int(psutil.virtual_memory().available + psutil.swap_memory().free)
 
 
-def _free_on_unix(meminfo: Path = Path("/proc/meminfo")) -> int | None:
-    try:
-        values = _numbers(meminfo)  # in units of 1024 bytes
-        return 1024 * (values["MemAvailable:"] + values.get("SwapFree:", 0))
-    except (KeyError, OSError):
-        pass
+def _memory_of_machine() -> int | None:
     try:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (ValueError, OSError):
