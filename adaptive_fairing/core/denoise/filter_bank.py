@@ -109,7 +109,8 @@ class FilterBank:
         spacing = spacing_of(self.topology, surface, tuned.spacing_passes)
         for family in families:
             if isinstance(family, FlatFamily):
-                yield family.filters[0], self.flattened(positions, surface)
+                flat = self.flattened(positions, surface)
+                yield family.filters[0], positions if flat is None else flat
                 continue
             if isinstance(family, NormalFamily):
                 start = positions if family.is_of_noisy else surface
@@ -124,8 +125,11 @@ class FilterBank:
             for each, removed in zip(family.filters, all_removed, strict=True):
                 yield each, positions - removed
 
-    def flattened(self, positions: FloatArray, surface: FloatArray) -> FloatArray:
-        """Make the flat faces of a surface flat, in planes fitted to positions, (n, 3) all."""
+    def flattened(self, positions: FloatArray, surface: FloatArray) -> FloatArray | None:
+        """Make the flat faces of a surface flat, in planes fitted to positions, (n, 3) all.
+
+        None where there are hardly any.
+        """
         spacing = spacing_of(self.topology, surface, parameters().spacing_passes)
         return flattened(self.topology, self._around, positions, surface, spacing)
 

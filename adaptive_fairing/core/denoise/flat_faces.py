@@ -34,7 +34,7 @@ def flattened(
     noisy: FloatArray,
     surface: FloatArray,
     spacing: FloatArray,
-) -> FloatArray:
+) -> FloatArray | None:
     """Move the vertices of a surface's flat faces onto their planes.
 
     Parameters
@@ -52,10 +52,13 @@ def flattened(
     Returns
     -------
     (n, 3)
-        The surface with flat faces; vertices that are not on any are as they were.
+        The surface with flat faces; vertices that are not on any are as they were.  None where
+        fewer triangles than `least_flat` are on any: round shapes have small flat places, too.
     """
-    planes = FlatFaces(topology, around, noisy, surface, spacing).planes
-    return planes.onto(surface, spacing) if len(planes) else surface
+    found = FlatFaces(topology, around, noisy, surface, spacing)
+    if np.mean(found.face >= 0) < parameters().least_flat:
+        return None
+    return found.planes.onto(surface, spacing)
 
 
 class FlatFaces:

@@ -137,13 +137,14 @@ def mixed_surfaces(
     if plan.is_idle:
         calm = stage.track.positions
         if stage.is_dented(plan.noise, plan.impulsive):
-            sliding = Sliding(space.topology, positions, stage.frame)
+            sliding = Sliding(space.topology, positions, stage.frame, has_creases=True)
             calm = sliding.limited(stage.undented(plan.impulsive))
         results = [calm] * len(STRENGTHS)
     else:
         progress.begin("mix")
         results = [stage.track.mixed(mixture) for mixture in plan.mixtures]
-        sliding = Sliding(space.topology, stage.track.positions, stage.frame)
+        is_sharp = has_creases(space.topology, results[STRENGTHS.index(1.0)])
+        sliding = Sliding(space.topology, stage.track.positions, stage.frame, is_sharp)
         results = [sliding.limited(result) for result in results]
     return MixedSurfaces(results, plan, solves.report(), notes)
 
@@ -292,7 +293,8 @@ class _Stage:
         """Make flat faces flat, where low spikes left dents, by a part (n,) of the way."""
         start = calm = self.track.positions
         for _ in range(parameters().undenting_rounds):
-            calm = self.bank.flattened(calm, calm)
+            flat = self.bank.flattened(calm, calm)
+            calm = calm if flat is None else flat
         return start + impulsive[:, None] * (calm - start)
 
     def repeat(self, plan: DenoisePlan, progress: ProgressReport) -> None:

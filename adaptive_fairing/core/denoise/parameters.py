@@ -47,6 +47,8 @@ class DenoiseParameters:
     # Triangles with a vertex further from the plane than this are not taken.
     face_height: float = 0.35
 
+    # With a smaller part of the triangles on flat faces a mesh counts as round.
+    least_flat: float = 0.2
     # Times that flat faces are made flat after spikes. By hand.
     undenting_rounds: int = 2
 

@@ -81,7 +81,7 @@ def test_vertices_lie_on_the_planes_of_their_faces():
 @pytest.mark.parametrize("shape", [meshes.icosphere(4), meshes.torus(60, 30)])
 def test_round_shapes_stay(shape):
     points, faces = shape
-    assert np.array_equal(flattened(*seen(points, faces, points)), points)
+    assert flattened(*seen(points, faces, points)) is None
 
 
 @pytest.mark.parametrize("radius", [6, 12])
