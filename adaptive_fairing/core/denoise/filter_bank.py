@@ -109,7 +109,7 @@ class FilterBank:
         spacing = spacing_of(self.topology, surface, tuned.spacing_passes)
         for family in families:
             if isinstance(family, FlatFamily):
-                flat = self.flattened(positions, surface)
+                flat = self.flattened(positions, surface, tuned.least_flat)
                 yield family.filters[0], positions if flat is None else flat
                 continue
             if isinstance(family, NormalFamily):
@@ -125,13 +125,15 @@ class FilterBank:
             for each, removed in zip(family.filters, all_removed, strict=True):
                 yield each, positions - removed
 
-    def flattened(self, positions: FloatArray, surface: FloatArray) -> FloatArray | None:
+    def flattened(
+        self, positions: FloatArray, surface: FloatArray, least: float
+    ) -> FloatArray | None:
         """Make the flat faces of a surface flat, in planes fitted to positions, (n, 3) all.
 
-        None where there are hardly any.
+        None where fewer triangles than `least`, a part of them, are on any.
         """
         spacing = spacing_of(self.topology, surface, parameters().spacing_passes)
-        return flattened(self.topology, self._around, positions, surface, spacing)
+        return flattened(self.topology, self._around, positions, surface, spacing, least)
 
     def _fitted(
         self, surface: FloatArray, spacing: FloatArray, family: NormalFamily

@@ -34,6 +34,7 @@ def flattened(
     noisy: FloatArray,
     surface: FloatArray,
     spacing: FloatArray,
+    least: float = 0.0,
 ) -> FloatArray | None:
     """Move the vertices of a surface's flat faces onto their planes.
 
@@ -48,15 +49,18 @@ def flattened(
         The same vertices denoised: faces are found on it.
     spacing : (n,)
         Local edge length.
+    least : float
+        Part of the triangles.
 
     Returns
     -------
     (n, 3)
         The surface with flat faces; vertices that are not on any are as they were.  None where
-        fewer triangles than `least_flat` are on any: round shapes have small flat places, too.
+        fewer triangles than `least`, or none at all, are on any.
     """
     found = FlatFaces(topology, around, noisy, surface, spacing)
-    if np.mean(found.face >= 0) < parameters().least_flat:
+    part = np.mean(found.face >= 0)
+    if part == 0 or part < least:
         return None
     return found.planes.onto(surface, spacing)
 
@@ -155,9 +159,11 @@ class FlatFaces:
         triangle, face = outside[is_rim], self.face[inside[is_rim]]
         cosine = np.abs(np.einsum("fd,fd->f", self._normals[triangle], planes.normals[face]))
         fits = cosine > np.cos(tuned.face_angle_at_rim)
+        # Less noise leaves a surface that is nearer to its planes.
+        part = np.clip(planes.deviations / tuned.coarse_noise, tuned.least_face_height, 1)[face]
         for vertex in self._triangles[triangle].T:
             height = np.abs(planes.heights(self._surface[vertex], face))
-            fits &= height < tuned.face_height * self._spacing[vertex]
+            fits &= height < tuned.face_height * part * self._spacing[vertex]
         triangle, face, cosine = triangle[fits], face[fits], cosine[fits]
         # Of several faces the last one in this order counts.
         best = np.argsort(cosine, kind="stable")

@@ -123,8 +123,8 @@ def mixed_surfaces(
                 level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
             elif smooth.is_likely and not beyond_clean(strength * level).any():
                 notes = (SMOOTH.format(smooth.level), *notes)
-        is_noisy = beyond_clean(max(STRENGTHS) * strength * level).any()
-        if is_noisy and not stage.is_dented(level, impulsive):
+        undented = stage.undented(level, impulsive)
+        if undented is None and beyond_clean(max(STRENGTHS) * strength * level).any():
             if correlation is None:
                 correlation = noise_correlation(stage.noisy, counted & (level > 0))
             plan = _planned(stage, level, correlation, strength, features, progress)
@@ -132,14 +132,14 @@ def mixed_surfaces(
     else:
         if plan.impulsive.any():
             stage = stage.calmed(plan.impulsive)
+        undented = stage.undented(plan.noise, plan.impulsive) if plan.is_idle else None
         if not plan.is_idle:
             stage.repeat(plan, progress)
-    if plan.is_idle:
-        calm = stage.track.positions
-        if stage.is_dented(plan.noise, plan.impulsive):
-            sliding = Sliding(space.topology, positions, stage.frame, has_creases=True)
-            calm = sliding.limited(stage.undented(plan.impulsive))
-        results = [calm] * len(STRENGTHS)
+    if undented is not None:
+        sliding = Sliding(space.topology, positions, stage.frame, has_creases=True)
+        results = [sliding.limited(undented)] * len(STRENGTHS)
+    elif plan.is_idle:
+        results = [stage.track.positions] * len(STRENGTHS)
     else:
         progress.begin("mix")
         results = [stage.track.mixed(mixture) for mixture in plan.mixtures]
@@ -275,27 +275,24 @@ class _Stage:
         start = positions + impulsive[:, None] * (calm - positions)
         return _Stage(self._space, start, self._is_still, self._on_solve)
 
-    def is_dented(self, level: FloatArray, impulsive: FloatArray) -> bool:
-        """Whether low spikes may have left dents in flat faces, and nothing else is to be done.
+    def undented(self, level: FloatArray, impulsive: FloatArray) -> FloatArray | None:
+        """Make flat faces flat, where low spikes left dents, by a part (n,) of the way.
 
-        That is so where spikes were the noise, the level (n,) of the rest is that of clean meshes,
-        and there are creases.
+        None where that is not all there is to do: where spikes were not the noise, or the level
+        (n,) of the rest is more than that of clean meshes, or there are no flat faces.
         """
         judged = level[level > 0]
-        is_rest_clean = not len(judged) or not beyond_clean(np.median(judged, keepdims=True)).any()
-        return (
-            bool(impulsive.any())
-            and is_rest_clean
-            and has_creases(self.bank.topology, self.track.positions)
-        )
-
-    def undented(self, impulsive: FloatArray) -> FloatArray:
-        """Make flat faces flat, where low spikes left dents, by a part (n,) of the way."""
+        is_clean = not len(judged) or not beyond_clean(np.median(judged, keepdims=True)).any()
         start = calm = self.track.positions
+        if not (impulsive.any() and is_clean and has_creases(self.bank.topology, start)):
+            return None
         for _ in range(parameters().undenting_rounds):
-            flat = self.bank.flattened(calm, calm)
-            calm = calm if flat is None else flat
-        return start + impulsive[:, None] * (calm - start)
+            flat = self.bank.flattened(calm, calm, parameters().least_flat_dented)
+            if flat is None:
+                return None
+            calm = flat
+        result: FloatArray = start + impulsive[:, None] * (calm - start)
+        return result
 
     def repeat(self, plan: DenoisePlan, progress: ProgressReport) -> None:
         """Filter as on another frame of the surface."""

@@ -46,9 +46,13 @@ class DenoiseParameters:
     face_angle_at_rim: float = math.radians(25)
     # Triangles with a vertex further from the plane than this are not taken.
     face_height: float = 0.35
+    # Less noise makes it smaller in proportion, by this factor at most.
+    least_face_height: float = 0.5
 
     # With a smaller part of the triangles on flat faces a mesh counts as round.
     least_flat: float = 0.2
+    # The same after spikes, where what is not a dent tells exactly what is flat.
+    least_flat_dented: float = 0.1
     # Times that flat faces are made flat after spikes. By hand.
     undenting_rounds: int = 2
 

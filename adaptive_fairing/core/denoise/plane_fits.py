@@ -35,6 +35,8 @@ class PlaneFits:
         Vertices with each of the faces that they belong to.
     centres, normals : (k, 3)
         A point on each plane, and its unit normal, of either sign.
+    deviations : (k,)
+        Standard deviations of the positions from their planes, in local edge lengths.
     """
 
     def __init__(
@@ -51,8 +53,9 @@ class PlaneFits:
         for _ in range(tuned.plane_fits):
             self._fit()
             self._residuals = self.heights(self._points, self.face) / self._spacing
-            deviation = MEDIAN_TO_DEVIATION * self._medians(np.abs(self._residuals))
-            limit = tuned.plane_outlier * np.maximum(deviation, LEAST_DEVIATION)
+            median = self._medians(np.abs(self._residuals))
+            self.deviations = MEDIAN_TO_DEVIATION * median
+            limit = tuned.plane_outlier * np.maximum(self.deviations, LEAST_DEVIATION)
             # Tukey's biweight.
             inside = np.clip(1 - (self._residuals / limit[self.face]) ** 2, 0, None)
             self._weights = by_noise * inside**2
