@@ -4,8 +4,8 @@
 2.  Filter in the metrics of the slightly smoothed surface (`filter_bank`).  Mix the filters so that
     the estimated distance to the surface without noise is least (`unbiased_risk`).
 3.  Filter in the metrics of that mixture, which shows the creases, and mix all filters so far.
-    Repeat this in a metric of a smaller angle, and last by fits to smoothed normals, twice where
-    there are creases (`filter_rounds`).
+    Repeat this in a metric of a smaller angle, and by fits to smoothed normals; last, where there
+    are creases, by more of these and with flat faces made flat (`filter_rounds`, `flat_faces`).
 
 How much of the noise a filter removes is measured by filtering a second time with a little noise
 added: the metrics depend on the noise too, so a formula for linear filters would not do.
