@@ -23,8 +23,9 @@ from ..linalg.krylov_filters import MAX_ITERATIONS, Diffusion, removed_by
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
-from .filter_family import Filter, FilterFamily, NormalFamily
-from .filter_rounds import mesh_family
+from .filter_family import Filter, FlatFamily, NormalFamily
+from .filter_rounds import Round, mesh_family
+from .flat_faces import flattened
 from .lifted_metric import LiftedMetric, linear_elements, rim_flux
 from .local_frame import spacing_of
 from .normal_filter import TurningLoads, smoothed_normals, triangles_around
@@ -88,7 +89,7 @@ class FilterBank:
         self,
         positions: FloatArray,
         surface: FloatArray,
-        families: Sequence[FilterFamily | NormalFamily],
+        families: Round,
     ) -> Iterator[tuple[Filter, FloatArray]]:
         """Filter positions in the metrics of a surface, or either of them by its normals.
 
@@ -97,7 +98,7 @@ class FilterBank:
         positions : (n, 3)
         surface : (n, 3)
             The surface that the metrics are taken from.
-        families : sequence of FilterFamily and NormalFamily
+        families : sequence of FilterFamily, NormalFamily and FlatFamily
 
         Yields
         ------
@@ -107,6 +108,11 @@ class FilterBank:
         tuned = parameters()
         spacing = spacing_of(self.topology, surface, tuned.spacing_passes)
         for family in families:
+            if isinstance(family, FlatFamily):
+                flat = self.flattened(positions, surface, tuned.least_flat)
+                # Not the positions: another frame's plan may rely on this filter.
+                yield family.filters[0], surface if flat is None else flat
+                continue
             if isinstance(family, NormalFamily):
                 start = positions if family.is_of_noisy else surface
                 fits = self._fitted(start, spacing, family)
@@ -119,6 +125,16 @@ class FilterBank:
             all_removed = self._removed(matrices, bending, family.diffusions)
             for each, removed in zip(family.filters, all_removed, strict=True):
                 yield each, positions - removed
+
+    def flattened(
+        self, positions: FloatArray, surface: FloatArray, least: float
+    ) -> FloatArray | None:
+        """Make the flat faces of a surface flat, in planes fitted to positions, (n, 3) all.
+
+        None where fewer triangles than `least`, a part of them, are on any.
+        """
+        spacing = spacing_of(self.topology, surface, parameters().spacing_passes)
+        return flattened(self.topology, self._around, positions, surface, spacing, least)
 
     def _fitted(
         self, surface: FloatArray, spacing: FloatArray, family: NormalFamily

@@ -64,6 +64,26 @@ class FilterFamily(NamedTuple):
         return self._replace(metric=self.metric._replace(angle=factor * self.metric.angle))
 
 
+class FlatFamily(NamedTuple):
+    """The mixture of the rounds before with its flat faces made flat; see `flat_faces`.
+
+    Attributes
+    ----------
+    name : str
+    """
+
+    name: str
+
+    @property
+    def filters(self) -> tuple[Filter, ...]:
+        """The one filter."""
+        return (Filter(self.name, KEEPS),)
+
+    def scaled(self, factor: float) -> FlatFamily:
+        """Return itself: nothing in it follows the noise."""
+        return self
+
+
 class NormalFamily(NamedTuple):
     """Fits to the normals of triangles, smoothed in several ways but not across creases.
 

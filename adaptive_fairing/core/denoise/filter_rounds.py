@@ -6,12 +6,12 @@ import numpy as np
 
 from ..linalg.krylov_filters import Diffusion
 from ..runtime.arrays import FloatArray
-from .filter_family import KEEPS, ROUNDS, SEES, FilterFamily, NormalFamily
+from .filter_family import KEEPS, ROUNDS, SEES, FilterFamily, FlatFamily, NormalFamily
 from .lifted_metric import LiftedMetric
 from .normal_filter import Smoothing
 from .parameters import parameters
 
-Round = tuple[FilterFamily | NormalFamily, ...]
+Round = tuple[FilterFamily | NormalFamily | FlatFamily, ...]
 
 
 def gentle_diffusions() -> tuple[Diffusion, ...]:
@@ -57,7 +57,10 @@ def rounds() -> tuple[Round, ...]:
             ),
         ),
         (_fits("normals", tuned.short_fit_passes, tuned.long_fit_passes),),
-        (_fits("normals of the fits", tuned.last_short_fit_passes, tuned.last_long_fit_passes),),
+        (
+            _fits("normals of the fits", tuned.last_short_fit_passes, tuned.last_long_fit_passes),
+            FlatFamily("flat faces"),
+        ),
     )
 
 

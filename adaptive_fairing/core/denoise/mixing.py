@@ -1,6 +1,6 @@
 """The automatic method: estimate the noise, filter in rounds, mix the filters for the least risk.
 
-1.  Estimate the noise level of each connected part, by density (`mesh_parts`).
+1.  Judge the noise: of which kind, and how much by connected part and density (`noise_verdict`).
 2.  Filter in the metrics of the slightly smoothed surface (`filter_bank`).  Mix the filters so that
     the estimated distance to the surface without noise is least (`unbiased_risk`).
 3.  Filter in the metrics of that mixture, which shows the creases, and mix all filters so far.
@@ -13,7 +13,6 @@ added: the metrics depend on the noise too, so a formula for linear filters woul
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from itertools import compress
 from threading import Lock
@@ -25,37 +24,22 @@ from ..linalg.conjugate_gradients import SolveReport
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.threads import for_each
 from .creases import has_creases
-from .filter_bank import FilterBank
-from .filter_family import Filter
 from .filter_rounds import Round, rounds_for
-from .local_frame import LocalFrame
-from .mesh_parts import MeshParts, NoiseFound
 from .mixture import Mixture
-from .noise.correlation import NoiseCorrelation, noise_correlation
+from .noise.correlation import NoiseCorrelation
 from .noise.level import beyond_clean
-from .noise.noisy_surface import NoisySurface
-from .noise.repeats import repetition
-from .noise.smooth_noise import SmoothNoise, smooth_noise
-from .noise.spikes import without_spikes
+from .noise_verdict import noise_verdict
 from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
 from .progress import ProgressReport
+from .stage import Stage
 from .tangential_limit import Sliding
+from .track import Track
 
 # Vertices of a mesh up to which both runs filter at once, each with one thread.  Most of their
 # work is passes of numpy over all vertices, which no threads share.  It takes an eighth more
 # memory.
 MOST_SIDE_BY_SIDE = 1_000_000
-
-SMOOTH = (
-    "the surface is evenly uneven over several edges, by {:.2g} of an edge: fine detail, which was "
-    "kept, or the smooth noise of a scanner, which is removed if all roughness counts as noise"
-)
-SMOOTH_REMOVED = (
-    "the surface is uneven over several edges, by {:.2g} of an edge, as the smooth noise of a "
-    'scanner is: it was removed; the setting "Keep Fine Detail" (clean "detail") keeps it'
-)
-IMPULSIVE = "the noise is impulsive: single vertices that stand out were put back first"
 
 
 @dataclass(frozen=True)
@@ -111,53 +95,37 @@ def mixed_surfaces(
     """
     solves = _Solves(progress)
     progress.begin("noise")
-    stage = _Stage(space, positions, is_still, solves.count)
+    stage = Stage(space, positions, is_still, solves.count)
     notes: tuple[str, ...] = ()
     if plan is None:
-        keeps_clean = clean != "denoise"
-        found = stage.noise_found(strength, keeps_clean)
-        impulsive, notes = found.impulsive, found.notes
-        if impulsive.any():
-            stage = stage.calmed(impulsive)
-            found = stage.noise_found(strength, keeps_clean)
-            notes = (IMPULSIVE,)
-        level, counted = found.level, stage.parts.is_counted
-        correlation = None
-        # White noise that is stronger hides the smooth kind.
-        if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:
-            smooth = smooth_noise(stage.noisy, counted)
-            if clean == "denoise":
-                is_removed = smooth.may_be_noise
-            else:
-                is_removed = clean == "keep" and stage.is_told(smooth)
-            if is_removed:
-                level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
-                notes = (SMOOTH_REMOVED.format(smooth.level),)
-            elif smooth.is_likely and not beyond_clean(strength * level).any():
-                notes = (SMOOTH.format(smooth.level), *notes)
+        verdict = noise_verdict(stage, strength, clean)
+        stage, level, notes = verdict.stage, verdict.level, verdict.notes
         plan = DenoisePlan.idle(level)
-        if beyond_clean(max(STRENGTHS) * strength * level).any():
-            if correlation is None:
-                correlation = noise_correlation(stage.noisy, counted & (level > 0))
-            plan = _planned(stage, level, correlation, strength, features, progress)
-        plan = replace(plan, impulsive=impulsive)
+        undented = stage.undented(level, verdict.impulsive)
+        if undented is None and beyond_clean(max(STRENGTHS) * strength * level).any():
+            plan = _planned(stage, level, verdict.correlation, strength, features, progress)
+        plan = replace(plan, impulsive=verdict.impulsive)
     else:
         if plan.impulsive.any():
             stage = stage.calmed(plan.impulsive)
+        undented = stage.undented(plan.noise, plan.impulsive) if plan.is_idle else None
         if not plan.is_idle:
             stage.repeat(plan, progress)
-    if plan.is_idle:
+    if undented is not None:
+        sliding = Sliding(space.topology, positions, stage.frame, has_creases=True)
+        results = [sliding.limited(undented)] * len(STRENGTHS)
+    elif plan.is_idle:
         results = [stage.track.positions] * len(STRENGTHS)
     else:
         progress.begin("mix")
         results = [stage.track.mixed(mixture) for mixture in plan.mixtures]
-        sliding = Sliding(space.topology, stage.track.positions, stage.frame)
+        sliding = Sliding(space.topology, stage.track.positions, stage.frame, plan.has_creases)
         results = [sliding.limited(result) for result in results]
     return MixedSurfaces(results, plan, solves.report(), notes)
 
 
 def _planned(
-    stage: _Stage,
+    stage: Stage,
     noise: FloatArray,
     correlation: NoiseCorrelation,
     strength: float,
@@ -170,7 +138,7 @@ def _planned(
     seen, noise = noise, noise / correlation.seen * correlation.deviation
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
     probe = tuned.probe_size * correlation.applied(stage.noisy.own.probe(), frame)
-    shadow = _Track(bank, track.positions + frame.raised(probe))
+    shadow = Track(bank, track.positions + frame.raised(probe))
 
     # Kept in single precision, as what they are measured from.
     removed: list[RealArray] = []
@@ -190,6 +158,7 @@ def _planned(
 
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
     first, *others = rounds_for(noise)
+    saw_creases = False
     pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen)
     pilots: list[Mixture] = []
     progress.begin("filter", 1)
@@ -197,8 +166,10 @@ def _planned(
     for number, families in enumerate(others, start=2):
         progress.begin("filter", number)
         # The last round sharpens creases and takes a quarter of the time.
-        if number > len(others) and not has_creases(bank.topology, track.surface):
-            break
+        if number > len(others):
+            saw_creases = has_creases(bank.topology, track.surface)
+            if not saw_creases:
+                break
         measure()
         pilots.extend(parts.best_mixtures(removed, divergence, pilot_variance[None]))
         _filter_both(track, shadow, families, pilots[-1])
@@ -215,15 +186,16 @@ def _planned(
         for used in mixture.used:
             removed_noise = (mixture.coefficients(used) * divergence[used])[counted]
             kept[index] -= removed_noise.mean(dtype=float) / correlation.deviation**2
-    return DenoisePlan(filters, noise, tuple(pilots), tuple(mixtures), kept, np.zeros(len(noise)))
+    impulsive = np.zeros(len(noise))  # the caller knows
+    return DenoisePlan(filters, noise, tuple(pilots), tuple(mixtures), kept, impulsive, saw_creases)
 
 
 def _filter_both(
-    track: _Track, shadow: _Track, families: Round, pilot: Mixture | None = None
+    track: Track, shadow: Track, families: Round, pilot: Mixture | None = None
 ) -> None:
     """Filter in the next round, on the surfaces of a mixture if one is given."""
 
-    def filter_one(one: _Track) -> None:
+    def filter_one(one: Track) -> None:
         if pilot is not None:
             one.surface = one.mixed(pilot)
         one.filter(families)
@@ -252,82 +224,6 @@ def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray
     return np.clip(
         divergence, 1 - tuned.largest_response, 1 + tuned.largest_response, out=divergence
     )
-
-
-class _Stage:
-    """Positions with all that the method needs of them before the noise is known."""
-
-    def __init__(
-        self,
-        space: LoopSpace,
-        positions: FloatArray,
-        is_still: BoolArray,
-        on_solve: Callable[[SolveReport], None],
-    ) -> None:
-        self._space, self._is_still, self._on_solve = space, is_still, on_solve
-        self.bank = FilterBank(space.topology, positions, on_solve)
-        self.track = _Track(self.bank, positions)
-        self.frame = LocalFrame.of(space.topology, self.track.surface, self.track.surface)
-        self.noisy = NoisySurface(space.topology, positions, self.frame)
-        self.parts = MeshParts(space.topology, self.frame, is_still)
-
-    def noise_found(self, strength: float, keeps_clean: bool) -> NoiseFound:
-        """Estimate the noise."""
-        return self.parts.noise(self.noisy, strength, keeps_clean=keeps_clean)
-
-    def is_told(self, smooth: SmoothNoise) -> bool:
-        """Whether smooth noise is told from shape: models, which repeat triangles, have none."""
-        triangles = self.noisy.topology.triangles
-        return smooth.is_noise and not repetition(triangles, self.noisy.positions).part
-
-    def calmed(self, impulsive: FloatArray) -> _Stage:
-        """Put vertices back that stand out, by a part (n,) of their way."""
-        positions = self.track.positions
-        calm = without_spikes(self.noisy, self.parts.is_counted, self.parts.may_move)
-        start = positions + impulsive[:, None] * (calm - positions)
-        return _Stage(self._space, start, self._is_still, self._on_solve)
-
-    def repeat(self, plan: DenoisePlan, progress: ProgressReport) -> None:
-        """Filter as on another frame of the surface."""
-        first, *others = rounds_for(plan.noise)
-        progress.begin("filter", 1)
-        self.track.filter(first)
-        # Without creases there was no last round.
-        for number, (families, pilot) in enumerate(zip(others, plan.pilots, strict=False), start=2):
-            progress.begin("filter", number)
-            self.track.surface = self.track.mixed(pilot)
-            self.track.filter(families)
-
-
-class _Track:
-    """Positions on their way through the filters, with what each filter takes away.
-
-    What is taken away is kept in single precision, which is plenty for it, to save memory.
-    """
-
-    def __init__(self, bank: FilterBank, positions: FloatArray) -> None:
-        self.positions = positions
-        self._bank = bank
-        self.surface, filtered = bank.started(positions)
-        self.taken: dict[Filter, RealArray] = {
-            each: (positions - result).astype(np.float32) for each, result in filtered.items()
-        }
-
-    def filter(self, families: Round) -> None:
-        """Add filters in metrics of the present surface, or fits to its normals."""
-        for each, filtered in self._bank.filtered(self.positions, self.surface, families):
-            self.taken[each] = (self.positions - filtered).astype(np.float32)
-
-    def removed(self, each: Filter, frame: LocalFrame) -> FloatArray:
-        """Measure the normal part of what a filter takes away, in local edge lengths, (n,)."""
-        return frame.along_normal(self.taken[each].astype(np.float64))
-
-    def mixed(self, mixture: Mixture) -> FloatArray:
-        """Mix the filters so far."""
-        result, taken = self.positions.copy(), list(self.taken.values())
-        for used in mixture.used:
-            result -= mixture.coefficients(used)[:, None] * taken[used]
-        return result
 
 
 class _Solves:

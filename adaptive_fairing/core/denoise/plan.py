@@ -32,6 +32,8 @@ class DenoisePlan:
         Fraction of the noise that each mixture keeps, 0 to 1.
     impulsive : (n,)
         Fraction of their way by which vertices that stand out are put back before the filters.
+    has_creases : bool
+        Whether the last round was run, which is for creases.
     """
 
     filters: tuple[Filter, ...]
@@ -40,6 +42,7 @@ class DenoisePlan:
     mixtures: tuple[Mixture, ...]
     kept: FloatArray
     impulsive: FloatArray
+    has_creases: bool = False
 
     @classmethod
     def idle(cls, noise: FloatArray) -> DenoisePlan:

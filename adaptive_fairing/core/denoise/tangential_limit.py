@@ -27,13 +27,22 @@ class Sliding:
     positions : (n, 3)
         Before fairing.
     frame : LocalFrame
+    has_creases : bool
+        Whether the faired surface has creases.  Then it tells best what is along it: a vertex on a
+        flat face near a crease must not leave the face.  Otherwise the smoothed normals of the
+        noisy one do, which slivers and rims do not disturb.
     """
 
     def __init__(
-        self, topology: TriangleTopology, positions: FloatArray, frame: LocalFrame
+        self,
+        topology: TriangleTopology,
+        positions: FloatArray,
+        frame: LocalFrame,
+        has_creases: bool,
     ) -> None:
         tuned = parameters()
-        self._positions, self._triangles = positions, topology.triangles
+        self._topology, self._triangles = topology, topology.triangles
+        self._positions, self._has_creases = positions, has_creases
         normals = vertex_normals(topology, positions)
         for _ in range(tuned.normal_passes):
             normals = unit_vectors(frame.spread(normals, 1))
@@ -48,7 +57,8 @@ class Sliding:
         """Return faired positions (n, 3) with less sliding, and no triangle turned if possible."""
         tuned = parameters()
         move = faired - self._positions
-        along = move - np.einsum("nd,nd->n", move, self._normals)[:, None] * self._normals
+        normals = vertex_normals(self._topology, faired) if self._has_creases else self._normals
+        along = move - np.einsum("nd,nd->n", move, normals)[:, None] * normals
         along_kept, kept = np.full(len(faired), tuned.sliding_fraction), np.ones(len(faired))
         judged = np.flatnonzero(self._may_turn)
         for done in range(tuned.most_sliding_rounds):

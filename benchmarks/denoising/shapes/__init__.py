@@ -74,6 +74,8 @@ TUNING: Mapping[str, Shape] = {
     "bracket_even": Shape("cad, even", lambda: machined.even(machined.bracket, 0.09)),
     "gear_even": Shape("cad, even", lambda: machined.even(machined.gear, 0.06)),
     "steps_even": Shape("cad, even", lambda: machined.even(machined.steps, 0.08)),
+    "crystal": Shape("cad, even", machined.crystal),
+    "shelf": Shape("cad, thin", machined.shelf),
 }
 """What the parameters of `denoise` may be tuned on; from the foot on only since it had been
 measured on them without."""

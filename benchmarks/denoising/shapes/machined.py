@@ -128,6 +128,23 @@ def jewel() -> MeshArrays:
     return _machined(part, 0.06, 24_000, (0, 0, 0.2), 0.9, crease=15, least=0.01)
 
 
+def crystal() -> MeshArrays:
+    """Return an even solid of flat faces alone, that meet at 15 to 60 degrees."""
+    points = np.random.default_rng(11).normal(size=(24, 3))
+    points *= np.array([1.6, 1.2, 2.0]) / np.linalg.norm(points, axis=1)[:, None]
+    return remeshed(*convex_hull(points), 0.08, crease=8)
+
+
+def shelf() -> MeshArrays:
+    """Return boards and a slanted rest, all flat, a few edges thick."""
+    part = Part().box((0, 0, 0), (4, 1.6, 0.3)).box((0, 0, 0.1), (0.3, 1.6, 3))
+    part.box((3.4, 0, 0.1), (3.7, 1.6, 2.4)).box((0.1, 0.2, 1.2), (3.6, 1.6, 1.5))
+    outline = np.array([(0.25, 2.9), (0.25, 2.4), (1.6, 1.4), (2.2, 1.4)])
+    slant = np.array([[x, y, z] for y in (0.5, 1.3) for x, z in outline])
+    part.solid(*convex_hull(slant))
+    return _machined(part, 0.06, 9_000, (3.6, 0.8, 2.0), 1.2)
+
+
 def even(make: Callable[[], MeshArrays], edge: float) -> MeshArrays:
     """Return a part with triangles of one size, as the literature's CAD models have them."""
     vertices, faces = make()

@@ -13,7 +13,8 @@ SPHERE = meshes.icosphere(3)
 
 def sliding(positions, faces):
     topology = TriangleTopology(faces, len(positions))
-    return Sliding(topology, positions, LocalFrame.of(topology, positions, positions))
+    frame = LocalFrame.of(topology, positions, positions)
+    return Sliding(topology, positions, frame, has_creases=False)
 
 
 def face_normals(positions, faces):

@@ -1,0 +1,179 @@
+"""Flat faces: found on a denoised surface, fitted to the noisy positions, made flat.
+
+Faces are found in four steps.
+
+1.  Smooth the normals of the denoised surface.  A triangle is even if none of those around it
+    turns away by more than noise explains, but for those beyond a crease.
+2.  Even triangles that are connected are a face.  Fit planes to the noisy vertices of all faces.
+3.  Drop faces that are bent: their normals vary too much, or a quadric fits them better.
+4.  Let the others grow, ring by ring, up to where the surface leaves their planes.  Those that are
+    bent then become as they were.
+
+A vertex of one face then goes onto its plane, a vertex of several to where these meet.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+
+from ..mesh.normals import triangle_normals, unit_vectors
+from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import BoolArray, FloatArray, IntArray
+from .normal_filter import Smoothing, smoothed_normals
+from .parameters import parameters
+from .plane_fits import PlaneFits
+
+NO_FACE = -1
+
+
+def flattened(
+    topology: TriangleTopology,
+    around: IntArray,
+    noisy: FloatArray,
+    surface: FloatArray,
+    spacing: FloatArray,
+    least: float = 0.0,
+) -> FloatArray | None:
+    """Move the vertices of a surface's flat faces onto their planes.
+
+    Parameters
+    ----------
+    topology : TriangleTopology
+    around : (9, m) int
+        Triangles around each one, see `triangles_around`.
+    noisy : (n, 3)
+        Positions that the planes are fitted to.
+    surface : (n, 3)
+        The same vertices denoised: faces are found on it.
+    spacing : (n,)
+        Local edge length.
+    least : float
+        Part of the triangles.
+
+    Returns
+    -------
+    (n, 3)
+        The surface with flat faces; vertices that are not on any are as they were.  None where
+        fewer triangles than `least`, or none at all, are on any.
+    """
+    found = FlatFaces(topology, around, noisy, surface, spacing)
+    part = np.mean(found.face >= 0)
+    if part == 0 or part < least:
+        return None
+    return found.planes.onto(surface, spacing)
+
+
+class FlatFaces:
+    """The flat faces of a surface; parameters as for `flattened`.
+
+    Attributes
+    ----------
+    face : (m,) int
+        Number of each triangle's face; `NO_FACE` where it has none.  Some numbers may be of none.
+    planes : PlaneFits
+        By these numbers.
+    """
+
+    def __init__(
+        self,
+        topology: TriangleTopology,
+        around: IntArray,
+        noisy: FloatArray,
+        surface: FloatArray,
+        spacing: FloatArray,
+    ) -> None:
+        tuned = parameters()
+        self._triangles = topology.triangles
+        self._noisy, self._surface, self._spacing = noisy, surface, spacing
+        scaled = triangle_normals(surface, self._triangles)
+        self._areas = np.sqrt(np.einsum("fd,fd->f", scaled, scaled))
+        smoothing = Smoothing(tuned.short_fit_angle, (tuned.face_passes,))
+        (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing)
+        side = np.flatnonzero(topology.twin >= 0)
+        self._beside = side // 3, topology.twin[side] // 3
+        self.face = self._connected(self._even(around))
+        self.planes = self._fitted()
+        self._drop(self.planes.are_bent() | self._are_uneven())
+        found = self.face.copy()
+        for _ in range(tuned.face_rings):
+            if not self._grow():
+                break
+        self.planes = self._fitted()
+        # Those that are bent now have grown too far: onto what is round.
+        has_grown_too_far = self._of_triangles(self.planes.are_bent())
+        if has_grown_too_far.any():
+            self.face = np.where(has_grown_too_far, found, self.face)
+            self.planes = self._fitted()
+
+    def _fitted(self) -> PlaneFits:
+        return PlaneFits(self._noisy, self._spacing, self._triangles, self.face)
+
+    def _even(self, around: IntArray) -> BoolArray:
+        """Which triangles have none around them that turns away, but for those beyond creases."""
+        tuned = parameters()
+        is_even = np.ones(len(self._triangles), dtype=bool)
+        # Where there is no other triangle, the product with the last row is 0: a crease.
+        normals = np.append(self._normals, np.zeros((1, 3)), axis=0)
+        for other in around:
+            cosine = np.einsum("fd,fd->f", self._normals, normals[other])
+            is_even &= (cosine > np.cos(tuned.even_angle)) | (cosine < np.cos(tuned.face_angle))
+        return is_even
+
+    def _connected(self, is_even: BoolArray) -> IntArray:
+        """Find the sets of even triangles that are connected without a crease."""
+        first, second = self._beside
+        cosine = np.einsum("fd,fd->f", self._normals[first], self._normals[second])
+        is_inside = is_even[first] & is_even[second] & (cosine > np.cos(parameters().even_angle))
+        m = len(is_even)
+        links = sparse.coo_array(
+            (np.ones(np.count_nonzero(is_inside)), (first[is_inside], second[is_inside])), (m, m)
+        )
+        number = connected_components(links, directed=False)[1]
+        is_large = np.bincount(number) >= parameters().fewest_triangles
+        return self._renumbered(np.where(is_even & is_large[number], number, NO_FACE))
+
+    def _are_uneven(self) -> BoolArray:
+        """Whose normals differ too much from those of their planes, (k,)."""
+        flat = np.flatnonzero(self.face >= 0)
+        face, areas = self.face[flat], self._areas[flat]
+        cosine = np.abs(np.einsum("fd,fd->f", self._normals[flat], self.planes.normals[face]))
+        n = len(self.planes)
+        limit = np.cos(parameters().most_uneven) * np.bincount(face, areas, n)
+        uneven: BoolArray = np.bincount(face, areas * cosine, n) < limit
+        return uneven
+
+    def _of_triangles(self, of_faces: BoolArray) -> BoolArray:
+        """Tell of every triangle what is true of its face (k,); not true where it has none."""
+        return np.append(of_faces, False)[self.face]
+
+    def _drop(self, faces: BoolArray) -> None:
+        self.face = np.where(self._of_triangles(faces), NO_FACE, self.face)
+
+    def _grow(self) -> bool:
+        """Give triangles beside faces to the one that they turn away from least, if they fit."""
+        tuned, planes = parameters(), self.planes
+        outside, inside = self._beside
+        is_rim = (self.face[outside] < 0) & (self.face[inside] >= 0)
+        triangle, face = outside[is_rim], self.face[inside[is_rim]]
+        cosine = np.abs(np.einsum("fd,fd->f", self._normals[triangle], planes.normals[face]))
+        fits = cosine > np.cos(tuned.face_angle_at_rim)
+        # Less noise leaves a surface that is nearer to its planes.
+        part = np.clip(planes.deviations / tuned.coarse_noise, tuned.least_face_height, 1)[face]
+        for vertex in self._triangles[triangle].T:
+            height = np.abs(planes.heights(self._surface[vertex], face))
+            fits &= height < tuned.face_height * part * self._spacing[vertex]
+        triangle, face, cosine = triangle[fits], face[fits], cosine[fits]
+        # Of several faces the last one in this order counts.
+        best = np.argsort(cosine, kind="stable")
+        self.face[triangle[best]] = face[best]
+        return bool(fits.any())
+
+    @staticmethod
+    def _renumbered(face: IntArray) -> IntArray:
+        """Close the gaps in the numbers."""
+        has_face = face >= 0
+        result = np.full(len(face), NO_FACE)
+        result[has_face] = np.unique(face[has_face], return_inverse=True)[1]
+        return result

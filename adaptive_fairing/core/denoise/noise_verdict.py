@@ -1,0 +1,96 @@
+"""What noise a surface has, of all kinds: the verdict that `denoise` acts on."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ..runtime.arrays import FloatArray
+from .noise.correlation import NoiseCorrelation, noise_correlation
+from .noise.level import beyond_clean
+from .noise.repeats import repetition
+from .noise.smooth_noise import SmoothNoise, smooth_noise
+from .parameters import parameters
+from .stage import Stage
+
+SMOOTH = (
+    "the surface is evenly uneven over several edges, by {:.2g} of an edge: fine detail, which was "
+    "kept, or the smooth noise of a scanner, which is removed if all roughness counts as noise"
+)
+SMOOTH_REMOVED = (
+    "the surface is uneven over several edges, by {:.2g} of an edge, as the smooth noise of a "
+    'scanner is: it was removed; the setting "Keep Fine Detail" (clean "detail") keeps it'
+)
+IMPULSIVE = "the noise is impulsive: single vertices that stand out were put back first"
+
+
+class NoiseVerdict(NamedTuple):
+    """The noise of a surface.
+
+    Attributes
+    ----------
+    stage : Stage
+        The surface; spikes were put back.
+    level : (n,)
+        Standard deviation in local edge lengths of what differences of second order see; 0 where
+        it was not judged.
+    smooth : NoiseCorrelation or None
+        Of noise that is alike over several edges, if that is what it is.
+    impulsive : (n,)
+        How surely the noise was that of single vertices, 0 to 1.
+    notes : tuple of str
+    """
+
+    stage: Stage
+    level: FloatArray
+    smooth: NoiseCorrelation | None
+    impulsive: FloatArray
+    notes: tuple[str, ...]
+
+    @property
+    def correlation(self) -> NoiseCorrelation:
+        """Of the noise at neighbours."""
+        if self.smooth is not None:
+            return self.smooth
+        judged = self.stage.parts.is_counted & (self.level > 0)
+        return noise_correlation(self.stage.noisy, judged)
+
+
+def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
+    """Judge the noise of a surface.
+
+    Parameters
+    ----------
+    stage : Stage
+    strength : float
+        Factor of the estimated noise, which decides whether there is anything to do.
+    clean : "keep", "detail" or "denoise"
+        See `DenoiseSettings`.
+    """
+    keeps_clean = clean != "denoise"
+    found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
+    impulsive, notes = found.impulsive, found.notes
+    if impulsive.any():
+        stage = stage.calmed(impulsive)
+        found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
+        notes = (IMPULSIVE,)
+    level, counted, correlation = found.level, stage.parts.is_counted, None
+    # White noise that is stronger hides the smooth kind.
+    if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:
+        smooth = smooth_noise(stage.noisy, counted)
+        if _is_removed(smooth, stage, clean):
+            level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
+            notes = (SMOOTH_REMOVED.format(smooth.level),)
+        elif smooth.is_likely and not beyond_clean(strength * level).any():
+            notes = (SMOOTH.format(smooth.level), *notes)
+    return NoiseVerdict(stage, level, correlation, impulsive, notes)
+
+
+def _is_removed(smooth: SmoothNoise, stage: Stage, clean: str) -> bool:
+    """Whether smooth noise is to be removed; models, which repeat triangles, have none."""
+    if clean == "denoise":
+        return smooth.may_be_noise
+    if clean == "detail" or not smooth.is_noise:
+        return False
+    return not repetition(stage.noisy.topology.triangles, stage.noisy.positions).part
