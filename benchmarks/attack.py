@@ -24,6 +24,7 @@ from pathlib import Path
 import numpy as np
 
 from .corpus import read_mesh_file
+from .measuring import table
 
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAM = [sys.executable, "-m", "adaptive_fairing"]
@@ -207,10 +208,9 @@ def print_table(outcomes: dict[str, str]) -> None:
     counts: dict[str, Counter[str]] = defaultdict(Counter)
     for name, outcome in outcomes.items():
         counts[Path(name).suffix][outcome] += 1
-    print(f"| {'format':7} | {FAIRED} | {REFUSED} | {DIED} |\n| --- | ---: | ---: | ---: |")
-    for suffix in SUFFIXES:
-        row = [counts[suffix][outcome] for outcome in (FAIRED, REFUSED, DIED)]
-        print(f"| {suffix:7} | " + " | ".join(map(str, row)) + " |")
+    kinds = (FAIRED, REFUSED, DIED)
+    rows = [[suffix, *(str(counts[suffix][kind]) for kind in kinds)] for suffix in SUFFIXES]
+    print(table(["format", *kinds], rows))
 
 
 if __name__ == "__main__":

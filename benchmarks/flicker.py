@@ -175,27 +175,19 @@ def rms(values: FloatArray) -> FloatArray:
 
 def draw(curves: dict[tuple[str, str], FloatArray], path: Path) -> None:
     """Draw the change from frame to frame, a panel for each case."""
-    import matplotlib
-
-    matplotlib.use("Agg")
-    from matplotlib import pyplot
+    from tools.claims.plots import figure, save
 
     cases = list(dict.fromkeys(case for case, _ in curves))
-    figure, axes = pyplot.subplots(
-        1, len(cases), figsize=(3.6 * len(cases), 3.2), sharey=True, squeeze=False
-    )
-    for axis, case in zip(axes[0], cases, strict=True):
+    drawing, axes = figure(len(cases))
+    for axis, case in zip(axes, cases, strict=True):
+        axis.sharey(axes[0])
         for way, style in zip(WAYS, ("C1-", "C0-"), strict=True):
             values = 100 * curves[case, way]
             axis.semilogy(np.arange(1, len(values) + 1), values, style, linewidth=1.4, label=way)
-        axis.set_title(case, fontsize=10)
-        axis.set_xlabel("frame")
-        axis.grid(True, which="major", color="0.88")
-    axes[0, 0].set_ylabel("change to the next frame, %")
-    axes[0, 0].legend(frameon=False, fontsize=9)
-    figure.tight_layout()
-    figure.savefig(path, dpi=110)
-    pyplot.close(figure)
+        axis.set(title=case, xlabel="frame")
+    axes[0].set_ylabel("change to the next frame, %")
+    axes[0].legend(frameon=False, fontsize=9)
+    save(drawing, path)
 
 
 if __name__ == "__main__":

@@ -19,6 +19,7 @@ import numpy as np
 
 from adaptive_fairing.blender.data import refinements
 from adaptive_fairing.blender.data.refined_object import RefineOptions, refine_object
+from tools.samples.triangles import grid_faces
 
 from .measuring import describe, load, machine, table
 
@@ -38,12 +39,8 @@ def bumpy_torus(n_faces: int, is_triangulated: bool, has_uv: bool) -> bpy.types.
     radius = 1 + 0.05 * np.sin(9 * first) * np.cos(7 * second)
     out = 3 + radius * np.cos(second)
     places = np.stack([out * np.cos(first), out * np.sin(first), radius * np.sin(second)], axis=-1)
-
-    def corner(along: int, around: int) -> np.ndarray:
-        return (u + along) % rows * columns + (v + around) % columns
-
-    quads = np.stack([corner(0, 0), corner(1, 0), corner(1, 1), corner(0, 1)], axis=-1)
-    faces = quads.reshape(-1, 4)
+    halves = np.split(grid_faces(rows, columns, (True, True)), 2)
+    faces = np.concatenate([halves[0], halves[1][:, 2:]], axis=1)
     if is_triangulated:
         faces = faces[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
     mesh = bpy.data.meshes.new("torus")

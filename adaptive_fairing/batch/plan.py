@@ -48,11 +48,6 @@ class Item:
     output: Path
     record: Path
 
-    @property
-    def place(self) -> tuple[Path, int | None]:
-        """What is read: the file and the frame in it."""
-        return self.input, self.frame
-
 
 def plan_files(sources: Sequence[Source], folder: Path, suffix: str | None) -> list[Item]:
     """Plan a batch: one output for every file.

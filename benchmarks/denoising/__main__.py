@@ -66,6 +66,7 @@ def report(entries: Sequence[Entry], peers: Sequence[Peer], schemes: Sequence[Pe
     clean = [entry for entry in entries if entry.pair.noise == CLEAN and entry.auto]
     parts = []
     if noisy and noisy[0].auto:
+        parts += ["## In short", tables.in_short(noisy, peers)]
         parts += ["## Mesh by mesh", tables.by_mesh(noisy, peers)]
         groups = grouped(noisy, lambda entry: entry.pair.noise)
         for title, some in (

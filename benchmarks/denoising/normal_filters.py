@@ -34,14 +34,7 @@ def bilateral_filter(
 ) -> Iterator[FloatArray]:
     """Bilateral normal filtering, local scheme; the sweep counts filterings of the normals.
 
-    Parameters
-    ----------
-    vertices, faces
-        (n, 3) noisy positions and (m, 3) triangles.
-    sweep
-        Filterings of the normals after which a result (n, 3) is given.
-    sigma
-        σ_s, the difference of normals at which weights fall to exp(-1/2).
+    At a difference `sigma` of normals, σ_s of the paper, weights fall to exp(-1/2).
     """
     centre, normal, area = _geometry(vertices, faces)
     first, second = _around(faces)
@@ -61,14 +54,7 @@ def guided_filter(
 ) -> Iterator[FloatArray]:
     """Guided normal filtering; the sweep counts iterations, each with its update of the vertices.
 
-    Parameters
-    ----------
-    vertices, faces
-        (n, 3) noisy positions and (m, 3) triangles.
-    sweep
-        Iterations after which a result (n, 3) is given.
-    sigma
-        σ_r, the difference of guiding normals at which weights fall to exp(-1/2).
+    At a difference `sigma` of guiding normals, σ_r of the paper, weights fall to exp(-1/2).
     """
     centre, normal, area = _geometry(vertices, faces)
     spread = _centre_distance(centre, faces)

@@ -10,7 +10,13 @@ import numpy as np
 from mathutils.bvhtree import BVHTree  # exists once bpy has been imported
 from scipy.ndimage import binary_opening, gaussian_filter
 
-from tools.samples.triangles import Faces, FloatArray, local_edge_lengths, scaled_normals
+from tools.samples.triangles import (
+    Faces,
+    FloatArray,
+    grid_faces,
+    local_edge_lengths,
+    scaled_normals,
+)
 
 Scan = tuple[FloatArray, FloatArray, Faces]
 """Clean positions (n, 3), noisy positions (n, 3), triangles (m, 3)."""
@@ -117,11 +123,7 @@ class _Image:
 
     def mesh(self, depth: FloatArray) -> Scan:
         """Join neighbouring rays to triangles; the surface's own depths say which."""
-        number = np.arange(depth.size).reshape(depth.shape)
-        a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]
-        faces = np.concatenate(
-            [np.stack(three, axis=-1).reshape(-1, 3) for three in ((a, b, c), (a, c, d))]
-        )
+        faces = grid_faces(*depth.shape, (False, False))[:, ::-1]
         corners = self.depth.ravel()[faces]
         kept = self.seen.ravel()[faces].all(axis=1) & (np.ptp(corners, axis=1) < self.limit)
         used, faces = np.unique(faces[kept], return_inverse=True)

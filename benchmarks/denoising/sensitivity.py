@@ -88,15 +88,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
             options.parameters, tqdm(found, total=len(options.parameters)), strict=True
         )
     ]
-    down, up = f"/ {options.factor:g}", f"× {options.factor:g}"
-    header = (
-        "parameter",
-        "value",
-        f"error, {down}",
-        f"angle, {down}",
-        f"error, {up}",
-        f"angle, {up}",
-    )
+    ways = f"/ {options.factor:g}", f"× {options.factor:g}"
+    changed = [f"{what}, {way}" for way in ways for what in ("error", "angle")]
+    header = ("parameter", "value", *changed)
     print(", ".join(pair.label for pair in pairs), table(header, rows), sep="\n\n")
 
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from ..measuring import table
 from .contest import Entry
 from .measures import Score
@@ -11,6 +13,24 @@ from .peers import Peer
 from .verdict import Criterion, Standing, best_of, best_peer, geometric_mean, one_parameter, slashed
 
 Rows = list[list[str]]
+
+
+def in_short(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
+    """Means over all meshes: error and time geometric, the angle arithmetic.
+
+    Peers are at their published parameter; those that have none, at the best for each mesh.
+    """
+    seconds = [entry.auto["seconds"] for entry in entries]
+    rows = [_means("noisy", "", [entry.noisy for entry in entries], seconds)]
+    for peer in peers:
+        if peer.published is None:
+            how, found = "best for each mesh", [best_of(each, peer.name).score for each in entries]
+        else:
+            how = f"published: {peer.published}"
+            found = [entry.peers[peer.name][peer.published] for entry in entries]
+        rows.append(_means(peer.name, how, found, seconds))
+    rows.append(_means("Denoise", "none", [entry.auto for entry in entries], seconds))
+    return table(("method", "parameters", "error", "angle", "time, Denoise = 1"), rows)
 
 
 def by_mesh(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
@@ -135,6 +155,18 @@ def as_data(entries: Sequence[Entry], peers: Sequence[Peer]) -> list[dict]:
             },
         }
         for entry in entries
+    ]
+
+
+def _means(name: str, how: str, scores: Sequence[Score], seconds: Sequence[float]) -> list[str]:
+    times = [score.get("seconds", np.nan) / own for score, own in zip(scores, seconds, strict=True)]
+    time = geometric_mean(times)
+    return [
+        name,
+        how,
+        f"{geometric_mean([score['mean'] for score in scores]):.3f}",
+        f"{np.mean([score['angle'] for score in scores]):.1f}°",
+        "" if np.isnan(time) else f"{time:.2g}",
     ]
 
 

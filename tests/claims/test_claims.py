@@ -14,10 +14,9 @@ from claims import convergence, density_passes, differences, stopping, under_ove
 from claims.homogenisation import DISC_STEPS, quality
 from claims.homogenisation import run as homogenisation
 from claims.measures import TENSOR, TIMESTEP, UNIFORM, DensityClasses, matched_tau
-from claims.page import replace_tables
 from claims.pairs import HEAD, MeshPair
 from claims.shapes import flat_hexagon, graded_hexagon
-from claims.tables import Table, shown
+from claims.tables import Table, replace_tables, shown
 from samples.noise import add_noise
 from samples.triangles import density_ratio, edge_lengths, icosphere, vertex_normals
 

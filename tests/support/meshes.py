@@ -8,6 +8,7 @@ flat ones).
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from tools.samples import triangles
 from tools.samples.triangles import edges_of, icosahedron, icosphere, split_1_to_4
 
 __all__ = ["edges_of", "icosahedron", "icosphere", "split_1_to_4"]
@@ -65,16 +66,7 @@ def latlong_sphere(n_segments: int, n_rings: int) -> Mesh:
 
 def torus(n_major: int, n_minor: int, major: float = 2.0, minor: float = 1.0) -> Mesh:
     """Return a torus grid: ``n_major * n_minor`` vertices, all regular. 3 x 3 is allowed."""
-    u = 2 * np.pi * np.arange(n_major)[:, None] / n_major
-    v = 2 * np.pi * np.arange(n_minor)[None, :] / n_minor
-    distance = major + minor * np.cos(v)
-    vertices = np.stack(
-        [distance * np.cos(u), distance * np.sin(u), minor * np.sin(v) + 0 * u], axis=-1
-    ).reshape(-1, 3)
-    index = np.arange(n_major * n_minor).reshape(n_major, n_minor)
-    right, up = np.roll(index, -1, axis=0), np.roll(index, -1, axis=1)
-    across = np.roll(right, -1, axis=1)
-    return vertices, np.concatenate([_columns(index, right, across), _columns(index, across, up)])
+    return triangles.torus(major, minor, (n_major, n_minor))
 
 
 def seven_vertex_torus() -> Mesh:
@@ -234,15 +226,7 @@ def open_cylinder(n_around: int, n_along: int, radius: float = 1.0, height: floa
         ],
         axis=-1,
     ).reshape(-1, 3)
-    index = np.arange(n_around * (n_along + 1)).reshape(n_around, n_along + 1)
-    after = np.roll(index, -1, axis=0)
-    faces = np.concatenate(
-        [
-            _columns(index[:, :-1], after[:, :-1], after[:, 1:]),
-            _columns(index[:, :-1], after[:, 1:], index[:, 1:]),
-        ]
-    )
-    return vertices, faces
+    return vertices, triangles.grid_faces(n_around, n_along + 1, (True, False))
 
 
 # Tools -------------------------------------------------------------------------------------------

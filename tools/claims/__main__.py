@@ -22,9 +22,8 @@ from . import (
     stopping,
     under_over_fairing,
 )
-from .findings import Findings
-from .page import replace_tables
 from .pairs import PUBLISHED, MeshPair, file_pair, sample_pair
+from .tables import Findings, replace_tables
 
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = ROOT / "docs" / "paper.md"

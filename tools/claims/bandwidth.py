@@ -18,13 +18,12 @@ from scipy.special import eval_legendre
 from adaptive_fairing.core import LoopSpace, TriangleTopology
 from samples.triangles import FloatArray, icosphere, local_edge_lengths
 
-from .findings import Findings
 from .linear_elements import fair_linear, mass_matrix, stiffness_matrix
 from .measures import TIMESTEP, DensityClasses, root_mean_square
 from .pairs import MeshPair
 from .shapes import flat_hexagon
 from .symbols import measured_symbol, wave_vector
-from .tables import Cell, Table
+from .tables import Cell, Findings, Table
 
 RADIUS = 1.0
 """Smoothing radius sqrt(2T) of the one step, in edge lengths."""

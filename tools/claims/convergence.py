@@ -12,11 +12,10 @@ from adaptive_fairing.core import LoopSpace, TriangleTopology, fair
 from adaptive_fairing.core.mesh.density import smoothed
 from samples.triangles import Faces, FloatArray, icosphere, local_edge_lengths
 
-from .findings import Findings
 from .linear_elements import mass_matrix, stiffness_matrix
 from .measures import UNIFORM
 from .pairs import MeshPair
-from .tables import Cell, Table
+from .tables import Cell, Findings, Table
 
 LEVELS = (2, 3, 4, 5)
 EIGEN_DEGREES = (1, 2, 3)

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 
 from adaptive_fairing.core import fair
 
-from .findings import Findings
 from .measures import TIMESTEP, TIMESTEP_AREA, Scheme, matched_tau, root_mean_square
 from .pairs import MeshPair
-from .tables import Table
+from .tables import Findings, Table
 
 PASSES = (0, 1, 2, 3, 5, 10)
 PAPER_PASSES = 3

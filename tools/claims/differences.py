@@ -13,7 +13,6 @@ from scipy.optimize import minimize_scalar
 
 from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale, suggest_tau
 
-from .findings import Findings
 from .measures import (
     TENSOR,
     TENSOR_AREA,
@@ -24,7 +23,7 @@ from .measures import (
     root_mean_square,
 )
 from .pairs import MeshPair
-from .tables import Cell, Table
+from .tables import Cell, Findings, Table
 
 RADII = (0.2, 4.0)
 """Smoothing radii between which the best τ is looked for, in local edge lengths."""

@@ -9,11 +9,10 @@ import numpy as np
 from adaptive_fairing.core import fair
 from samples.triangles import Faces, FloatArray, corner_angles, density_ratio, triangle_areas
 
-from .findings import Findings
 from .measures import TENSOR, TIMESTEP, UNIFORM, DensityClasses
 from .pairs import MeshPair
 from .shapes import graded_hexagon
-from .tables import Cell, Table
+from .tables import Cell, Findings, Table
 
 COLUMNS = (
     "mesh",

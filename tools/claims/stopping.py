@@ -12,10 +12,9 @@ from adaptive_fairing.core import FairingResult, fair
 from samples.noise import add_noise
 from samples.triangles import normals
 
-from .findings import Findings
 from .measures import TIMESTEP, root_mean_square
 from .pairs import MeshPair
-from .tables import Cell, Table
+from .tables import Cell, Findings, Table
 
 STEPS = 12
 CURVATURE_BOUNDS = (0.5, 0.2, 0.1, 0.05)

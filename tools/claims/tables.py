@@ -1,10 +1,12 @@
-"""Tables of results, as Markdown for the reader and as plain values for programs."""
+"""Results of claims: tables as Markdown, in a page too, and as plain values for programs."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+import re
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 Cell = str | int | float | tuple[float, ...] | None
@@ -45,6 +47,39 @@ class Table:
             "title": self.title,
             "rows": [dict(zip(self.columns, row, strict=True)) for row in self.rows],
         }
+
+
+@dataclass(frozen=True)
+class Findings:
+    """Results of one claim.
+
+    Attributes
+    ----------
+    tables
+        In the order in which they are to be read.
+    draw
+        Writes the plot to a picture file; None if the tables say it all.
+    """
+
+    tables: Sequence[Table]
+    draw: Callable[[Path], None] | None = None
+
+
+def replace_tables(page: Path, claim: str, tables: Sequence[Table]) -> None:
+    """Replace what stands between `<!-- tables: CLAIM -->` and `<!-- end -->`.
+
+    Raises
+    ------
+    ValueError
+        The page has no such place, or two.
+    """
+    text = page.read_text(encoding="utf-8")
+    place = re.compile(rf"(<!-- tables: {re.escape(claim)} -->\n).*?(<!-- end -->)", re.DOTALL)
+    body = "\n" + "\n".join(table.markdown() for table in tables) + "\n"
+    text, count = place.subn(lambda found: found[1] + body + found[2], text)
+    if count != 1:
+        raise ValueError(f"{page.name} has {count} places for the tables of {claim}, not one")
+    page.write_text(text, encoding="utf-8")
 
 
 def shown(cell: Cell) -> str:

@@ -12,10 +12,9 @@ from collections.abc import Sequence
 
 from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale
 
-from .findings import Findings
 from .measures import SCHEMES, Scheme, matched_tau
 from .pairs import MeshPair
-from .tables import Cell, Table
+from .tables import Cell, Findings, Table
 
 COLUMNS = (
     "scheme",

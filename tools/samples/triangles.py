@@ -143,6 +143,34 @@ def split_1_to_4(vertices: FloatArray, triangles: Faces) -> tuple[FloatArray, Fa
     return np.concatenate([vertices, vertices[edges].mean(axis=1)]), split.T.astype(np.int32)
 
 
+def grid_faces(n_rows: int, n_columns: int, wraps: tuple[bool, bool]) -> Faces:
+    """Return the triangles (m, 3) of a grid of vertices, numbered row by row.
+
+    `wraps` says whether the first row follows the last one, and the first column the last one.
+    """
+    number = np.arange(n_rows * n_columns).reshape(n_rows, n_columns)
+    number = np.pad(number, [(0, int(wrap)) for wrap in wraps], mode="wrap")
+    a, b, c, d = number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]
+    halves = [np.stack(three, axis=-1).reshape(-1, 3) for three in ((a, b, c), (a, c, d))]
+    return np.concatenate(halves).astype(np.int32)
+
+
+def torus(
+    major: float, minor: float, segments: tuple[int, int], shift: float = 0.0
+) -> tuple[FloatArray, Faces]:
+    """Return a ring about the z axis, of so many segments around it and across.
+
+    It is turned in itself by `shift` segments.
+    """
+    n_around, n_across = segments
+    around = 2 * np.pi * np.arange(n_around)[:, None] / n_around
+    across = 2 * np.pi * (np.arange(n_across) + shift) / n_across
+    radius = major + minor * np.cos(across)
+    height = np.broadcast_to(minor * np.sin(across), segments)
+    points = np.stack([radius * np.cos(around), radius * np.sin(around), height], axis=-1)
+    return points.reshape(-1, 3), grid_faces(*segments, (True, True))
+
+
 def spiral(n_points: int) -> FloatArray:
     """Return points (n, 3) spread evenly over the unit sphere along a golden spiral."""
     height = 1 - (2 * np.arange(n_points) + 1) / n_points

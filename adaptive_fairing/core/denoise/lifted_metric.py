@@ -52,10 +52,10 @@ class LiftedMetric(NamedTuple):
     surface_fraction: float = 0.0
     angle: float | None = None
 
-    def matrices(
+    def lengths(
         self, pattern: EdgePattern, positions: FloatArray, spacing: FloatArray
-    ) -> tuple[EdgeMatrix, EdgeMatrix]:
-        """Assemble mass and stiffness matrix in the metric ĝ of a surface.
+    ) -> FloatArray:
+        """Squared lengths q of every triangle's edges in the metric ĝ of a surface, (3, m).
 
         Parameters
         ----------
@@ -63,18 +63,7 @@ class LiftedMetric(NamedTuple):
         positions : (n, 3)
         spacing : (n,)
             Local edge length h > 0, in the units of the positions.
-
-        Returns
-        -------
-        M, L : EdgeMatrix
-            Time in (M + t L) is in squared edge lengths.
         """
-        return linear_elements(pattern, self.lengths(pattern, positions, spacing))
-
-    def lengths(
-        self, pattern: EdgePattern, positions: FloatArray, spacing: FloatArray
-    ) -> FloatArray:
-        """Squared lengths q of every triangle's edges in the metric, (3, m); see `matrices`."""
         topology, fraction = pattern.topology, self.surface_fraction
         squares = np.full((3, topology.n_triangles), 1.0 - fraction)
         if fraction > 0:
@@ -87,7 +76,10 @@ class LiftedMetric(NamedTuple):
 
 
 def linear_elements(pattern: EdgePattern, squares: FloatArray) -> tuple[EdgeMatrix, EdgeMatrix]:
-    """Mass and stiffness matrix for the squared lengths of the triangles' edges, (3, m)."""
+    """Mass and stiffness matrix for the squared lengths of the triangles' edges, (3, m).
+
+    With `LiftedMetric.lengths`, time in (M + t L) is in squared edge lengths.
+    """
     tuned = parameters()
     element = area_elements(squares)
     mass = pattern.summed(np.tile((1 - tuned.lumped_fraction) / 24 * element, (3, 1)))

@@ -156,7 +156,7 @@ def _planned(
     bank, track, frame, parts = stage.bank, stage.track, stage.frame, stage.parts
     seen, noise = noise, noise / correlation.seen * correlation.deviation
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
-    probe = tuned.probe_size * correlation.applied(stage.noisy.own.signs(), frame)
+    probe = tuned.probe_size * correlation.applied(stage.noisy.own.probe(), frame)
     shadow = _Track(bank, track.positions + frame.raised(probe))
 
     # Kept in single precision, as what they are measured from.
@@ -231,8 +231,11 @@ def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray
     Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
     """
     tuned = parameters()
+    size = probe / tuned.probe_size
     divergence = shadow - removed
-    divergence *= probe / tuned.probe_size**2
+    divergence *= size / tuned.probe_size
+    # Large probes would count for more than small ones, mostly with the probe itself.
+    divergence -= np.square(size) - np.mean(np.square(size))
     return np.clip(
         divergence, 1 - tuned.largest_response, 1 + tuned.largest_response, out=divergence
     )

@@ -12,6 +12,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from tools.samples.blender_meshes import add_modifier, evaluated
+from tools.samples.triangles import grid_faces
 
 from .meshing import MeshArrays
 
@@ -122,27 +123,6 @@ def gear_outline(n_teeth: int, inner: float, outer: float, points_per_flank: int
     return np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)
 
 
-def torus(major: float, minor: float, segments: tuple[int, int], shift: float = 0.0) -> MeshArrays:
-    """Return a ring about the z axis, of so many segments around it and across.
-
-    It is turned in itself by `shift` segments.
-    """
-    around, across = (
-        2 * np.pi * (np.arange(n) + begin) / n
-        for n, begin in zip(segments, (0.0, shift), strict=True)
-    )
-    radius = major + minor * np.cos(across)
-    points = np.stack(
-        [
-            np.outer(np.cos(around), radius),
-            np.outer(np.sin(around), radius),
-            np.broadcast_to(minor * np.sin(across), segments),
-        ],
-        axis=-1,
-    )
-    return points.reshape(-1, 3), grid_faces(*segments, closed=True)
-
-
 def helical_ridge(
     radius: float, height: float, pitch: float, n_turns: float, per_turn: int = 64
 ) -> MeshArrays:
@@ -164,21 +144,7 @@ def helical_ridge(
     ]
     n = len(profile)
     points = np.stack(rings, axis=1).reshape(-1, 3)
-    sides = grid_faces(len(turns), n, closed=False)
+    sides = grid_faces(len(turns), n, (False, True))
     fan = np.array([[0, k, k + 1] for k in range(1, n - 1)])
     last = len(points) - n
     return points, np.concatenate([sides, fan[:, ::-1], fan + last]).astype(np.int32)
-
-
-def grid_faces(n_rows: int, n_columns: int, closed: bool) -> np.ndarray:
-    """Return the triangles (m, 3) of a grid whose rows are rings, closed to a torus or not."""
-    number = np.arange(n_rows * n_columns).reshape(n_rows, n_columns)
-    below = np.concatenate([number, number[:1]]) if closed else number
-    here, there = below[:-1], below[1:]
-    here_next, there_next = np.roll(here, -1, axis=1), np.roll(there, -1, axis=1)
-    return np.concatenate(
-        [
-            np.stack([here, there, there_next], axis=-1).reshape(-1, 3),
-            np.stack([here, there_next, here_next], axis=-1).reshape(-1, 3),
-        ]
-    ).astype(np.int32)

@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tools.samples.triangles import FloatArray, convex_hull
+from tools.samples.triangles import FloatArray, convex_hull, torus
 
-from .cad import Part, gear_outline, helical_ridge, torus
+from .cad import Part, gear_outline, helical_ridge
 from .meshing import MeshArrays, graded, near, remeshed
 from .turned import lathe
 

@@ -6,9 +6,9 @@ import numpy as np
 
 from tools.samples.implicit import Ellipsoid, Formula, Solid, Tube, rotation
 from tools.samples.meshing import dense_mesh
-from tools.samples.triangles import FloatArray, convex_hull, spiral
+from tools.samples.triangles import FloatArray, convex_hull, grid_faces, spiral, torus
 
-from .cad import Part, grid_faces, torus
+from .cad import Part
 from .meshing import MeshArrays, graded, near, remeshed, uneven
 from .turned import lathe
 
@@ -80,7 +80,7 @@ def propeller() -> MeshArrays:
             y = out * np.sin(turn) + along * np.cos(turn)
             corners.append(np.stack([x, y, up], axis=1))
         points = np.stack(corners, axis=1).reshape(-1, 3)
-        sides = grid_faces(12, 4, closed=False)
+        sides = grid_faces(12, 4, (False, True))
         ends = np.array([[0, 2, 1], [0, 3, 2], [44, 45, 46], [44, 46, 47]])
         part.solid(points, np.concatenate([sides, ends])[:, ::-1])
     part.cylinder((0, 0, 0), (0, 0, 1), 0.15, 3, cut=True, segments=32)
@@ -161,7 +161,7 @@ def seashell() -> MeshArrays:
     radius = size * (0.62 + 0.4 * rib * np.cos(across))
     height = 1.9 * (1 - size) + size * 0.42 * rib * np.sin(across)
     points = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=-1)
-    return points.reshape(-1, 3), grid_faces(n_along, n_around, closed=False)
+    return points.reshape(-1, 3), grid_faces(n_along, n_around, (False, True))
 
 
 def brain() -> MeshArrays:

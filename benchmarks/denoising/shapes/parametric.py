@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import Delaunay
 
-from tools.samples.triangles import Faces, FloatArray, convex_hull, spiral
+from tools.samples.triangles import Faces, FloatArray, convex_hull, grid_faces, spiral
 
-from .cad import grid_faces
 from .meshing import MeshArrays, near, uneven
 from .turned import lathe
 
@@ -101,7 +100,7 @@ def knot(n_along: int = 420, n_around: int = 26) -> MeshArrays:
     points = centre[:, None] + across[..., None] * (
         np.cos(turned_by)[..., None] * out[:, None] + np.sin(turned_by)[..., None] * side[:, None]
     )
-    return points.reshape(-1, 3), grid_faces(n_along, n_around, closed=True)
+    return points.reshape(-1, 3), grid_faces(n_along, n_around, (True, True))
 
 
 def jittered_ball(generator: np.random.Generator, n_points: int) -> MeshArrays:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from tools.samples.triangles import FloatArray
+from tools.samples.triangles import FloatArray, grid_faces
 
 from .meshing import MeshArrays, graded, near, remeshed
 
@@ -27,18 +27,12 @@ def lathe(profile: FloatArray, n_around: int) -> MeshArrays:
         axis=-1,
     ).reshape(-1, 3)
     points = np.concatenate([ring, [[0, 0, profile[0, 1]], [0, 0, profile[-1, 1]]]])
-    number = np.arange(len(ring)).reshape(len(radius), n_around)
-    after = np.roll(number, -1, axis=1)
+    here = np.arange(n_around)
+    after, last_ring = np.roll(here, -1), len(ring) - n_around
     first, last = np.full(n_around, len(ring)), np.full(n_around, len(ring) + 1)
-    faces = np.concatenate(
-        [
-            np.stack([number[:-1], after[:-1], after[1:]], axis=-1).reshape(-1, 3),
-            np.stack([number[:-1], after[1:], number[1:]], axis=-1).reshape(-1, 3),
-            np.stack([first, after[0], number[0]], axis=1),
-            np.stack([last, number[-1], after[-1]], axis=1),
-        ]
-    )
-    return points, faces.astype(np.int32)
+    caps = (first, after, here), (last, last_ring + here, last_ring + after)
+    sides = grid_faces(len(radius), n_around, (False, True))[:, ::-1]
+    return points, np.concatenate([sides, *(np.stack(cap, axis=1) for cap in caps)])
 
 
 def pawn() -> MeshArrays:

@@ -18,7 +18,6 @@ from adaptive_fairing.core import FairingSettings
 pytestmark = pytest.mark.usefixtures("addon")
 
 WAYS = ("ABSOLUTE_KEYS", "RELATIVE_KEYS", "FINAL_SHAPE", "job")
-START = bumpy_box()[0]
 
 
 @pytest.mark.parametrize("way", WAYS)

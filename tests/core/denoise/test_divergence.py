@@ -49,9 +49,17 @@ def test_the_mean_over_all_probes_is_the_diagonal():
     np.testing.assert_allclose(total / 8, np.diag(matrix), rtol=1e-12)
 
 
+def test_probes_of_different_sizes_count_alike():
+    """A filter that removes everything removes all of the noise at each vertex."""
+    waves = np.cos(np.random.default_rng(0).uniform(0, 2 * np.pi, 400))
+    probe = PARAMETERS.probe_size * waves / np.sqrt(np.mean(waves**2))
+    found = filter_divergence(np.zeros((1, 400)), probe[None].copy(), probe)
+    np.testing.assert_allclose(found, 1, rtol=1e-12)
+
+
 @pytest.mark.parametrize("shape", ["sphere", "torus"])
-def test_the_signs_of_a_mesh_find_the_trace_of_its_diffusions(shape):
-    """With the signs that belong to the mesh, for the diffusions in the metric of the mesh."""
+def test_the_probe_of_a_mesh_finds_the_trace_of_its_diffusions(shape):
+    """With the probe that belongs to the mesh, for the diffusions in the metric of the mesh."""
     vertices, faces = meshes.noisy_ball(3, 0.02) if shape == "sphere" else meshes.torus(24, 12)
     vertices = vertices + 0.02 * np.random.default_rng(1).normal(size=vertices.shape)
     n = len(vertices)
@@ -63,7 +71,7 @@ def test_the_signs_of_a_mesh_find_the_trace_of_its_diffusions(shape):
         _, filtered = bank.started(positions)
         return np.stack([frame.along_normal(positions - each) for each in filtered.values()])
 
-    probe = PARAMETERS.probe_size * OwnNumbers(vertices, frame).signs()
+    probe = PARAMETERS.probe_size * OwnNumbers(vertices, frame).probe()
     removed = removed_from(vertices)
     found = filter_divergence(removed, removed_from(vertices + frame.raised(probe)), probe)
     # The exact diagonal, vertex by vertex: the response to a step of one vertex alone.

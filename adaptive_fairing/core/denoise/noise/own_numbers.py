@@ -51,7 +51,7 @@ class OwnNumbers:
         # Products, because a phase that is linear in the position would be a wave on a lattice.
         _, axes = np.linalg.eigh(centred.T @ centred)
         from_planes = np.abs(centred @ axes) * TURNS_FROM_PLANES / np.mean(frame.spacing)
-        waves = from_planes - np.floor(from_planes)
+        waves = np.abs(2 * (from_planes - np.floor(from_planes)) - 1)
         self._waves = MIXING * np.einsum("nk,nk->n", waves, np.roll(waves, 1, axis=1))
 
     def phases(self, use: float) -> FloatArray:
@@ -61,12 +61,15 @@ class OwnNumbers:
         phases: FloatArray = turns - np.floor(turns)
         return phases
 
-    def signs(self) -> FloatArray:
-        """Return 1 or -1 for each vertex, (n,), for steps along the normals.
+    def probe(self) -> FloatArray:
+        """Return numbers of mean 0 and mean square 1, (n,), for steps along the normals.
 
-        A sign changes with its normal, so that the step is the same if the faces are turned over.
+        Signs alone would leap where rounding moves a phase past its end.  A number changes its
+        sign with the normal, so that the step is the same if the faces are turned over.
         """
-        return np.where(self.phases(PROBE) < 0.5, 1.0, -1.0) * self._sides
+        waves = np.cos(2 * np.pi * self.phases(PROBE)) * self._sides
+        probe: FloatArray = waves / np.sqrt(np.mean(np.square(waves)))
+        return probe
 
     def noise(self, use: float) -> FloatArray:
         """Return normal-distributed numbers of unit variance, (n,), for heights along normals."""

@@ -1,9 +1,9 @@
-"""The table of README: which parameters count, and how meshes are put together."""
+"""The short table, which README has: which parameters count, and how meshes are put together."""
 
 from types import SimpleNamespace
 
 from benchmarks.denoising.peers import Peer
-from benchmarks.denoising.readme_table import comparison
+from benchmarks.denoising.tables import in_short
 
 
 def entry(noisy, own, scores):
@@ -28,7 +28,7 @@ def test_errors_and_times_have_geometric_means_and_angles_plain_ones():
     ]
     rows = [
         [cell.strip() for cell in line.strip("|").split("|")]
-        for line in comparison(entries, [tuned, fixed]).splitlines()
+        for line in in_short(entries, [tuned, fixed]).splitlines()
     ]
     assert rows[2:] == [
         ["noisy", "", "0.400", "30.0°", ""],
