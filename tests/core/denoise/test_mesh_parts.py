@@ -9,6 +9,8 @@ from support import meshes
 from adaptive_fairing.core import TriangleTopology, denoise
 from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.mesh_parts import MeshParts
+from adaptive_fairing.core.denoise.noise import noisy_surface
+from adaptive_fairing.core.denoise.noise.line_roughness import LineRoughness
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.parameters import PARAMETERS, using
 
@@ -68,6 +70,17 @@ def test_small_parts_are_judged_together():
     assert contrast() == pytest.approx(1, abs=0.1)
     with using(replace(PARAMETERS, own_estimate=n)):
         assert contrast() > 1.8
+
+
+def test_what_all_parts_are_judged_by_is_computed_once(monkeypatch):
+    made = []
+    monkeypatch.setattr(
+        noisy_surface, "LineRoughness", lambda *args: made.append(LineRoughness(*args)) or made[-1]
+    )
+    parts = [(noisy(BALL, FACES, 0.2, seed), FACES) for seed in range(3)]
+    level = levels_of(*side_by_side(*parts)).reshape(3, -1)
+    assert np.median(level, axis=1) == pytest.approx(0.2, rel=0.2)
+    assert len(made) == 1
 
 
 def test_filters_are_chosen_in_every_part_by_its_noise():

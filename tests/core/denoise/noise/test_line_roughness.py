@@ -42,11 +42,14 @@ def levels(points, smooth, faces):
 
 @pytest.mark.parametrize("amplitude", [0.05, 0.1, 0.2, 0.4])
 def test_known_noise_is_found(amplitude):
+    """One estimate has a standard error of 5 %, the mean of ten one of 1.6 %."""
     vertices, faces = plane()
     spacing = spacing_of(TriangleTopology(faces, len(vertices)), vertices, 0)
-    noise = amplitude * spacing * np.random.default_rng(1).normal(size=len(vertices))
-    _, along_lines = levels(vertices + noise[:, None] * [0, 0, 1], vertices, faces)
-    assert along_lines == pytest.approx(amplitude, rel=0.1)
+    found = []
+    for seed in range(10):
+        noise = amplitude * spacing * np.random.default_rng(seed).normal(size=len(vertices))
+        found.append(levels(vertices + noise[:, None] * [0, 0, 1], vertices, faces)[1])
+    assert np.mean(found) == pytest.approx(amplitude, rel=0.05)
 
 
 def test_a_grating_is_smooth_along_its_folds():
