@@ -126,8 +126,8 @@ def _steps(
         # The system of the next step measures this step's surface on the way.
         if index < settings.steps and solve.converged:
             # Where single precision did not serve it is not tried again.
-            in_single = system.matrix.is_single
-            density, system = _system(space, current, settings, weights, in_single)
+            in_single, in_double = system.matrix.is_single, system.in_double
+            density, system = _system(space, current, settings, weights, in_single, in_double)
             measures = system.measures
         else:
             measures = space.measures(current, system.matrix.is_single)
@@ -158,6 +158,7 @@ def _system(
     settings: FairingSettings,
     weights: FloatArray,
     in_single: bool,
+    in_double: frozenset[int] = frozenset(),
 ) -> tuple[FloatArray, StepSystem]:
     """Density of the current surface, and the linear system (3.3) of the chosen scheme."""
     density = mesh_density(space.topology, current, settings.density, settings.density_passes)
@@ -165,8 +166,14 @@ def _system(
     if settings.method != "uniform":
         field *= density
     if settings.method == "adaptive_tensor":
-        return density, space.step_system(current, diffusivity=field, in_single=in_single)
-    return density, space.step_system(current, timestep=_positive(field), in_single=in_single)
+        system = space.step_system(
+            current, diffusivity=field, in_single=in_single, in_double=in_double
+        )
+    else:
+        system = space.step_system(
+            current, timestep=_positive(field), in_single=in_single, in_double=in_double
+        )
+    return density, system
 
 
 def _serves_single(space: LoopSpace, settings: FairingSettings) -> bool:

@@ -45,12 +45,15 @@ class StepSystem(NamedTuple):
     lumped_mass : (n_vertices,)
         Row sums of M.
     measures : SurfaceMeasures
+    in_double : frozenset of int
+        Chunks for which single precision was not enough.
     """
 
     matrix: SymmetricMatrix
     load: FloatArray
     lumped_mass: RealArray
     measures: SurfaceMeasures
+    in_double: frozenset[int]
 
 
 class LoopSpace:
@@ -154,6 +157,7 @@ class LoopSpace:
         timestep: ArrayLike | None = None,
         diffusivity: ArrayLike | None = None,
         in_single: bool = False,
+        in_double: frozenset[int] = frozenset(),
     ) -> StepSystem:
         """Assemble M + L and -L X for one semi-implicit step, and measure the surface meanwhile.
 
@@ -165,6 +169,8 @@ class LoopSpace:
             Either may vary over the surface, not both.
         in_single : bool
             Use single precision as far as it is enough; for positions in [-3, 3]³.
+        in_double : frozenset of int
+            Chunks for which it was not enough a step before: it is not tried again there.
 
         Source: (3.3) with (3.4) (`timestep`) or (3.9) (`diffusivity`), less M X(0) on both sides.
         """
@@ -177,7 +183,7 @@ class LoopSpace:
         )
         columns = self._columns(positions, timestep if diffusivity is None else diffusivity)
         if in_single and SINGLE.serves_times(columns[3]):
-            system = self._step_system(form, columns, np.float32)
+            system = self._step_system(form, columns, np.float32, in_double)
             used = ~self.topology.is_loose
             if SINGLE.serves_masses(system.lumped_mass[used], system.matrix.diagonal()[used]):
                 return system
@@ -204,11 +210,19 @@ class LoopSpace:
         totals = ordered_map(lambda chunk: of_chunk(chunk, first_choice), self._chunks)
         return self._as_measures(sum(totals, np.zeros(3)))
 
-    def _step_system(self, form: Form, columns: FloatArray, precision: Precision) -> StepSystem:
-        (matrix,), load, measures = self._assemble(form, columns, SUM, precision=precision)
+    def _step_system(
+        self,
+        form: Form,
+        columns: FloatArray,
+        precision: Precision,
+        in_double: frozenset[int] = frozenset(),
+    ) -> StepSystem:
+        (matrix,), load, measures, in_double = self._assemble(
+            form, columns, SUM, precision=precision, in_double=in_double
+        )
         # The rows of L add up to 0: the row sums of M + L are those of M.
         lumped_mass = matrix.product(np.ones((1, len(load))))[0]
-        return StepSystem(matrix, load, lumped_mass, measures)
+        return StepSystem(matrix, load, lumped_mass, measures, in_double)
 
     def _assemble(
         self,
@@ -216,6 +230,7 @@ class LoopSpace:
         columns: FloatArray,
         *terms: slice,
         precision: Precision = np.float64,
+        in_double: frozenset[int] = frozenset(),
     ) -> _Assembled:
         """Assemble a matrix for each of the `terms` of a form; MASS, STIFFNESS or SUM.
 
@@ -229,17 +244,23 @@ class LoopSpace:
 
         def contribution(index: int) -> _Contribution:
             chunk, entries = self._chunks[index], all_entries[index]
-            return _integrate(chunk, entries, columns, form, terms, precision)
+            first_choice = np.float64 if index in in_double else precision
+            return _integrate(chunk, entries, columns, form, terms, first_choice)
 
         contributions = ordered_map(contribution, range(len(self._chunks)))
-        for chunk, entries, added in zip(self._chunks, all_entries, contributions, strict=True):
+        needed_double = set()
+        for index, added in enumerate(contributions):
+            chunk, entries = self._chunks[index], all_entries[index]
+            if added.entries[0].dtype != precision:
+                needed_double.add(index)
             for upper, own in zip(uppers, added.entries, strict=True):
                 upper[entries.low : entries.high] += own
             if form.measured:
                 load[:, chunk.low : chunk.high] -= added.bending
                 totals += added.totals
         matrices = [SymmetricMatrix.from_upper(self.pattern, upper) for upper in uppers]
-        return _Assembled(matrices, load.T, self._as_measures(totals))
+        measures = self._as_measures(totals)
+        return _Assembled(matrices, load.T, measures, frozenset(needed_double))
 
     @cached_property
     def _entries(self) -> list[ChunkEntries]:
@@ -267,11 +288,12 @@ class LoopSpace:
 
 
 class _Assembled(NamedTuple):
-    """Matrices of several terms of a form, and what was integrated meanwhile."""
+    """Matrices of several terms of a form, what was integrated meanwhile, chunks in double."""
 
     matrices: list[SymmetricMatrix]
     load: FloatArray
     measures: SurfaceMeasures
+    in_double: frozenset[int]
 
 
 class _Contribution(NamedTuple):

@@ -8,6 +8,7 @@ from support import meshes
 
 from adaptive_fairing.core import FairingSettings, LoopSpace, TriangleTopology, fair
 from adaptive_fairing.core.diffusion import steps
+from adaptive_fairing.core.fem import loop_space
 from adaptive_fairing.core.linalg.conjugate_gradients import conjugate_gradients
 from adaptive_fairing.core.runtime.precision import SINGLE
 
@@ -187,6 +188,20 @@ def test_single_precision_is_not_tried_again_where_it_did_not_serve(ball, tried)
     """Of a long timestep the masses are small beside L."""
     fair(*ball, FairingSettings(tau=500, steps=3))
     assert tried == [True, False, False]
+
+
+def test_chunks_are_not_tried_again_where_it_was_not_enough(ball, monkeypatch):
+    """All are computed twice for the first of two systems, and once for the second."""
+    integrate, tried = loop_space._integrate, []
+
+    def recorded(*arguments):
+        tried.append(arguments[-1])
+        return integrate(*arguments)
+
+    monkeypatch.setattr(loop_space, "_integrate", recorded)
+    fair(squeezed(ball[0]), ball[1], FairingSettings(tau=1e-4, steps=2))
+    assert tried.count(np.float32) > 0
+    assert tried.count(np.float64) == 2 * tried.count(np.float32)
 
 
 def test_steps_of_a_squeezed_mesh_are_those_of_double_precision(ball, monkeypatch):
