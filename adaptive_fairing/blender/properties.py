@@ -62,6 +62,11 @@ class SolverProperties:
         description="What happens to a mesh that looks like a model without noise",
         items=(
             ("keep", "Leave Alone", "Change nothing, and say why"),
+            (
+                "detail",
+                "Keep Fine Detail",
+                "The same, and keep what looks like the smooth noise of a scanner: it is detail",
+            ),
             ("denoise", "Denoise", "Take all that is rough for noise"),
         ),
         default="keep",

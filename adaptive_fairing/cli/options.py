@@ -132,9 +132,10 @@ def build_parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--clean",
-        choices=("keep", "denoise"),
-        help="of auto: leave a mesh alone that looks like a model without noise, or take all that "
-        "is rough for noise (default: keep)",
+        choices=("keep", "detail", "denoise"),
+        help="of auto: leave a mesh alone that looks like a model without noise; also keep detail "
+        "that looks like the smooth noise of a scanner; or take all that is rough for noise "
+        "(default: keep)",
     )
     parser.add_argument(
         "--tau",

@@ -100,7 +100,7 @@ def denoise(
         surface.is_cut,
         strength=settings.strength,
         features=settings.features,
-        keeps_clean=settings.clean == "keep",
+        clean=settings.clean,
         plan=plan,
         progress=report,
     )

@@ -34,7 +34,8 @@ from .mixture import Mixture
 from .noise.correlation import NoiseCorrelation, noise_correlation
 from .noise.level import beyond_clean
 from .noise.noisy_surface import NoisySurface
-from .noise.smooth_noise import smooth_noise
+from .noise.repeats import repetition
+from .noise.smooth_noise import SmoothNoise, smooth_noise
 from .noise.spikes import without_spikes
 from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
@@ -49,6 +50,10 @@ MOST_SIDE_BY_SIDE = 1_000_000
 SMOOTH = (
     "the surface is evenly uneven over several edges, by {:.2g} of an edge: fine detail, which was "
     "kept, or the smooth noise of a scanner, which is removed if all roughness counts as noise"
+)
+SMOOTH_REMOVED = (
+    "the surface is uneven over several edges, by {:.2g} of an edge, as the smooth noise of a "
+    'scanner is: it was removed; the setting "Keep Fine Detail" (clean "detail") keeps it'
 )
 IMPULSIVE = "the noise is impulsive: single vertices that stand out were put back first"
 
@@ -80,7 +85,7 @@ def mixed_surfaces(
     *,
     strength: float = 1.0,
     features: str = "auto",
-    keeps_clean: bool = True,
+    clean: str = "keep",
     plan: DenoisePlan | None = None,
     progress: ProgressReport,
 ) -> MixedSurfaces:
@@ -97,8 +102,9 @@ def mixed_surfaces(
     features : "auto", "sharp" or "smooth"
         Which filters may be used: all, only those that keep creases, or only those that round
         them.
-    keeps_clean : bool
-        Whether what looks like a clean mesh stays as it is.
+    clean : "keep", "detail" or "denoise"
+        Whether what looks like a clean mesh stays as it is; with "detail" what is smooth over
+        several edges does, too.
     plan : DenoisePlan, optional
         Of another frame of this surface: nothing is estimated then.
     progress : ProgressReport
@@ -108,6 +114,7 @@ def mixed_surfaces(
     stage = _Stage(space, positions, is_still, solves.count)
     notes: tuple[str, ...] = ()
     if plan is None:
+        keeps_clean = clean != "denoise"
         found = stage.noise_found(strength, keeps_clean)
         impulsive, notes = found.impulsive, found.notes
         if impulsive.any():
@@ -115,14 +122,20 @@ def mixed_surfaces(
             found = stage.noise_found(strength, keeps_clean)
             notes = (IMPULSIVE,)
         level, counted = found.level, stage.parts.is_counted
-        plan, correlation = DenoisePlan.idle(level), None
+        correlation = None
         # White noise that is stronger hides the smooth kind.
         if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:
             smooth = smooth_noise(stage.noisy, counted)
-            if smooth.may_be_noise and not keeps_clean:
+            if clean == "denoise":
+                is_removed = smooth.may_be_noise
+            else:
+                is_removed = clean == "keep" and stage.is_told(smooth)
+            if is_removed:
                 level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
+                notes = (SMOOTH_REMOVED.format(smooth.level),)
             elif smooth.is_likely and not beyond_clean(strength * level).any():
                 notes = (SMOOTH.format(smooth.level), *notes)
+        plan = DenoisePlan.idle(level)
         undented = stage.undented(level, impulsive)
         if undented is None and beyond_clean(max(STRENGTHS) * strength * level).any():
             if correlation is None:
@@ -267,6 +280,11 @@ class _Stage:
     def noise_found(self, strength: float, keeps_clean: bool) -> NoiseFound:
         """Estimate the noise."""
         return self.parts.noise(self.noisy, strength, keeps_clean=keeps_clean)
+
+    def is_told(self, smooth: SmoothNoise) -> bool:
+        """Whether smooth noise is told from shape: models, which repeat triangles, have none."""
+        triangles = self.noisy.topology.triangles
+        return smooth.is_noise and not repetition(triangles, self.noisy.positions).part
 
     def calmed(self, impulsive: FloatArray) -> _Stage:
         """Put vertices back that stand out, by a part (n,) of their way."""

@@ -286,14 +286,29 @@ class DenoiseParameters:
     band_passes: int = 30
     # This fraction of the surface is quiet. By hand.
     quiet_fraction: float = 0.1
-    # Evenness from which a surface may have smooth noise. Noise of 0.2 that is alike over two to
-    # three edges had 0.62 to 0.93 on 21 of 22 shapes, clean shapes less than 0.6 on 19.
-    least_evenness: float = 0.6
-    # Evenness and level from which smooth noise is likely. No clean shape had both.
+    # Evenness from which a surface may have smooth noise, and how far its bands may be from those
+    # of noise, if all roughness counts as noise.
+    least_evenness: float = 0.4
+    most_misfit: float = 0.15
+    # Evenness and level from which smooth noise is likely. Of 184 clean meshes 7 have both, 4 of
+    # them with fine detail all over.
     likely_evenness: float = 0.75
     likely_level: float = 0.09
     # Coarse round shapes are as even as noise: a mesh of fewer vertices is no scan. By hand.
     fewest_of_scan: int = 4500
+    # Where the bands fit noise worse, the narrowest one shows the edges of the mesh and does not
+    # count. Noise alike over two edges had at most 0.05, over four edges 0.07 to 0.13.
+    least_misfit_of_edges: float = 0.06
+    # Smooth noise is told from shape within these limits, on as many vertices or more: the misfit
+    # is at most the first number times the evenness beyond the second. That held for 1 of 184 clean
+    # meshes, 70 of them with fine detail all over, for 16 of 25 shapes with noise alike over two
+    # edges, and for 8 of 25 seen by a depth camera.
+    fewest_to_tell_smooth: int = 2000
+    told_misfit: float = 0.12
+    told_evenness: float = 0.45
+    told_excess: float = 0.65
+    told_outliers: float = 1.3
+    told_lean: float = 0.05
 
     # noise/spikes
     # Quantile of the deviations from lines that is compared with their median, and that with the

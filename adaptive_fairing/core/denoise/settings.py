@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..problem.setting_checks import BOUNDARIES, require_choice, require_number
 
 FEATURES = ("auto", "sharp", "smooth")
-CLEAN = ("keep", "denoise")
+CLEAN = ("keep", "detail", "denoise")
 LARGEST_STRENGTH = 100.0
 
 
@@ -26,7 +26,8 @@ class DenoiseSettings:
         "fixed": boundary vertices stay exactly where they are; "free": they move along.
     clean : str
         "keep": what looks like a clean mesh or a low-poly model comes back unchanged, and a note
-        says why; "denoise": all that is rough is taken for noise.
+        says why; "detail": so does what is uneven over several edges, even if it is like the smooth
+        noise of a scanner, which "keep" removes; "denoise": all that is rough is taken for noise.
 
     Raises
     ------

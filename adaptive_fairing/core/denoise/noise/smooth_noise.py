@@ -1,10 +1,15 @@
 """Noise that is alike over several edges, as that of range scanners and depth cameras.
 
 In differences of second order it hardly shows.  In wider bands, between averages over few and over
-many neighbours, it does, but so does shape.  Noise is as strong everywhere; a shape bends more here
-and less there.  So the quietest tenth of the surface tells how much noise there may be in each
-band, and how far it lies below the rest tells how surely it is noise.  Shapes that are as bumpy
-everywhere look the same.
+many neighbours, it does, but so does shape.  Four things tell them apart, together:
+
+- Noise is as strong everywhere; a shape bends more here and less there.
+- Noise has the strengths of white noise that was averaged, band by band; in the next wider band it
+  is hardly stronger, while shape goes on growing.
+- Noise is normally distributed: it has no outliers, and as many hills as valleys.
+- Noise repeats nothing.  Modelling makes exact copies (`repeats`).
+
+What is as fine, as even and as random as noise, such as the grain of a rock, looks the same.
 """
 
 from __future__ import annotations
@@ -17,12 +22,21 @@ from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
 from ..parameters import parameters
 from .correlation import NoiseCorrelation
+from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
 
-# Passes of averaging that bound the bands, from narrow to wide.
-BANDS = ((0, 1), (1, 3), (3, 8))
-# Passes of averaging of white noise that are tried.
-PASSES = (2, 4, 8, 16, 32)
+# Passes of averaging that bound the bands, from narrow to wide.  Evenness is that of the first
+# three; the last one tells whether waves go on growing.
+BANDS = ((0, 1), (1, 3), (3, 8), (8, 20))
+N_NARROW = 3
+# Passes of averaging of white noise that are tried, and fewest of noise that is smooth.
+PASSES = (0, 1, 2, 3, 4, 6, 8, 12, 16)
+FEWEST_PASSES = 3
+# Weights of the narrow bands in the fit: the narrowest shows the edges of the mesh as well.
+WEIGHTS = np.array([0.5, 1.0, 1.0])
+
+# Quantile of the outliers, and that over the median of |x| for a normal distribution.
+TAIL, NORMAL_TAIL = 0.95, 2.9058
 
 
 class SmoothNoise(NamedTuple):
@@ -35,26 +49,57 @@ class SmoothNoise(NamedTuple):
     level : float
         Standard deviation in local edge lengths.
     correlation : NoiseCorrelation
+    misfit : float
+        Weighted sum of the squared logarithms by which the bands differ from those of noise.
+    excess : float
+        Logarithm of how much stronger than noise the widest band is.
+    outliers : float
+        How far out the largest heights are, relative to a normal distribution.
+    lean : float
+        How much more there is of hills than of valleys or the other way round, 0 to 1.
     n_counted : int
         Number of vertices that it was judged from.
     """
 
     evenness: float
-    level: float
-    correlation: NoiseCorrelation
-    n_counted: int
+    level: float = 0.0
+    correlation: NoiseCorrelation = NoiseCorrelation()
+    misfit: float = np.inf
+    excess: float = np.inf
+    outliers: float = np.inf
+    lean: float = 1.0
+    n_counted: int = 0
 
     @property
     def may_be_noise(self) -> bool:
-        """Whether it is as even as noise."""
-        return self.evenness >= parameters().least_evenness
+        """Whether it is noise if all that is rough is."""
+        tuned = parameters()
+        return (
+            self.correlation.passes >= FEWEST_PASSES
+            and self.evenness >= tuned.least_evenness
+            and self.misfit <= tuned.most_misfit
+        )
 
     @property
     def is_likely(self) -> bool:
-        """Whether it is more even, and stronger, than clean shapes are."""
+        """Whether it is more even, and stronger, than most clean shapes are."""
         tuned = parameters()
         is_strong = self.evenness >= tuned.likely_evenness and self.level >= tuned.likely_level
         return is_strong and self.n_counted >= tuned.fewest_of_scan
+
+    @property
+    def is_noise(self) -> bool:
+        """Whether it is told from shape: the test that acts by itself, but for exact copies."""
+        tuned = parameters()
+        return (
+            self.n_counted >= tuned.fewest_to_tell_smooth
+            and self.correlation.passes >= FEWEST_PASSES
+            and self.level >= tuned.likely_level
+            and self.misfit <= tuned.told_misfit * (self.evenness - tuned.told_evenness)
+            and self.excess <= tuned.told_excess
+            and self.outliers <= tuned.told_outliers
+            and self.lean <= tuned.told_lean
+        )
 
 
 def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
@@ -66,39 +111,78 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     is_counted : (n,) bool
         Vertices to judge from, at least one.
     """
-    tuned, frame, heights = parameters(), surface.frame, surface.fading.white
-    white = _bands(frame.raised(heights), frame, is_counted)
-    own = _bands(surface.positions, frame, is_counted)
-    quiet, typical = (np.quantile(own, part, axis=1) for part in (tuned.quiet_fraction, 0.5))
-    white_quiet, white_typical = (
-        np.quantile(white, part, axis=1) for part in (tuned.quiet_fraction, 0.5)
-    )
-    evenness = float(np.min((quiet / typical / (white_quiet / white_typical))[1:]))
-    best = None
+    tuned, frame, own = parameters(), surface.frame, surface.fading.white
+    n_counted = int(np.count_nonzero(is_counted))
+    heights, white = (_bands(each, frame) for each in (surface.positions, frame.raised(own)))
+    strength = _strengths(heights, frame, is_counted)
+    quiet, evenness = _quiet(strength)
+    white_quiet, white_evenness = _quiet(_strengths(white, frame, is_counted))
+    even = float((evenness / white_evenness)[:N_NARROW].min())
+    if even < min(tuned.least_evenness, tuned.told_evenness):
+        return SmoothNoise(even, n_counted=n_counted)
+    deviations, ratios = [], []
     for passes in PASSES:
-        noise = frame.spread(heights * frame.spacing, passes) / frame.spacing
-        bands = np.median(_bands(frame.raised(noise), frame, is_counted), axis=1)
-        ratios = quiet / white_quiet / (bands / white_typical)
-        # All bands have at least the noise; the one with the least has no more.
-        misfit = float(np.sum(np.log(ratios / ratios.min())))
-        if best is None or misfit < best[0]:
-            deviation = float(np.std(noise[is_counted]))
-            # The level is that of the noise itself, not what second differences see of it.
-            correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
-            best = misfit, float(ratios.min()) * deviation, correlation
-    assert best is not None
-    return SmoothNoise(evenness, best[1], best[2], int(np.count_nonzero(is_counted)))
+        noise = frame.spread(own * frame.spacing, passes) / frame.spacing
+        deviations.append(float(np.std(noise[is_counted])))
+        ratios.append(_sizes(_bands(frame.raised(noise), frame)[:, is_counted]))
+    ratios = np.log(quiet / white_quiet * _sizes(white[:, is_counted]) / ratios)
+    best, level, misfit = _fit(ratios, WEIGHTS)
+    if misfit > tuned.least_misfit_of_edges:
+        best, level, _ = _fit(ratios, np.where(np.arange(N_NARROW) > 0, WEIGHTS, 0.0))
+    relative = heights[:2, is_counted] / strength[:2]
+    relative /= np.maximum(_sizes(relative), 1e-9)[:, None]
+    return SmoothNoise(
+        even,
+        float(np.exp(level)) * deviations[best],
+        # The level is that of the noise itself, not what second differences see of it.
+        NoiseCorrelation(seen=deviations[best], deviation=deviations[best], passes=PASSES[best]),
+        misfit,
+        excess=float(ratios[best, N_NARROW] - level),
+        outliers=float(np.quantile(np.abs(relative[1]), TAIL)) / NORMAL_TAIL,
+        lean=float(np.abs(np.tanh(NORMAL_MEDIAN * relative).mean(axis=1)).max()),
+        n_counted=n_counted,
+    )
 
 
-def _bands(positions: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> FloatArray:
-    """Local strength of the bands along the normals at the counted vertices, (k, m)."""
-    tuned = parameters()
-    found = []
-    weight = np.maximum(frame.spread(is_counted.astype(float), tuned.band_passes), 1e-9)
+def _fit(ratios: FloatArray, weights: FloatArray) -> tuple[int, float, float]:
+    """Which noise fits best, the logarithm of its strength, and the misfit.
+
+    From the logarithms of the strengths of the bands over those of every noise, (p, k).
+    """
+    narrow = ratios[:, :N_NARROW]
+    levels = np.average(narrow, axis=1, weights=weights)
+    misfits = np.square(narrow - levels[:, None]) @ weights
+    best = int(np.argmin(misfits))
+    return best, float(levels[best]), float(misfits[best])
+
+
+def _quiet(strength: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Strength of the bands in the quietest part of the surface, and that over the median, (k,)."""
+    quiet, typical = np.quantile(strength, (parameters().quiet_fraction, 0.5), axis=1)
+    return quiet, quiet / typical
+
+
+def _sizes(heights: FloatArray) -> FloatArray:
+    """Median magnitude of every band, (k,)."""
+    sizes: FloatArray = np.median(np.abs(heights), axis=1)
+    return sizes
+
+
+def _bands(positions: FloatArray, frame: LocalFrame) -> FloatArray:
+    """Heights of the bands along the normals, (k, n)."""
+    found, near, done = [], positions, 0
     for low, high in BANDS:
-        near = frame.spread(positions, low)
+        near = frame.spread(near, low - done)
+        done = low
         band = near - frame.spread(near, high - low)
-        band = band - frame.spread(band, high)
-        root = np.where(is_counted, np.sqrt(np.abs(frame.along_normal(band))), 0)
-        found.append(np.square(frame.spread(root, tuned.band_passes) / weight)[is_counted])
-    return np.maximum(np.stack(found), 1e-12)
+        found.append(frame.along_normal(band - frame.spread(band, high)))
+    return np.stack(found)
+
+
+def _strengths(heights: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> FloatArray:
+    """Local strength of the bands' heights (k, n) at the counted vertices, (k, m)."""
+    passes = parameters().band_passes
+    weight = np.maximum(frame.spread(is_counted.astype(float), passes), 1e-9)
+    roots = np.where(is_counted, np.sqrt(np.abs(heights)), 0).T
+    local = np.square(frame.spread(roots, passes) / weight[:, None])
+    return np.maximum(local[is_counted].T, 1e-12)
