@@ -36,7 +36,8 @@ Value = float | tuple[float, ...]
 def moved(value: Value, factor: float) -> Value:
     """Multiply a parameter by a factor, number by number.
 
-    Counts are rounded, to another count.  What is at most 1 stays so, because it may be a fraction.
+    Counts are rounded, to another count.  What is below 1 stays at most 1, because it may be a
+    fraction.
     """
     if isinstance(value, tuple):
         return tuple(_moved_number(each, factor) for each in value)
@@ -99,7 +100,7 @@ def _moved_number(value: float, factor: float) -> float:
         if factor > 1:
             return max(round(value * factor), value + 1)
         return max(min(round(value * factor), value - 1), 1)
-    return min(value * factor, 1.0) if value <= 1 else value * factor
+    return min(value * factor, 1.0) if value < 1 else value * factor
 
 
 def _scores(pairs: Sequence[Pair], references: Sequence[Reference]) -> list[tuple[float, ...]]:

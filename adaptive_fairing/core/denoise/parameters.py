@@ -349,7 +349,7 @@ def parameters() -> DenoiseParameters:
 
 @contextmanager
 def using(replacement: DenoiseParameters) -> Iterator[None]:
-    """Run the block with other parameters, for experiments; other threads do not see them."""
+    """Run the block with other parameters, for experiments; unrelated threads do not see them."""
     token = _current.set(replacement)
     try:
         yield

@@ -9,6 +9,7 @@ order       results come back in the order of the items, whatever thread was fir
 exceptions  the first exception in this order is raised; items that no thread has begun are dropped
 nesting     a thread that is at work computes the items of another call itself: it never waits for
             threads that wait for it
+context     a thread sees the context variables of the caller
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import threading
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from contextvars import copy_context
 from functools import lru_cache
 from itertools import pairwise
 from typing import Any, TypeVar
@@ -83,7 +85,7 @@ def ordered_map(function: Callable[[Item], Result], items: Sequence[Item]) -> It
     waiting: deque[Future[Result]] = deque()
     try:
         for item in items:
-            waiting.append(pool.submit(function, item))
+            waiting.append(pool.submit(copy_context().run, function, item))
             if len(waiting) >= 2 * n_threads():
                 yield waiting.popleft().result()
         while waiting:

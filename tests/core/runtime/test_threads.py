@@ -1,6 +1,7 @@
-"""The rules of `ordered_map`: order, laziness, exceptions, nesting."""
+"""The rules of `ordered_map`: order, laziness, exceptions, nesting, context."""
 
 import threading
+from contextvars import ContextVar
 
 import pytest
 
@@ -91,6 +92,12 @@ def test_a_thread_at_work_computes_a_nested_call_itself():
         return [number for number, _ in found]
 
     assert list(ordered_map(outer, range(2))) == [list(range(10)), list(range(1, 11))]
+
+
+def test_threads_see_the_context_variables_of_the_caller():
+    unit = ContextVar("unit", default=1)
+    unit.set(7)
+    assert list(ordered_map(lambda item: item * unit.get(), range(5))) == [0, 7, 14, 21, 28]
 
 
 @pytest.mark.parametrize("n", [0, 1, 19, 20, 21, 40, 41, 1000])
