@@ -131,7 +131,7 @@ class FilterBank:
     ) -> FloatArray | None:
         """Make the flat faces of a surface flat, in planes fitted to positions, (n, 3) all.
 
-        None where fewer triangles than `least`, a part of them, are on any.
+        None if less than the fraction `least` of the triangles is on flat faces.
         """
         spacing = spacing_of(self.topology, surface, parameters().spacing_passes)
         return flattened(self.topology, self._around, positions, surface, spacing, least)

@@ -50,13 +50,13 @@ def flattened(
     spacing : (n,)
         Local edge length.
     least : float
-        Part of the triangles.
+        Fraction of the triangles that must be on flat faces.
 
     Returns
     -------
     (n, 3)
-        The surface with flat faces; vertices that are not on any are as they were.  None where
-        fewer triangles than `least`, or none at all, are on any.
+        The surface with flat faces; vertices that are not on any are as they were.  None if too
+        few triangles, or none, are on flat faces.
     """
     found = FlatFaces(topology, around, noisy, surface, spacing)
     part = np.mean(found.face >= 0)
@@ -71,9 +71,10 @@ class FlatFaces:
     Attributes
     ----------
     face : (m,) int
-        Number of each triangle's face; `NO_FACE` where it has none.  Some numbers may be of none.
+        Number of each triangle's face; `NO_FACE` where it has none.  A number may be left without
+        triangles.
     planes : PlaneFits
-        By these numbers.
+        The plane of each number.
     """
 
     def __init__(

@@ -39,7 +39,7 @@ class DenoiseParameters:
     even_angle: float = math.radians(2)
     # Those that turn away further than this are beyond a crease.
     face_angle: float = math.radians(15)
-    # A face is found from this many even triangles.
+    # A face has at least this many even triangles.
     fewest_triangles: int = 12
     # The normals of a flat face differ from its plane's by this much in the mean. With 3° the
     # error was 4 % larger, because faces were missed.
@@ -50,7 +50,8 @@ class DenoiseParameters:
     face_angle_at_rim: float = math.radians(25)
     # Triangles with a vertex further from the plane than this are not taken.
     face_height: float = 0.35
-    # With noise of less than `coarse_noise` that is smaller in proportion, by this factor at most.
+    # With noise of less than `coarse_noise` the height is smaller in proportion, by this factor at
+    # most.
     # With 1, faces that meet at 15° grow into each other where the rest is clean.
     least_face_height: float = 0.5
     # With a smaller part of the triangles on flat faces a mesh counts as round. On 7 organic shapes
@@ -66,13 +67,13 @@ class DenoiseParameters:
     # plane_fits
     # Fits of a plane: the second leaves outliers out. With four nothing was better.
     plane_fits: int = 2
-    # What is as many standard deviations from the plane does not count.
+    # Vertices that lie this many standard deviations off the plane do not count.
     plane_outlier: float = 4.0
-    # A face is bent if F, with which the quadric fits better than the plane, is larger.
+    # A face is bent if a quadric fits it better than a plane by more than this F statistic.
     most_bend: float = 8.0
-    # Squared angle between planes at which they are met half-way. By hand.
+    # A vertex goes half of its way to planes at an angle of θ if θ² / 2 is this. By hand.
     parallel_planes: float = 0.003
-    # Vertices go no further to their planes. By hand.
+    # A vertex that lies further from its planes, in local edge lengths, stays. By hand.
     farthest_to_planes: float = 1.0
 
     # filter_bank: times, orders and steps of the diffusions.
