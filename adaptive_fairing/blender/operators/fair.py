@@ -16,7 +16,8 @@ from .modal_run import ModalRun, progress, stop_run
 from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
 from .questions import Asking, hints
-from .results import report_kept
+from .readings import remember
+from .results import discard_result, report_kept
 from .settings_layout import draw_operator
 
 _finished: list = []
@@ -69,16 +70,21 @@ class OBJECT_OT_adaptive_fairing(
         from ..jobs.store_result import object_of
 
         _finished[:] = [solve for solve in solves if solve.is_over and solve.has_result]
-        results, problems, unchanged = [], [], []
+        results, problems, unchanged, discarded = [], [], [], []
         prepare_undo(context)
         with object_mode(context):
             for solve in solves:
                 try:
                     if solve.has_result and not solve.is_changed:
                         unchanged.append(solve)
+                        source = object_of(solve.session_uid)
+                        remember(source, solve)
+                        if self.from_original and self._bring_back(source):
+                            discarded.append(source)
                     elif solve.has_result:
                         source = object_of(solve.session_uid)
                         results.append(self._store(solve))
+                        remember(results[-1], solve)
                         _take_over_selection(context, source, results[-1])
                 except FairingError as error:
                     solve.failure = error
@@ -91,9 +97,18 @@ class OBJECT_OT_adaptive_fairing(
         if not results:
             if not problems and not unchanged:
                 self.report({"INFO"}, rpt_("Stopped: nothing was changed"))
-            return {"CANCELLED"}
+            return {"FINISHED"} if discarded else {"CANCELLED"}
         self.report({"INFO"}, _summary([each for each in solves if each.is_changed], is_stopped))
         return {"FINISHED"}
+
+    def _bring_back(self, obj):
+        """Show the original, which is the result of this run, where an earlier one is shown."""
+        from ..data.results import has_result, is_stale
+
+        if obj is None or not has_result(obj) or is_stale(obj):
+            return False
+        discard_result(self, obj)
+        return True
 
     def _is_in_place(self):
         return self.method == AUTO and self.result == "MODIFIER"

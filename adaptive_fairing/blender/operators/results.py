@@ -100,16 +100,7 @@ class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
     bl_description = "Bring the mesh back to exactly what it was before the runs"
 
     def execute(self, context):
-        from ..data.coloring import end_view
-        from ..data.results import discard
-        from ..data.shown_surface import show_control
-
-        def undo(obj):
-            end_view(obj)
-            report_kept(self, show_control(obj))
-            discard(obj)
-
-        return self.finish(context, undo)
+        return self.finish(context, lambda obj: discard_result(self, obj))
 
 
 class OBJECT_OT_adaptive_fairing_surface(_OnResult, bpy.types.Operator):
@@ -148,6 +139,17 @@ def surface_name(record: bpy.types.PropertyGroup) -> str:
     """Name the surface that shows a result."""
     shown = "CONTROL" if record.control is None else record.surface
     return next(name for identifier, name, *_ in SURFACES if identifier == shown)
+
+
+def discard_result(operator: bpy.types.Operator, obj: bpy.types.Object) -> None:
+    """Bring the mesh back to exactly what it was before the runs."""
+    from ..data.coloring import end_view
+    from ..data.results import discard
+    from ..data.shown_surface import show_control
+
+    end_view(obj)
+    report_kept(operator, show_control(obj))
+    discard(obj)
 
 
 def report_kept(operator: bpy.types.Operator, name: str | None) -> None:

@@ -10,6 +10,7 @@ from ..data.regions import refusal, target_objects
 from ..operators import mesh_scale, modal_run
 from ..operators.fair import OBJECT_OT_adaptive_fairing
 from ..operators.questions import hints
+from ..operators.readings import reading_of
 from ..operators.settings_layout import (
     draw_accuracy,
     draw_density,
@@ -135,13 +136,32 @@ def _draw_run(context, layout, settings) -> None:
     draw_run_button(row, settings, text=text, icon="MOD_SMOOTH")
     for hint in hints(objects, settings):
         draw_lines(context, layout, iface_(hint), icon="INFO")
+    if settings.method == AUTO:
+        _draw_other_reading(context, layout, settings)
 
 
-def draw_run_button(layout, settings, method=None, **appearance) -> None:
+def _draw_other_reading(context, layout, settings) -> None:
+    """Draw what the last run took the roughness for, and a button that takes it otherwise."""
+    reading = reading_of(context.active_object)
+    if reading is None:
+        return
+    box = layout.box()
+    for note in reading.notes:
+        draw_lines(context, box, note, icon="INFO")
+    texts = {"denoise": iface_("Denoise Anyway"), "detail": iface_("Keep Fine Detail")}
+    for clean in reading.others:
+        operator = draw_run_button(box, settings, text=texts[clean])
+        operator.clean = clean
+        if clean == "detail":  # what was removed has to come back first
+            operator.from_original = True
+
+
+def draw_run_button(layout, settings, method=None, **appearance):
     """Draw a button that runs with the settings of the scene, by its method or another."""
     operator = layout.operator(OBJECT_OT_adaptive_fairing.bl_idname, **appearance)
     copy_solver(settings, operator, method)
     copy_settings(settings, operator, OUTPUT_NAMES)
+    return operator
 
 
 def _draw_progress(layout, current) -> None:

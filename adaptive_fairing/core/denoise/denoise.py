@@ -137,6 +137,7 @@ def denoise(
         measures=tuple(measures),
         solve=outcome.solve,
         notes=problem.notes + outcome.notes,
+        other_readings=outcome.other_readings,
         settings=settings,
         plan=plan,
     )

@@ -54,12 +54,15 @@ class MixedSurfaces:
         Iterations of all solves together, and the worst of their residuals.
     notes : tuple of str
         Why nothing was done, if so.
+    other_readings : tuple of str
+        See `DenoiseResult`.
     """
 
     positions: list[FloatArray]
     plan: DenoisePlan
     solve: SolveReport
     notes: tuple[str, ...]
+    other_readings: tuple[str, ...]
 
 
 def mixed_surfaces(
@@ -97,9 +100,11 @@ def mixed_surfaces(
     progress.begin("noise")
     stage = Stage(space, positions, is_still, solves.count)
     notes: tuple[str, ...] = ()
+    other_readings: tuple[str, ...] = ()
     if plan is None:
         verdict = noise_verdict(stage, strength, clean)
         stage, level, notes = verdict.stage, verdict.level, verdict.notes
+        other_readings = verdict.other_readings
         plan = DenoisePlan.idle(level)
         undented = stage.undented(level, verdict.impulsive)
         if undented is None and beyond_clean(max(STRENGTHS) * strength * level).any():
@@ -121,7 +126,7 @@ def mixed_surfaces(
         results = [stage.track.mixed(mixture) for mixture in plan.mixtures]
         sliding = Sliding(space.topology, stage.track.positions, stage.frame, plan.has_creases)
         results = [sliding.limited(result) for result in results]
-    return MixedSurfaces(results, plan, solves.report(), notes)
+    return MixedSurfaces(results, plan, solves.report(), notes, other_readings)
 
 
 def _planned(

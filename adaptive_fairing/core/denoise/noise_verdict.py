@@ -40,6 +40,8 @@ class NoiseVerdict(NamedTuple):
     impulsive : (n,)
         How surely the noise was that of single vertices, 0 to 1.
     notes : tuple of str
+    other_readings : tuple of str
+        See `DenoiseResult`.
     """
 
     stage: Stage
@@ -47,6 +49,7 @@ class NoiseVerdict(NamedTuple):
     smooth: NoiseCorrelation | None
     impulsive: FloatArray
     notes: tuple[str, ...]
+    other_readings: tuple[str, ...] = ()
 
     @property
     def correlation(self) -> NoiseCorrelation:
@@ -76,15 +79,18 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
         found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
         notes = (IMPULSIVE,)
     level, counted, correlation = found.level, stage.parts.is_counted, None
+    was_kept = bool(found.notes) and keeps_clean
+    others = ("denoise",) if was_kept and found.roughness.any() else ()
     # White noise that is stronger hides the smooth kind.
     if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:
         smooth = smooth_noise(stage.noisy, counted)
         if _is_removed(smooth, stage, clean):
             level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
             notes = (SMOOTH_REMOVED.format(smooth.level),)
+            others = ("detail",) if clean == "keep" else ()
         elif smooth.is_likely and not beyond_clean(strength * level).any():
             notes = (SMOOTH.format(smooth.level), *notes)
-    return NoiseVerdict(stage, level, correlation, impulsive, notes)
+    return NoiseVerdict(stage, level, correlation, impulsive, notes, others)
 
 
 def _is_removed(smooth: SmoothNoise, stage: Stage, clean: str) -> bool:

@@ -52,6 +52,9 @@ class DenoiseResult:
     notes : tuple of str
         What is wrong with the input and how it was made solvable; and why nothing was changed, if
         so.
+    other_readings : tuple of str
+        Values of `DenoiseSettings.clean` that take the same roughness for something else:
+        "denoise" where it was kept as a clean mesh's, "detail" where smooth noise was removed.
     settings : DenoiseSettings
     plan : DenoisePlan
         To treat other frames of this surface alike.
@@ -71,6 +74,7 @@ class DenoiseResult:
     measures: tuple[SurfaceMeasures, ...]
     solve: SolveReport
     notes: tuple[str, ...]
+    other_readings: tuple[str, ...]
     settings: DenoiseSettings
     plan: DenoisePlan = field(repr=False, compare=False)
 

@@ -165,3 +165,14 @@ def test_clean_shapes_are_not_said_to_have_it(shape):
     assert not result.is_changed
     notes = result.notes
     assert not any("scanner" in note for note in notes)
+
+
+def test_the_result_names_the_other_reading():
+    points = noisy(0.2, 4)
+    found = {
+        clean: denoise(points, FACES, DenoiseSettings(clean=clean)).other_readings
+        for clean in ("keep", "detail", "denoise")
+    }
+    assert found == {"keep": ("detail",), "detail": ("denoise",), "denoise": ()}
+    white = VERTICES + FRAME.raised(0.2 * np.random.default_rng(0).normal(size=len(VERTICES)))
+    assert denoise(white, FACES).other_readings == ()

@@ -1,0 +1,112 @@
+"""The panel says what the roughness of a mesh was taken for, and offers the other reading."""
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+from support import meshes
+from support.layouts import draw
+from support.objects import add_object
+from support.results import coordinates
+
+from adaptive_fairing.blender.operators import readings
+from adaptive_fairing.blender.ui.settings_panel import VIEW3D_PT_adaptive_fairing
+from adaptive_fairing.core import TriangleTopology
+from adaptive_fairing.core.denoise.local_frame import LocalFrame
+
+pytestmark = pytest.mark.usefixtures("addon")
+
+RUN = "object.adaptive_fairing"
+
+
+def selected(vertices, faces):
+    obj = add_object(vertices, faces)
+    obj.select_set(True)
+    return obj
+
+
+def model():
+    """A clean low-poly model of Blender's."""
+    bpy.ops.mesh.primitive_uv_sphere_add()
+    return bpy.context.active_object
+
+
+def scanned():
+    """A torus with smooth noise, as a scanner makes it."""
+    vertices, faces = meshes.torus(104, 52)
+    frame = LocalFrame.of(TriangleTopology(faces, len(vertices)), vertices, vertices)
+    heights = frame.spread(np.random.default_rng(0).normal(size=len(vertices)), 4)
+    return selected(vertices + frame.raised(0.2 * heights / heights.std()), faces)
+
+
+def offered():
+    """Buttons that run with another reading, and the texts beside them."""
+    drawn = draw(VIEW3D_PT_adaptive_fairing)
+    return drawn, [each for each in drawn.operators if each["name"] == RUN][1:]
+
+
+def press(button):
+    settings = {k: v for k, v in button.items() if k not in ("name", "text", "depress")}
+    return bpy.ops.object.adaptive_fairing(**settings)
+
+
+def test_nothing_is_offered_before_a_run_and_where_noise_was_found():
+    noisy = selected(*meshes.noisy_ball(3, 0.02))
+    assert offered()[1] == []
+    bpy.ops.object.adaptive_fairing()
+    assert noisy.adaptive_fairing.result
+    assert offered()[1] == []
+
+
+def test_a_clean_model_is_named_and_can_be_denoised_anyway():
+    obj = model()
+    before = coordinates(obj)
+    assert bpy.ops.object.adaptive_fairing() == {"CANCELLED"}
+    drawn, (button,) = offered()
+    assert button["text"] == "Denoise Anyway"
+    assert any("looks like a clean" in text or "no noise" in text for text in drawn.texts)
+    assert press(button) == {"FINISHED"}
+    assert not np.array_equal(coordinates(obj), before)
+    assert offered()[1] == []
+
+
+def test_smooth_noise_is_removed_and_a_click_takes_it_for_detail():
+    obj = scanned()
+    before = coordinates(obj)
+    assert bpy.ops.object.adaptive_fairing() == {"FINISHED"}
+    assert not np.array_equal(coordinates(obj), before)
+    _, (button,) = offered()
+    assert button["text"] == "Keep Fine Detail"
+    assert press(button) == {"FINISHED"}
+    np.testing.assert_array_equal(coordinates(obj), before)
+    assert not obj.adaptive_fairing.result
+    _, (button,) = offered()
+    assert button["text"] == "Denoise Anyway"
+
+
+def test_changes_by_hand_are_not_lost_when_the_original_is_asked_for():
+    obj = scanned()
+    bpy.ops.object.adaptive_fairing()
+    obj.data.transform(Matrix.Translation((1, 0, 0)))
+    changed = coordinates(obj)
+    press(offered()[1][0])
+    np.testing.assert_array_equal(coordinates(obj), changed)
+
+
+def test_it_is_forgotten_with_the_file():
+    obj = model()
+    bpy.ops.object.adaptive_fairing()
+    assert readings.reading_of(obj) is not None
+    bpy.ops.wm.read_homefile(use_empty=True)
+    assert readings._readings == {}
+
+
+def test_another_method_and_another_object_show_nothing():
+    model()
+    bpy.ops.object.adaptive_fairing()
+    bpy.context.scene.adaptive_fairing.method = "uniform"
+    assert offered()[1] == []
+    bpy.context.scene.adaptive_fairing.method = "auto"
+    assert len(offered()[1]) == 1
+    add_object(*meshes.noisy_ball(2, 0.02))
+    assert offered()[1] == []
