@@ -134,6 +134,8 @@ def _draw_run(context, layout, settings) -> None:
     if len(objects) > 1:
         text = iface_("{:s} {:d} Objects").format(text, len(objects))
     draw_run_button(row, settings, text=text, icon="MOD_SMOOTH")
+    # Blender turns what it draws next into the progress bar that was under the pointer.
+    layout.separator(factor=0.01)
     for hint in hints(objects, settings):
         draw_lines(context, layout, iface_(hint), icon="INFO")
     if settings.method == AUTO:
@@ -145,12 +147,11 @@ def _draw_other_reading(context, layout, settings) -> None:
     reading = reading_of(context.active_object)
     if reading is None:
         return
-    box = layout.box()
     for note in reading.notes:
-        draw_lines(context, box, note, icon="INFO")
+        draw_lines(context, layout, note, icon="INFO")
     texts = {"denoise": iface_("Denoise Anyway"), "detail": iface_("Keep Fine Detail")}
     for clean in reading.others:
-        operator = draw_run_button(box, settings, text=texts[clean])
+        operator = draw_run_button(layout, settings, text=texts[clean])
         operator.clean = clean
         if clean == "detail":  # what was removed has to come back first
             operator.from_original = True
