@@ -79,7 +79,7 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
         found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
         notes = (IMPULSIVE,)
     level, counted, correlation = found.level, stage.parts.is_counted, None
-    was_kept = bool(found.notes) and keeps_clean
+    was_kept = bool(found.notes) and keeps_clean and not impulsive.any()
     others = ("denoise",) if was_kept and found.roughness.any() else ()
     # White noise that is stronger hides the smooth kind.
     if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:

@@ -123,6 +123,7 @@ def test_low_spikes_leave_no_dents():
     spiky = np.where(is_spike[:, None], noisy_cube(0.6, seed=3), CUBE)
     found = denoise(spiky, FACES)
     assert "impulsive" in " ".join(found.notes)
+    assert found.other_readings == ()
     on_one_face = np.isclose(np.abs(CUBE), 1).sum(axis=1) == 1
     dents = off_the_cube(found.positions)[on_one_face] / EDGE
     assert np.sqrt(np.mean(dents**2)) < 0.02
