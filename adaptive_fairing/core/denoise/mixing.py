@@ -117,14 +117,15 @@ def mixed_surfaces(
         if not plan.is_idle:
             stage.repeat(plan, progress)
     if undented is not None:
-        sliding = Sliding(space.topology, positions, stage.frame, has_creases=True)
+        sliding = Sliding(space.topology, positions, stage.frame, True, plan.noise)
         results = [sliding.limited(undented)] * len(STRENGTHS)
     elif plan.is_idle:
         results = [stage.track.positions] * len(STRENGTHS)
     else:
         progress.begin("mix")
         results = [stage.track.mixed(mixture) for mixture in plan.mixtures]
-        sliding = Sliding(space.topology, stage.track.positions, stage.frame, plan.has_creases)
+        start = stage.track.positions
+        sliding = Sliding(space.topology, start, stage.frame, plan.has_creases, plan.noise)
         results = [sliding.limited(result) for result in results]
     return MixedSurfaces(results, plan, solves.report(), notes, other_readings)
 
