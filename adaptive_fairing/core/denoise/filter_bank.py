@@ -28,7 +28,12 @@ from .filter_rounds import Round, mesh_family
 from .flat_faces import flattened
 from .lifted_metric import LiftedMetric, linear_elements, rim_flux
 from .local_frame import spacing_of
-from .normal_filter import TurningLoads, smoothed_normals, triangles_around
+from .normal_filter import (
+    TurningLoads,
+    smoothed_normals,
+    triangles_around,
+    weights_of_normals,
+)
 from .parameters import parameters
 
 # The fit to normals is a step in the metric of the surface.
@@ -63,6 +68,11 @@ class FilterBank:
         around = spacing_of(topology, positions, tuned.spacing_passes)
         ratio = around / spacing_of(topology, positions, 0)
         self._weights = np.clip(ratio, 1 / tuned.largest_weight, tuned.largest_weight)
+        self._normal_weights: FloatArray | None = None
+
+    def know_noise(self, noise: FloatArray) -> None:
+        """Let normals count for less where the noise, (n,) in local edge lengths, is stronger."""
+        self._normal_weights = weights_of_normals(self.topology, noise)
 
     def started(self, positions: FloatArray) -> tuple[FloatArray, dict[Filter, FloatArray]]:
         """Filter in the metric of the mesh alone, which needs no surface.
@@ -134,7 +144,9 @@ class FilterBank:
         None if less than the fraction `least` of the triangles is on flat faces.
         """
         spacing = spacing_of(self.topology, surface, parameters().spacing_passes)
-        return flattened(self.topology, self._around, positions, surface, spacing, least)
+        return flattened(
+            self.topology, self._around, positions, surface, spacing, least, self._normal_weights
+        )
 
     def _fitted(
         self, surface: FloatArray, spacing: FloatArray, family: NormalFamily
@@ -150,7 +162,9 @@ class FilterBank:
         loads = (
             tuned.fit_time * turning.of(smooth)
             for smoothing in family.smoothings
-            for smooth in smoothed_normals(turning.normals, self._around, smoothing)
+            for smooth in smoothed_normals(
+                turning.normals, self._around, smoothing, self._normal_weights
+            )
         )
         # One system for all fits: they differ in the right sides alone.
         load = np.concatenate([each.astype(self._precision) for each in loads], axis=1)

@@ -35,6 +35,7 @@ def flattened(
     surface: FloatArray,
     spacing: FloatArray,
     least: float = 0.0,
+    weights: FloatArray | None = None,
 ) -> FloatArray | None:
     """Move the vertices of a surface's flat faces onto their planes.
 
@@ -51,6 +52,8 @@ def flattened(
         Local edge length.
     least : float
         Fraction of the triangles that must be on flat faces.
+    weights : (m,), optional
+        How much the normal of each triangle counts.
 
     Returns
     -------
@@ -58,7 +61,7 @@ def flattened(
         The surface with flat faces; vertices that are not on any are as they were.  None if too
         few triangles, or none, are on flat faces.
     """
-    found = FlatFaces(topology, around, noisy, surface, spacing)
+    found = FlatFaces(topology, around, noisy, surface, spacing, weights)
     part = np.mean(found.face >= 0)
     if part == 0 or part < least:
         return None
@@ -84,6 +87,7 @@ class FlatFaces:
         noisy: FloatArray,
         surface: FloatArray,
         spacing: FloatArray,
+        weights: FloatArray | None = None,
     ) -> None:
         tuned = parameters()
         self._triangles = topology.triangles
@@ -91,7 +95,7 @@ class FlatFaces:
         scaled = triangle_normals(surface, self._triangles)
         self._areas = np.sqrt(np.einsum("fd,fd->f", scaled, scaled))
         smoothing = Smoothing(tuned.short_fit_angle, (tuned.face_passes,))
-        (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing)
+        (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing, weights)
         side = np.flatnonzero(topology.twin >= 0)
         self._beside = side // 3, topology.twin[side] // 3
         self.face = self._connected(self._even(around))

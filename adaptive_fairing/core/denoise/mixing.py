@@ -142,6 +142,7 @@ def _planned(
     tuned = parameters()
     bank, track, frame, parts = stage.bank, stage.track, stage.frame, stage.parts
     seen, noise = noise, noise / correlation.seen * correlation.deviation
+    bank.know_noise(noise)
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
     probe = tuned.probe_size * correlation.applied(stage.noisy.own.probe(), frame)
     shadow = Track(bank, track.positions + frame.raised(probe))

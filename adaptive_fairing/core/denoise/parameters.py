@@ -136,6 +136,8 @@ class DenoiseParameters:
     fewest_creases: float = 0.01
     # The angles of the metrics are for this much noise or more. Less noise disturbs the normals
     # less, and smaller angles tell creases from it. By hand.
+    # Normals with more noise count for less. With twice as much for that, or none, the angle of
+    # nine uneven shapes with one amplitude of 0.2 was 1.1 times as large.
     coarse_noise: float = 0.2
     # Little noise makes the angles smaller by this factor at most. By hand.
     least_angle_factor: float = 0.1

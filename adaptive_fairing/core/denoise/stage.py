@@ -68,6 +68,7 @@ class Stage:
 
     def repeat(self, plan: DenoisePlan, progress: ProgressReport) -> None:
         """Filter as on another frame of the surface."""
+        self.bank.know_noise(plan.noise)
         first, *others = rounds_for(plan.noise)
         progress.begin("filter", 1)
         self.track.filter(first)
