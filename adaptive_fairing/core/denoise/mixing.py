@@ -25,6 +25,7 @@ from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.threads import for_each
 from .creases import has_creases
 from .filter_rounds import Round, rounds_for
+from .folds import unfolded
 from .mixture import Mixture
 from .noise.correlation import NoiseCorrelation
 from .noise.level import beyond_clean
@@ -116,17 +117,20 @@ def mixed_surfaces(
         undented = stage.undented(plan.noise, plan.impulsive) if plan.is_idle else None
         if not plan.is_idle:
             stage.repeat(plan, progress)
+    topology, frame = space.topology, stage.frame
     if undented is not None:
-        sliding = Sliding(space.topology, positions, stage.frame, True, plan.noise)
-        results = [sliding.limited(undented)] * len(STRENGTHS)
+        results = [Sliding(topology, positions, frame, True, plan.noise).limited(undented)]
     elif plan.is_idle:
-        results = [stage.track.positions] * len(STRENGTHS)
+        results = [stage.track.positions]
     else:
         progress.begin("mix")
-        results = [stage.track.mixed(mixture) for mixture in plan.mixtures]
         start = stage.track.positions
-        sliding = Sliding(space.topology, start, stage.frame, plan.has_creases, plan.noise)
-        results = [sliding.limited(result) for result in results]
+        sliding = Sliding(topology, start, frame, plan.has_creases, plan.noise)
+        results = [sliding.limited(stage.track.mixed(mixture)) for mixture in plan.mixtures]
+    may_move = stage.parts.is_counted
+    results = [unfolded(topology, frame, each, positions, may_move) for each in results]
+    if len(results) < len(STRENGTHS):
+        results *= len(STRENGTHS)
     return MixedSurfaces(results, plan, solves.report(), notes, other_readings)
 
 
