@@ -8,9 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csgraph
 
-from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
-from .local_frame import LocalFrame
 from .mixture import Mixture
 from .noise.clean_detail import NOISE, CleanDetail
 from .noise.level import beyond_clean, noise_model
@@ -18,7 +16,8 @@ from .noise.noisy_surface import NoisySurface
 from .noise.roughness import Roughness
 from .noise.spikes import impulsive_certainty
 from .parameters import parameters
-from .unbiased_risk import density_classes, least_risk_coefficients
+from .triangle_surface import TriangleSurface
+from .unbiased_risk import least_risk_coefficients
 
 
 class NoiseFound(NamedTuple):
@@ -45,6 +44,13 @@ class NoiseFound(NamedTuple):
 class MeshParts:
     """Connected parts that are judged each by itself, small ones together.
 
+    Parameters
+    ----------
+    frame : TriangleSurface
+        Slightly smoothed.
+    is_still : (n,) bool
+        Vertices that nothing is judged from.
+
     Attributes
     ----------
     is_counted : (n,) bool
@@ -53,8 +59,8 @@ class MeshParts:
         These and those of the rims.
     """
 
-    def __init__(self, topology: TriangleTopology, frame: LocalFrame, is_still: BoolArray) -> None:
-        tuned = parameters()
+    def __init__(self, frame: TriangleSurface, is_still: BoolArray) -> None:
+        tuned, topology = parameters(), frame.topology
         self.may_move = ~(is_still | topology.is_loose)
         self.is_counted = self.may_move & ~topology.on_boundary
         self._frame = frame
@@ -167,3 +173,24 @@ class MeshParts:
                     weights[used],
                 )
         return [Mixture(each, self._weights, self._part) for each in chosen]
+
+
+def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:
+    """Overlapping classes of vertices from dense to coarse, (c, n), adding up to 1.
+
+    Parameters
+    ----------
+    size : (n,)
+        Logarithm of the local edge length.
+    is_counted : (n,) bool
+        Vertices whose distribution decides.
+    """
+    tuned = parameters()
+    n_counted = int(np.count_nonzero(is_counted))
+    n_classes = int(np.clip(n_counted // tuned.vertices_per_class, 1, tuned.most_classes))
+    parts = np.linspace(tuned.class_margin, 1 - tuned.class_margin, n_classes)
+    knots = np.quantile(size[is_counted], parts) if n_counted else []
+    # On an even mesh there is nothing to tell apart.
+    if n_classes == 1 or not np.all(np.diff(knots) > tuned.least_class_distance):
+        return np.ones((1, len(size)))
+    return np.stack([np.interp(size, knots, unit) for unit in np.eye(n_classes)])

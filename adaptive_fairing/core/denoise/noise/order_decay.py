@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
-from ..local_frame import LocalFrame
 from ..parameters import parameters
+from ..triangle_surface import TriangleSurface
 
 # Orders of the differences that are compared.
 LOW, HIGH = 2, 5
@@ -25,12 +25,12 @@ class Fading:
     Parameters
     ----------
     positions : (n, 3)
-    frame : LocalFrame
+    frame : TriangleSurface
     white : (n,)
         The white noise along the normals, in local edge lengths.
     """
 
-    def __init__(self, positions: FloatArray, frame: LocalFrame, white: FloatArray) -> None:
+    def __init__(self, positions: FloatArray, frame: TriangleSurface, white: FloatArray) -> None:
         self.white = white
         self._positions, self._frame = positions, frame
 
@@ -64,7 +64,7 @@ class Fading:
         return float(low / white_low), float((high / low) / (white_high / white_low))
 
 
-def _differences(values: FloatArray, frame: LocalFrame) -> FloatArray:
+def _differences(values: FloatArray, frame: TriangleSurface) -> FloatArray:
     """Magnitudes of the normal parts of differences of low and high order, (2, n)."""
     found = []
     for order in range(1, HIGH + 1):
