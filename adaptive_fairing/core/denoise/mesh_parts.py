@@ -63,7 +63,6 @@ class MeshParts:
         tuned, topology = parameters(), frame.topology
         self.may_move = ~(is_still | topology.is_loose)
         self.is_counted = self.may_move & ~topology.on_boundary
-        self._frame = frame
         size = frame.spread(np.log(frame.spacing), tuned.density_passes)
         _, label = csgraph.connected_components(topology.adjacency(), directed=False)
         n_counted = np.bincount(label, self.is_counted)
@@ -95,7 +94,7 @@ class MeshParts:
         keeps_clean : bool
             Whether what looks like a clean mesh has no noise. Or else all roughness is noise.
         """
-        tuned = parameters()
+        tuned, frame = parameters(), surface.frame
         clean = tuned.clean_roughness
         n_counted = int(np.count_nonzero(self.is_counted))
         noise, impulsive, level = np.zeros((3, len(self.is_counted)))
@@ -105,7 +104,7 @@ class MeshParts:
         )
         if n_counted < tuned.fewest_vertices:
             return NoiseFound(noise, impulsive, noise, (too_few,))
-        rough = Roughness.of(surface.positions, self._frame)
+        rough = Roughness.of(surface.positions, frame)
         detail = CleanDetail(surface, self.is_counted)
         models = []
         for members in self._members:
@@ -113,8 +112,8 @@ class MeshParts:
             counted[members] = self.is_counted[members]
             if not counted.any():
                 continue
-            model = noise_model(rough, self._frame.spacing, counted, self._averaged)
-            level[counted] = model.level(self._frame.spacing[counted])
+            model = noise_model(rough, frame, counted)
+            level[counted] = model.level(frame.spacing[counted])
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
             may_be_spiky = np.median(level[counted]) > clean and not surface.fading.fades(counted)
             spiky = impulsive_certainty(surface, level, counted) if may_be_spiky else 0.0
@@ -145,9 +144,6 @@ class MeshParts:
             f"{what}; nothing was changed"
         )
         return NoiseFound(noise, impulsive, level, (note,))
-
-    def _averaged(self, values: FloatArray) -> FloatArray:
-        return self._frame.spread(values, parameters().density_passes)
 
     def best_mixtures(
         self,

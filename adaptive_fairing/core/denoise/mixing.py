@@ -152,7 +152,7 @@ def _planned(
     divergence: list[RealArray] = []
 
     def measure() -> None:
-        """Measure the filters that are new: the normal part of what they remove, and of whose."""
+        """Measure what each new filter removes along the normals, and how much of it is noise."""
         for each in list(track.taken)[len(removed) :]:
             own, of_shadow = (one.removed(each, frame) for one in (track, shadow))
             removed.append(own.astype(np.float32))

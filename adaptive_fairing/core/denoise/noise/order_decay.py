@@ -61,7 +61,9 @@ class Fading:
     def _compared(self, differences: FloatArray, is_counted: BoolArray) -> tuple[float, float]:
         low, high = np.median(differences[:, is_counted], axis=1)
         white_low, white_high = np.median(self._of_white[:, is_counted], axis=1)
-        return float(low / white_low), float((high / low) / (white_high / white_low))
+        # What is not rough at all does not fade.
+        kept = (high / low) / (white_high / white_low) if low > 0 else 1.0
+        return float(low / white_low), float(kept)
 
 
 def _differences(values: FloatArray, frame: TriangleSurface) -> FloatArray:

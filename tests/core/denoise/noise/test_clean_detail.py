@@ -41,9 +41,7 @@ def levels(shape, points):
     """Before and after detail was told from noise."""
     frame = frame_of(shape)
     inside = np.ones(len(points), dtype=bool)
-    model = noise_model(
-        Roughness.of(points, frame), frame.spacing, inside, lambda each: frame.spread(each, 3)
-    )
+    model = noise_model(Roughness.of(points, frame), frame, inside)
     parts = MeshParts(frame, ~inside)
     found = parts.noise(NoisySurface(points, frame), 1.0)
     return model.level(frame.spacing), found.level
@@ -83,6 +81,12 @@ def test_what_is_rough_and_fades_is_not_taken_for_detail():
     """Contoured volumes: a noise that fades."""
     level, kept = levels("torus", with_detail("torus", 0.8))
     assert np.array_equal(level, kept)
+
+
+def test_what_is_not_rough_at_all_does_not_fade():
+    points, faces = meshes.flat_grid(8, 8)
+    frame = TriangleSurface(TriangleTopology(faces, len(points)), points)
+    assert not NoisySurface(points, frame).fading.fades(~frame.topology.on_boundary)
 
 
 def test_few_vertices_of_white_noise_seem_to_fade_by_chance_and_are_not_taken_for_detail():

@@ -25,7 +25,7 @@ def level_of(vertices, frame, is_counted):
 
 def model_of(vertices, frame, is_counted):
     rough = Roughness.of(vertices, frame)
-    return noise_model(rough, frame.spacing, is_counted, lambda values: frame.spread(values, 3))
+    return noise_model(rough, frame, is_counted)
 
 
 def noisy(amplitude, per_edge=True, seed=0):

@@ -31,9 +31,7 @@ def levels(points, smooth, faces):
     topology = TriangleTopology(faces, len(points))
     frame = TriangleSurface(topology, smooth)
     inside = ~topology.on_boundary
-    model = noise_model(
-        Roughness.of(points, frame), frame.spacing, inside, lambda each: frame.spread(each, 3)
-    )
+    model = noise_model(Roughness.of(points, frame), frame, inside)
     return (
         np.median(model.level(frame.spacing)[inside]),
         NoisySurface(points, frame).lines.level(inside),
