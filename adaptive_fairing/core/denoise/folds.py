@@ -11,31 +11,24 @@ import numpy as np
 from ..mesh.normals import triangle_normals
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray
-from .local_frame import LocalFrame
 from .parameters import parameters
+from .triangle_surface import TriangleSurface
 
 
-def unfolded(
-    topology: TriangleTopology,
-    frame: LocalFrame,
-    positions: FloatArray,
-    before: FloatArray,
-    may_move: BoolArray,
-) -> FloatArray:
+def unfolded(positions: FloatArray, before: TriangleSurface, may_move: BoolArray) -> FloatArray:
     """Smooth the folds of positions (n, 3).
 
     Parameters
     ----------
-    topology : TriangleTopology
-    frame : LocalFrame
     positions : (n, 3)
-    before : (n, 3)
+    before : TriangleSurface
         Before denoising.  Triangles that have not moved since then stay as they are.
     may_move : (n,) bool
         Vertices that may move.
     """
+    topology = before.topology
     triangles = topology.triangles
-    has_moved = (positions != before).any(axis=1)[triangles].any(axis=1)
+    has_moved = (positions != before.positions).any(axis=1)[triangles].any(axis=1)
     if not has_moved.any():
         return positions
     result = positions.copy()
@@ -44,7 +37,7 @@ def unfolded(
         vertices = vertices[may_move[vertices]]
         if not len(vertices):
             break
-        result[vertices] = (result[vertices] + frame.mean[vertices] @ result) / 2
+        result[vertices] = (result[vertices] + before.mean[vertices] @ result) / 2
     return result
 
 

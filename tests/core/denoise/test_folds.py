@@ -5,12 +5,11 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
 from adaptive_fairing.core.denoise.folds import are_folded, unfolded
-from adaptive_fairing.core.denoise.local_frame import LocalFrame
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 FLAT, FACES = meshes.flat_grid(12, 12)
 TOPOLOGY = TriangleTopology(FACES, len(FLAT))
-FRAME = LocalFrame.of(TOPOLOGY, FLAT, FLAT)
-LIFTED = FLAT + np.array([0, 0, 0.1])
+LIFTED = TriangleSurface(TOPOLOGY, FLAT + np.array([0, 0, 0.1]))
 INSIDE = ~TOPOLOGY.on_boundary
 CORNER = np.flatnonzero(INSIDE)[len(FLAT) // 3]
 
@@ -41,7 +40,7 @@ def test_a_right_angle_is_no_fold():
 
 def test_folds_are_smoothed_near_by_alone():
     positions, is_down = pushed()
-    result = unfolded(TOPOLOGY, FRAME, positions, LIFTED, INSIDE)
+    result = unfolded(positions, LIFTED, INSIDE)
     assert not are_folded(TOPOLOGY, result).any()
     changed = np.flatnonzero((result != positions).any(axis=1))
     assert np.isin(changed, FACES[is_down]).all()
@@ -49,8 +48,9 @@ def test_folds_are_smoothed_near_by_alone():
 
 def test_what_has_not_moved_or_may_not_stays():
     positions, _ = pushed()
-    for before, may_move in ((positions, INSIDE), (LIFTED, np.zeros_like(INSIDE))):
-        result = unfolded(TOPOLOGY, FRAME, positions, before, may_move)
+    same = TriangleSurface(TOPOLOGY, positions)
+    for before, may_move in ((same, INSIDE), (LIFTED, np.zeros_like(INSIDE))):
+        result = unfolded(positions, before, may_move)
         assert np.array_equal(result, positions)
 
 
@@ -58,7 +58,7 @@ def test_no_fold_is_left_of_spikes():
     vertices, faces = meshes.icosphere(4)
     topology = TriangleTopology(faces, len(vertices))
     generator = np.random.default_rng(4)
-    spacing = LocalFrame.of(topology, vertices, vertices).spacing
+    spacing = TriangleSurface(topology, vertices).spacing
     is_spike = generator.random(len(vertices)) < 0.2
     height = np.where(is_spike, generator.normal(0, 1.2, len(vertices)), 0) * spacing
     spiky = vertices * (1 + height[:, None])

@@ -4,18 +4,17 @@ import numpy as np
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
-from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
 from adaptive_fairing.core.denoise.tangential_limit import Sliding
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 SPHERE = meshes.icosphere(3)
 
 
 def sliding(positions, faces, noise=0.2):
-    topology = TriangleTopology(faces, len(positions))
-    frame = LocalFrame.of(topology, positions, positions)
+    start = TriangleSurface(TriangleTopology(faces, len(positions)), positions)
     levels = np.broadcast_to(noise, len(positions))
-    return Sliding(topology, positions, frame, has_creases=False, noise=levels)
+    return Sliding(start, start, has_creases=False, noise=levels)
 
 
 def face_normals(positions, faces):
