@@ -36,22 +36,23 @@ def mesh_family() -> FilterFamily:
     return FilterFamily("mesh", ROUNDS, LiftedMetric(), all_diffusions())
 
 
-def rounds() -> tuple[Round, ...]:
+def rounds(angle_factor: float = 1.0) -> tuple[Round, ...]:
     """Return the filters of each round besides those of the mesh.
 
     The metrics of a round are those of the mixture of the rounds before it, at first those of the
-    slightly smoothed surface.  Their angles are for coarse noise, see `rounds_for`.
+    slightly smoothed surface.  Their angles are for coarse noise, times a factor.
     """
     tuned = parameters()
+    wide, narrow = angle_factor * tuned.wide_angle, angle_factor * tuned.narrow_angle
     every, gentle = all_diffusions(), gentle_diffusions()
     return (
         (FilterFamily("surface", ROUNDS, LiftedMetric(1), every),),
         (
-            FilterFamily("mesh, wide angle", SEES, LiftedMetric(0, tuned.wide_angle), every),
-            FilterFamily("surface, wide angle", SEES, LiftedMetric(1, tuned.wide_angle), every),
+            FilterFamily("mesh, wide angle", SEES, LiftedMetric(0, wide), every),
+            FilterFamily("surface, wide angle", SEES, LiftedMetric(1, wide), every),
         ),
         (
-            FilterFamily("mesh, narrow angle", KEEPS, LiftedMetric(0, tuned.narrow_angle), gentle),
+            FilterFamily("mesh, narrow angle", KEEPS, LiftedMetric(0, narrow), gentle),
             NormalFamily(
                 "noisy normals", (Smoothing(tuned.long_fit_angle, tuned.noisy_fit_passes),), True
             ),
@@ -82,9 +83,9 @@ def rounds_for(noise: FloatArray) -> list[Round]:
     has_normals = typical <= tuned.most_noise_in_normals
     return [
         tuple(
-            family.scaled(factor)
+            family
             for family in families
             if has_normals or not (isinstance(family, NormalFamily) and family.is_of_noisy)
         )
-        for families in rounds()
+        for families in rounds(factor)
     ]

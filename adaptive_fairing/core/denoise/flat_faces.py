@@ -18,37 +18,29 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from ..mesh.normals import triangle_normals, unit_vectors
-from ..mesh.topology import TriangleTopology
+from ..mesh.normals import unit_vectors
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
 from .normal_filter import Smoothing, smoothed_normals
 from .parameters import parameters
 from .plane_fits import PlaneFits
+from .triangle_surface import TriangleSurface
 
 NO_FACE = -1
 
 
 def flattened(
-    topology: TriangleTopology,
-    around: IntArray,
-    noisy: FloatArray,
-    surface: FloatArray,
-    spacing: FloatArray,
-    least: float = 0.0,
+    surface: TriangleSurface, noisy: FloatArray, around: IntArray, least: float = 0.0
 ) -> FloatArray | None:
     """Move the vertices of a surface's flat faces onto their planes.
 
     Parameters
     ----------
-    topology : TriangleTopology
+    surface : TriangleSurface
+        Denoised: faces are found on it.
+    noisy : (n, 3)
+        Positions of the same vertices that the planes are fitted to.
     around : (9, m) int
         Triangles around each one, see `triangles_around`.
-    noisy : (n, 3)
-        Positions that the planes are fitted to.
-    surface : (n, 3)
-        The same vertices denoised: faces are found on it.
-    spacing : (n,)
-        Local edge length.
     least : float
         Fraction of the triangles that must be on flat faces.
 
@@ -58,11 +50,11 @@ def flattened(
         The surface with flat faces; vertices that are not on any are as they were.  None if too
         few triangles, or none, are on flat faces.
     """
-    found = FlatFaces(topology, around, noisy, surface, spacing)
+    found = FlatFaces(surface, noisy, around)
     part = np.mean(found.face >= 0)
     if part == 0 or part < least:
         return None
-    return found.planes.onto(surface, spacing)
+    return found.planes.onto(surface.positions, surface.smooth_spacing)
 
 
 class FlatFaces:
@@ -77,18 +69,11 @@ class FlatFaces:
         The plane of each number.
     """
 
-    def __init__(
-        self,
-        topology: TriangleTopology,
-        around: IntArray,
-        noisy: FloatArray,
-        surface: FloatArray,
-        spacing: FloatArray,
-    ) -> None:
-        tuned = parameters()
-        self._triangles = topology.triangles
-        self._noisy, self._surface, self._spacing = noisy, surface, spacing
-        scaled = triangle_normals(surface, self._triangles)
+    def __init__(self, surface: TriangleSurface, noisy: FloatArray, around: IntArray) -> None:
+        tuned, topology = parameters(), surface.topology
+        self._triangles, self._noisy = topology.triangles, noisy
+        self._surface, self._spacing = surface.positions, surface.smooth_spacing
+        scaled = surface.triangle_normals()
         self._areas = np.sqrt(np.einsum("fd,fd->f", scaled, scaled))
         smoothing = Smoothing(tuned.short_fit_angle, (tuned.face_passes,))
         (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing)
