@@ -36,8 +36,8 @@ from .tangential_limit import Sliding
 from .triangle_surface import TriangleSurface
 
 # Vertices of a mesh up to which both runs filter at once, each with one thread.  Most of their
-# work is passes of numpy over all vertices, which no threads share.  It takes an eighth more
-# memory.
+# work is passes of numpy over all vertices, which no threads share.  Measured on 2 cores, relative
+# to one after the other: 0.64 to 0.98 of the time, and 1.2 to 1.34 of the memory on large meshes.
 MOST_SIDE_BY_SIDE = 1_000_000
 
 
