@@ -34,6 +34,7 @@ from .settings import DenoiseSettings
 from .stage import Stage, Track
 from .tangential_limit import Sliding
 from .triangle_surface import TriangleSurface
+from .unbiased_risk import filter_divergence
 
 # Vertices of a mesh up to which both runs filter at once, each with one thread.  Most of their
 # work is passes of numpy over all vertices, which no threads share.  Measured on 2 cores, relative
@@ -197,25 +198,6 @@ def _filter_both(
     else:
         filter_one(track)
         filter_one(shadow)
-
-
-def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
-    """How much of its own noise a filter removes at each vertex, (n,); for white noise 0 to 1.
-
-    From what it removes of the positions, and of them with the probes added, (n,) each.  The
-    neighbours' probes mix in, but cancel in sums over many vertices.
-
-    Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
-    """
-    tuned = parameters()
-    size = probe / tuned.probe_size
-    divergence = shadow - removed
-    divergence *= size / tuned.probe_size
-    # Large probes would count for more than small ones, mostly with the probe itself.
-    divergence -= np.square(size) - np.mean(np.square(size))
-    return np.clip(
-        divergence, 1 - tuned.largest_response, 1 + tuned.largest_response, out=divergence
-    )
 
 
 class _Solves:
