@@ -134,7 +134,7 @@ def _planned(
     probed = TriangleSurface(frame.topology, track.start.positions + frame.raised(probe))
     shadow = Track(stage.bank, probed)
 
-    # Kept in single precision, as what they are measured from.
+    # In single precision, like what they are measured from.
     removed: list[RealArray] = []
     divergence: list[RealArray] = []
 
@@ -169,7 +169,7 @@ def _planned(
         _filter_both(track, shadow, families, pilots[-1])
     progress.begin("mix")
     measure()
-    shadow.taken.clear()  # has told all, and is large
+    shadow.taken.clear()  # large, and not needed any more
     filters = tuple(track.taken)
     usable = [each.serves(settings.features) for each in filters]
     rows = list(compress(removed, usable)), list(compress(divergence, usable))
