@@ -172,10 +172,15 @@ class Chunk:
     def __init__(self, segments: list[Segment], tables: SpaceTables) -> None:
         blocks = list(_block_wise(tables.of_chunk(segments)))
         of_blocks = [
-            [np.concatenate([s.control_points for _, s in group], axis=1) for group in _groups(block)]
+            [
+                np.concatenate([s.control_points for _, s in group], axis=1)
+                for group in _groups(block)
+            ]
             for block in blocks
         ]
-        self.control_points = np.concatenate([own.reshape(-1) for each in of_blocks for own in each])
+        self.control_points = np.concatenate(
+            [own.reshape(-1) for each in of_blocks for own in each]
+        )
         self.low, self.high = int(self.control_points.min()), int(self.control_points.max()) + 1
         self.control_points -= np.int32(self.low)
         self.blocks: list[Block] = []
