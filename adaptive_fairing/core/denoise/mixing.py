@@ -24,6 +24,7 @@ from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.threads import for_each
 from .filter_rounds import Round, rounds_for
+from .folds import unfolded
 from .mixture import Mixture
 from .noise.level import beyond_clean
 from .noise_verdict import NoiseVerdict, noise_verdict
@@ -106,18 +107,18 @@ def mixed_surfaces(
         undented = stage.undented(plan.noise, plan.impulsive) if plan.is_idle else None
         if not plan.is_idle:
             stage.track.repeat(plan, progress)
-    start = stage.track.start
+    start, before = stage.track.start, TriangleSurface(topology, positions)
     if undented is not None:
-        before = TriangleSurface(topology, positions)
-        sliding = Sliding(before, stage.frame, has_creases=True)
-        results = [sliding.limited(undented)] * len(STRENGTHS)
+        results = [Sliding(before, stage.frame, True, plan.noise).limited(undented)]
     elif plan.is_idle:
-        results = [start.positions] * len(STRENGTHS)
+        results = [start.positions]
     else:
         progress.begin("mix")
-        results = [stage.track.mixed(mixture) for mixture in plan.mixtures]
-        sliding = Sliding(start, stage.frame, plan.has_creases)
-        results = [sliding.limited(result) for result in results]
+        sliding = Sliding(start, stage.frame, plan.has_creases, plan.noise)
+        results = [sliding.limited(stage.track.mixed(mixture)) for mixture in plan.mixtures]
+    results = [unfolded(each, before, stage.parts.is_counted) for each in results]
+    if len(results) < len(STRENGTHS):
+        results *= len(STRENGTHS)
     return MixedSurfaces(results, plan, solves.report(), notes, other_readings)
 
 
@@ -129,6 +130,7 @@ def _planned(
     track, frame, parts = stage.track, stage.frame, stage.parts
     seen = verdict.level
     noise = seen / correlation.seen * correlation.deviation
+    stage.bank.know_noise(noise)
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
     probe = tuned.probe_size * correlation.applied(stage.noisy.own.probe(), frame)
     probed = TriangleSurface(frame.topology, track.start.positions + frame.raised(probe))

@@ -130,7 +130,7 @@ class PatchSet:
         for half_edge in half_edges:
             code = self._codes[half_edge]
             added = np.zeros(len(triangles), dtype=np.int64)
-            for value in np.unique(code).tolist():
+            for value in _numbered(code)[0].tolist():
                 corner = self._corners[value]
                 members = slice(None) if (code == value).all() else np.flatnonzero(code == value)
                 edges, at, step = half_edge[members], place[members], stride[members]
