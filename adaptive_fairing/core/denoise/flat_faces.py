@@ -29,7 +29,11 @@ NO_FACE = -1
 
 
 def flattened(
-    surface: TriangleSurface, noisy: FloatArray, around: IntArray, least: float = 0.0
+    surface: TriangleSurface,
+    noisy: FloatArray,
+    around: IntArray,
+    least: float = 0.0,
+    weights: FloatArray | None = None,
 ) -> FloatArray | None:
     """Move the vertices of a surface's flat faces onto their planes.
 
@@ -43,6 +47,8 @@ def flattened(
         Triangles around each one, see `triangles_around`.
     least : float
         Fraction of the triangles that must be on flat faces.
+    weights : (m,), optional
+        How much the normal of each triangle counts.
 
     Returns
     -------
@@ -50,7 +56,7 @@ def flattened(
         The surface with flat faces; vertices that are not on any are as they were.  None if too
         few triangles, or none, are on flat faces.
     """
-    found = FlatFaces(surface, noisy, around)
+    found = FlatFaces(surface, noisy, around, weights)
     part = np.mean(found.face >= 0)
     if part == 0 or part < least:
         return None
@@ -69,14 +75,20 @@ class FlatFaces:
         The plane of each number.
     """
 
-    def __init__(self, surface: TriangleSurface, noisy: FloatArray, around: IntArray) -> None:
+    def __init__(
+        self,
+        surface: TriangleSurface,
+        noisy: FloatArray,
+        around: IntArray,
+        weights: FloatArray | None = None,
+    ) -> None:
         tuned, topology = parameters(), surface.topology
         self._triangles, self._noisy = topology.triangles, noisy
         self._surface, self._spacing = surface.positions, surface.smooth_spacing
         scaled = surface.triangle_normals()
         self._areas = np.sqrt(np.einsum("fd,fd->f", scaled, scaled))
         smoothing = Smoothing(tuned.short_fit_angle, (tuned.face_passes,))
-        (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing)
+        (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing, weights)
         side = np.flatnonzero(topology.twin >= 0)
         self._beside = side // 3, topology.twin[side] // 3
         self.face = self._connected(self._even(around))
