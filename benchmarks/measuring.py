@@ -25,8 +25,9 @@ def best_time(action: Callable[[], object], repeats: int) -> float:
 
 
 def peak_memory() -> int:
-    """Largest resident memory of this process so far, in bytes."""
-    return peak_bytes() or int(psutil.Process().memory_info().peak_wset)
+    """Largest resident memory of this process so far, in bytes; that of now if none is told."""
+    held = psutil.Process().memory_info()
+    return peak_bytes() or int(getattr(held, "peak_wset", held.rss))
 
 
 def resident_memory() -> int:

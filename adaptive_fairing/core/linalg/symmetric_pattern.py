@@ -25,7 +25,7 @@ ROWS_PER_CHUNK = 16384
 # valence needs more, entries are searched for in the pattern, which takes three times as long.
 LARGEST_TABLE = 32_000_000
 
-# Below this number of triangles of a class the calls take longer than what they compute.
+# Below this number of triangles the calls take longer than what they compute.
 FEW_TRIANGLES = 256
 
 

@@ -136,12 +136,12 @@ class PatchSet:
                 edges, at, step = half_edge[members], place[members], stride[members]
                 start = topology.ring_start[origins[edges]]
                 position = topology.ring_position[edges]
-                for k, entry in enumerate(corner.own_entries):
-                    index = position + entry
-                    if not corner.is_boundary:
-                        index %= corner.ring_size
-                    flat[at + k * step] = topology.ring[start + index]
-                added[members] = len(corner.own_entries)
+                entries = np.array(corner.own_entries, dtype=np.int32)[:, None]
+                index = position + entries
+                if not corner.is_boundary:
+                    index %= corner.ring_size
+                flat[at + step * np.arange(len(entries))[:, None]] = topology.ring[start + index]
+                added[members] = len(entries)
             place += added * stride
         self._complete_tetrahedra(triangles, half_edges[0], flat, place)
         return flat, starts
