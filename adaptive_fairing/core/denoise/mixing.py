@@ -136,6 +136,9 @@ def _planned(
     probed = TriangleSurface(frame.topology, track.start.positions + frame.raised(probe))
     shadow = Track(stage.bank, probed)
 
+    # The risk is in local edge lengths, but not in less than the noise: else a few vertices of tiny
+    # edges, with noise of many, would decide for all.
+    unit = np.maximum(noise, 1)
     # In single precision, like what they are measured from.
     removed: list[RealArray] = []
     divergence: list[RealArray] = []
@@ -144,18 +147,17 @@ def _planned(
         """Measure what each new filter removes along the normals, and how much of it is noise."""
         for each in list(track.taken)[len(removed) :]:
             own, of_shadow = (one.removed(each, frame) for one in (track, shadow))
-            removed.append(own.astype(np.float32))
+            removed.append((own / unit).astype(np.float32))
             divergence.append(filter_divergence(own, of_shadow, probe).astype(np.float32))
 
     def variance(factor: float) -> FloatArray:
-        return np.square(
-            tuned.noise_factor * beyond_clean(factor * settings.strength * seen) / correlation.seen
-        )
+        level = beyond_clean(factor * settings.strength * seen) / correlation.seen
+        return np.square(tuned.noise_factor * level / unit)
 
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
     first, *others = rounds_for(noise)
     saw_creases = False
-    pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen)
+    pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen / unit)
     pilots: list[Mixture] = []
     progress.begin("filter", 1)
     _filter_both(track, shadow, first)
