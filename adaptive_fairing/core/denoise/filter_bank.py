@@ -25,9 +25,10 @@ from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
 from .filter_family import Filter, FlatFamily, NormalFamily
 from .filter_rounds import Round, mesh_family
-from .flat_faces import flattened
+from .flat_faces import FlatFaces, flattened
 from .lifted_metric import LiftedMetric, linear_elements, rim_flux
 from .local_frame import spacing_of
+from .noise.correlation import NoiseCorrelation
 from .normal_filter import TurningLoads, smoothed_normals, triangles_around
 from .parameters import parameters
 
@@ -109,7 +110,7 @@ class FilterBank:
         spacing = spacing_of(self.topology, surface, tuned.spacing_passes)
         for family in families:
             if isinstance(family, FlatFamily):
-                flat = self.flattened(positions, surface, tuned.least_flat)
+                flat = self.flattened(positions, surface, tuned.least_flat, family.correlation)
                 # Not the positions: another frame's plan may rely on this filter.
                 yield family.filters[0], surface if flat is None else flat
                 continue
@@ -127,14 +128,27 @@ class FilterBank:
                 yield each, positions - removed
 
     def flattened(
-        self, positions: FloatArray, surface: FloatArray, least: float
+        self,
+        positions: FloatArray,
+        surface: FloatArray,
+        least: float,
+        correlation: NoiseCorrelation = NoiseCorrelation(),
     ) -> FloatArray | None:
         """Make the flat faces of a surface flat, in planes fitted to positions, (n, 3) all.
 
         None if less than the fraction `least` of the triangles is on flat faces.
         """
         spacing = spacing_of(self.topology, surface, parameters().spacing_passes)
-        return flattened(self.topology, self._around, positions, surface, spacing, least)
+        return flattened(
+            self.topology, self._around, positions, surface, spacing, least, correlation
+        )
+
+    def flat_faces(
+        self, positions: FloatArray, surface: FloatArray, correlation: NoiseCorrelation
+    ) -> FlatFaces:
+        """Find the flat faces of a surface with smooth noise, and their planes."""
+        spacing = spacing_of(self.topology, surface, parameters().spacing_passes)
+        return FlatFaces(self.topology, self._around, positions, surface, spacing, correlation)
 
     def _fitted(
         self, surface: FloatArray, spacing: FloatArray, family: NormalFamily

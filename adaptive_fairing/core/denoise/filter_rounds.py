@@ -8,6 +8,7 @@ from ..linalg.krylov_filters import Diffusion
 from ..runtime.arrays import FloatArray
 from .filter_family import KEEPS, ROUNDS, SEES, FilterFamily, FlatFamily, NormalFamily
 from .lifted_metric import LiftedMetric
+from .noise.correlation import NoiseCorrelation
 from .normal_filter import Smoothing
 from .parameters import parameters
 
@@ -70,10 +71,13 @@ def _fits(name: str, short_passes: tuple[int, ...], long_passes: tuple[int, ...]
     return NormalFamily(name, (short, Smoothing(tuned.long_fit_angle, long_passes)))
 
 
-def rounds_for(noise: FloatArray) -> list[Round]:
+def rounds_for(
+    noise: FloatArray, correlation: NoiseCorrelation = NoiseCorrelation()
+) -> list[Round]:
     """Choose the filters of all rounds for the noise, (n,), of the vertices judged.
 
-    The angles of the metrics are scaled to it.  Noise that turns triangles over leaves nothing in
+    The angles of the metrics are scaled to it.  Flat faces are found through smooth noise of this
+    correlation.  Noise that turns triangles over leaves nothing in
     their normals.
     """
     tuned = parameters()
@@ -82,7 +86,9 @@ def rounds_for(noise: FloatArray) -> list[Round]:
     has_normals = typical <= tuned.most_noise_in_normals
     return [
         tuple(
-            family.scaled(factor)
+            family._replace(correlation=correlation)
+            if isinstance(family, FlatFamily)
+            else family.scaled(factor)
             for family in families
             if has_normals or not (isinstance(family, NormalFamily) and family.is_of_noisy)
         )

@@ -21,6 +21,7 @@ from scipy.sparse.csgraph import connected_components
 from ..mesh.normals import triangle_normals, unit_vectors
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
+from .noise.correlation import NoiseCorrelation
 from .normal_filter import Smoothing, smoothed_normals
 from .parameters import parameters
 from .plane_fits import PlaneFits
@@ -35,6 +36,7 @@ def flattened(
     surface: FloatArray,
     spacing: FloatArray,
     least: float = 0.0,
+    correlation: NoiseCorrelation = NoiseCorrelation(),
 ) -> FloatArray | None:
     """Move the vertices of a surface's flat faces onto their planes.
 
@@ -51,6 +53,8 @@ def flattened(
         Local edge length.
     least : float
         Fraction of the triangles that must be on flat faces.
+    correlation : NoiseCorrelation
+        Of smooth noise, or else none.
 
     Returns
     -------
@@ -58,7 +62,7 @@ def flattened(
         The surface with flat faces; vertices that are not on any are as they were.  None if too
         few triangles, or none, are on flat faces.
     """
-    found = FlatFaces(topology, around, noisy, surface, spacing)
+    found = FlatFaces(topology, around, noisy, surface, spacing, correlation)
     part = np.mean(found.face >= 0)
     if part == 0 or part < least:
         return None
@@ -84,29 +88,42 @@ class FlatFaces:
         noisy: FloatArray,
         surface: FloatArray,
         spacing: FloatArray,
+        correlation: NoiseCorrelation = NoiseCorrelation(),
     ) -> None:
         tuned = parameters()
+        # Neighbours with smooth noise say less than as many of their own would.
+        self._own_part = correlation.deviation**2 if correlation.passes else 1.0
         self._triangles = topology.triangles
         self._noisy, self._surface, self._spacing = noisy, surface, spacing
         scaled = triangle_normals(surface, self._triangles)
         self._areas = np.sqrt(np.einsum("fd,fd->f", scaled, scaled))
-        smoothing = Smoothing(tuned.short_fit_angle, (tuned.face_passes,))
+        passes = tuned.face_passes + tuned.face_passes_for_smooth * correlation.passes
+        smoothing = Smoothing(tuned.short_fit_angle, (passes,))
         (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing)
         side = np.flatnonzero(topology.twin >= 0)
         self._beside = side // 3, topology.twin[side] // 3
         self.face = self._connected(self._even(around))
         self.planes = self._fitted()
-        self._drop(self.planes.are_bent() | self._are_uneven())
+        self._drop(self.planes.are_bent(self._own_part) | self._are_uneven())
         found = self.face.copy()
         for _ in range(tuned.face_rings):
             if not self._grow():
                 break
         self.planes = self._fitted()
         # Those that are bent now have grown too far: onto what is round.
-        has_grown_too_far = self._of_triangles(self.planes.are_bent())
+        has_grown_too_far = self._of_triangles(self.planes.are_bent(self._own_part))
         if has_grown_too_far.any():
             self.face = np.where(has_grown_too_far, found, self.face)
             self.planes = self._fitted()
+
+    def of_vertices(self) -> IntArray:
+        """Return the face of every vertex whose triangles are all on one, (n,), or `NO_FACE`."""
+        lowest = np.full(len(self._noisy), len(self.planes), dtype=self.face.dtype)
+        highest = np.full_like(lowest, NO_FACE)
+        for vertex in self._triangles.T:
+            np.minimum.at(lowest, vertex, self.face)
+            np.maximum.at(highest, vertex, self.face)
+        return np.where(lowest == highest, highest, NO_FACE)
 
     def _fitted(self) -> PlaneFits:
         return PlaneFits(self._noisy, self._spacing, self._triangles, self.face)

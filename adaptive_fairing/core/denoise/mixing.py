@@ -162,7 +162,7 @@ def _planned(
         )
 
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
-    first, *others = rounds_for(noise)
+    first, *others = rounds_for(noise, correlation)
     saw_creases = False
     pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen)
     pilots: list[Mixture] = []
@@ -192,7 +192,16 @@ def _planned(
             removed_noise = (mixture.coefficients(used) * divergence[used])[counted]
             kept[index] -= removed_noise.mean(dtype=float) / correlation.deviation**2
     impulsive = np.zeros(len(noise))  # the caller knows
-    return DenoisePlan(filters, noise, tuple(pilots), tuple(mixtures), kept, impulsive, saw_creases)
+    return DenoisePlan(
+        filters,
+        noise,
+        tuple(pilots),
+        tuple(mixtures),
+        kept,
+        impulsive,
+        saw_creases,
+        correlation,
+    )
 
 
 def _filter_both(

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..runtime.arrays import FloatArray
 from .noise.correlation import NoiseCorrelation, noise_correlation
+from .noise.face_noise import FaceNoise
 from .noise.level import beyond_clean
 from .noise.repeats import repetition
 from .noise.smooth_noise import SmoothNoise, smooth_noise
@@ -83,17 +84,19 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     others = ("denoise",) if was_kept and found.roughness.any() else ()
     # White noise that is stronger hides the smooth kind.
     if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:
-        smooth = smooth_noise(stage.noisy, counted)
+        smooth: SmoothNoise | FaceNoise = stage.face_noise()
+        if not _is_removed(smooth, stage, clean):
+            smooth = smooth_noise(stage.noisy, counted)
         if _is_removed(smooth, stage, clean):
             level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
             notes = (SMOOTH_REMOVED.format(smooth.level),)
             others = ("detail",) if clean == "keep" else ()
-        elif smooth.is_likely and not beyond_clean(strength * level).any():
+        elif isinstance(smooth, SmoothNoise) and smooth.is_likely and not beyond_clean(strength * level).any():
             notes = (SMOOTH.format(smooth.level), *notes)
     return NoiseVerdict(stage, level, correlation, impulsive, notes, others)
 
 
-def _is_removed(smooth: SmoothNoise, stage: Stage, clean: str) -> bool:
+def _is_removed(smooth: SmoothNoise | FaceNoise, stage: Stage, clean: str) -> bool:
     """Whether smooth noise is to be removed; models, which repeat triangles, have none."""
     if clean == "denoise":
         return smooth.may_be_noise

@@ -34,6 +34,8 @@ class DenoiseParameters:
     # unless something else is said.
     # Passes of the short smoothing of normals from which faces are found.
     face_passes: int = 10
+    # So many more for each pass of averaging of smooth noise.
+    face_passes_for_smooth: int = 9
     # A triangle is even if those around it turn away by no more than this. With 3° a dense ball
     # came out in facets (1.4 of the error).
     even_angle: float = math.radians(2)
@@ -230,6 +232,21 @@ class DenoiseParameters:
     # Largest coefficient of the neighbours' mean in noise. Contoured voxels fade as with 0.55 to
     # 0.63, but the shape's own fading is in it.
     most_correlation: float = 0.56
+
+    # noise/face_noise
+    # Flat faces are looked for with smooth noise of so many passes of averaging, and with its
+    # standard deviation over that of white noise.
+    assumed_passes: int = 8
+    assumed_deviation: float = 0.19
+    # A face is counted if so many vertices are well inside. By hand.
+    fewest_on_face: int = 60
+    # Noise is judged from so many vertices on faces, which are this part of all.
+    fewest_on_faces: int = 500
+    least_on_faces: float = 0.15
+    least_level_on_faces: float = 0.05
+    most_misfit_on_faces: float = 0.12
+    least_evenness_on_faces: float = 0.65
+    most_outliers_on_faces: float = 1.3
 
     # noise/level
     # Roughness that clean meshes have: they measure up to this in their quietest bin.

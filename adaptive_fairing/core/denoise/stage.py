@@ -14,6 +14,8 @@ from .filter_bank import FilterBank
 from .filter_rounds import rounds_for
 from .local_frame import LocalFrame
 from .mesh_parts import MeshParts
+from .noise.correlation import NoiseCorrelation
+from .noise.face_noise import FaceNoise, face_noise
 from .noise.level import beyond_clean
 from .noise.noisy_surface import NoisySurface
 from .noise.spikes import without_spikes
@@ -47,6 +49,13 @@ class Stage:
         start = positions + impulsive[:, None] * (calm - positions)
         return Stage(self._space, start, self._is_still, self._on_solve)
 
+    def face_noise(self) -> FaceNoise:
+        """Measure the smooth noise on flat faces."""
+        tuned, positions = parameters(), self.track.positions
+        assumed = NoiseCorrelation(deviation=tuned.assumed_deviation, passes=tuned.assumed_passes)
+        faces = self.bank.flat_faces(positions, self.track.surface, assumed)
+        return face_noise(self.noisy, faces, self.parts.is_counted)
+
     def undented(self, level: FloatArray, impulsive: FloatArray) -> FloatArray | None:
         """Make flat faces flat, where low spikes left dents, by a part (n,) of the way.
 
@@ -68,7 +77,7 @@ class Stage:
 
     def repeat(self, plan: DenoisePlan, progress: ProgressReport) -> None:
         """Filter as on another frame of the surface."""
-        first, *others = rounds_for(plan.noise)
+        first, *others = rounds_for(plan.noise, plan.correlation)
         progress.begin("filter", 1)
         self.track.filter(first)
         # Without creases there was no last round.

@@ -1,0 +1,177 @@
+"""Smooth noise on flat faces, where no shape hides it.
+
+What is left of the positions on a fitted plane is noise, however wide and however strong: its size
+is the level, and its size in bands of several widths tells the correlation.  On a clean model it is
+rounding.  Texture on flat faces is told from noise as elsewhere: noise is even, has the strengths
+of averaged white noise band by band, and is normally distributed (`smooth_noise`).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+
+from ...runtime.arrays import BoolArray, FloatArray, IntArray
+from ..flat_faces import FlatFaces
+from ..local_frame import LocalFrame
+from ..parameters import parameters
+from .correlation import NoiseCorrelation
+from .level import NORMAL_MEDIAN
+from .noisy_surface import NoisySurface
+from .smooth_noise import (
+    FEWEST_PASSES,
+    N_NARROW,
+    NORMAL_TAIL,
+    PASSES,
+    TAIL,
+    band_heights,
+    local_strengths,
+    quiet_part,
+    typical_sizes,
+)
+
+# Weights of the bands in the fit.  The narrowest one shows the edges of the mesh as well.
+WEIGHTS = np.array([0.0, 1.0, 1.0, 1.0])
+
+
+class FaceNoise(NamedTuple):
+    """Noise on the flat faces of a mesh.
+
+    Attributes
+    ----------
+    part : float
+        Part of the counted vertices that is well inside flat faces, 0 to 1.
+    n_counted : int
+        Number of these.
+    level : float
+        Standard deviation in local edge lengths.
+    correlation : NoiseCorrelation
+    misfit : float
+        Sum of the squared logarithms by which the bands differ from those of noise of this level.
+    evenness : float
+        How even the bands are over the faces, relative to noise; 0 to about 1.
+    outliers : float
+        How far out the largest heights are, over that of a normal distribution, or the other way
+        round if that is more.
+    lean : float
+        How much more there is of hills than of valleys or the other way round, 0 to 1.
+    """
+
+    part: float = 0.0
+    n_counted: int = 0
+    level: float = 0.0
+    correlation: NoiseCorrelation = NoiseCorrelation()
+    misfit: float = np.inf
+    evenness: float = 0.0
+    outliers: float = np.inf
+    lean: float = 1.0
+
+    @property
+    def may_be_noise(self) -> bool:
+        """Whether it is smooth noise if all that is rough is noise."""
+        tuned = parameters()
+        return (
+            self.part >= tuned.least_on_faces
+            and self.n_counted >= tuned.fewest_on_faces
+            and self.correlation.passes >= FEWEST_PASSES
+            and self.level >= tuned.least_level_on_faces
+        )
+
+    @property
+    def is_noise(self) -> bool:
+        """Whether it is smooth noise and no texture."""
+        tuned = parameters()
+        return (
+            self.may_be_noise
+            and self.misfit <= tuned.most_misfit_on_faces
+            and self.evenness >= tuned.least_evenness_on_faces
+            and self.outliers <= tuned.most_outliers_on_faces
+            and self.lean <= tuned.told_lean
+        )
+
+
+def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -> FaceNoise:
+    """Measure what the positions of a surface differ from the planes of its flat faces.
+
+    Parameters
+    ----------
+    surface : NoisySurface
+    faces : FlatFaces
+        Found in spite of smooth noise.
+    is_counted : (n,) bool
+        Vertices to judge from.
+    """
+    tuned, planes = parameters(), faces.planes
+    face = np.where(is_counted, faces.of_vertices(), -1)
+    counts = np.bincount(face[face >= 0], minlength=len(planes))
+    is_small = np.append(counts < tuned.fewest_on_face, True)
+    face[is_small[face]] = -1
+    is_inner = face >= 0
+    n_inner = int(np.count_nonzero(is_inner))
+    if n_inner < tuned.fewest_on_faces:
+        return FaceNoise()
+    frame = _within_faces(surface, face, planes.normals)
+    own = frame.along_normal(planes.normals[face] * planes.heights(surface.positions, face)[:, None])
+    heights = np.where(is_inner, own, 0.0)
+    total = np.bincount(face[is_inner], heights[is_inner] ** 2, len(planes))
+    sizes = np.sqrt(total / np.maximum(counts, 1))
+    # Faces that the scanner saw at a grazing angle have less noise: each counts in its own unit.
+    relative = heights / np.maximum(sizes[face], tuned.clean_roughness**2)
+    bands = band_heights(frame.raised(relative), frame)
+    found = np.log(np.maximum(typical_sizes(bands[:, is_inner]), 1e-12))
+    misfits, deviations, noises = [], [], []
+    for passes in PASSES:
+        noise = frame.spread(surface.fading.white * frame.spacing, passes) / frame.spacing
+        deviations.append(float(np.std(noise[is_inner])))
+        noises.append(band_heights(frame.raised(noise / deviations[-1]), frame))
+        expected = np.log(typical_sizes(noises[-1][:, is_inner]))
+        misfits.append(float(WEIGHTS @ np.square(found - expected)))
+    best = int(np.argmin(misfits))
+    strengths, of_noise = (local_strengths(each, frame, is_inner) for each in (bands, noises[best]))
+    evenness = (quiet_part(strengths)[1] / quiet_part(of_noise)[1])[:N_NARROW].min()
+    local = bands[:2, is_inner] / strengths[:2]
+    local /= np.maximum(typical_sizes(local), 1e-9)[:, None]
+    tails = np.array([_tail(local[1]), _tail(relative[is_inner])])
+    return FaceNoise(
+        part=n_inner / np.count_nonzero(is_counted),
+        n_counted=n_inner,
+        level=float(np.sqrt(np.mean(heights[is_inner] ** 2))),
+        correlation=NoiseCorrelation(
+            seen=deviations[best], deviation=deviations[best], passes=PASSES[best]
+        ),
+        misfit=misfits[best],
+        evenness=float(evenness),
+        outliers=float(np.maximum(tails, 1 / tails).max()),
+        lean=float(np.abs(np.tanh(NORMAL_MEDIAN * local).mean(axis=1)).max()),
+    )
+
+
+def _tail(values: FloatArray) -> float:
+    """How far out the largest values are, relative to a normal distribution."""
+    size = np.abs(values)
+    return float(max(np.quantile(size, TAIL) / np.median(size), 1e-9)) / NORMAL_TAIL
+
+
+def _within_faces(surface: NoisySurface, face: IntArray, normals: FloatArray) -> LocalFrame:
+    """Return a frame that averages within the faces of vertices, (n,), along their planes' normals.
+
+    A vertex without a face, or without a neighbour on it, is an average of itself.
+    """
+    frame = surface.frame
+    n = len(face)
+    links = sparse.coo_array(surface.topology.adjacency(np.float64))
+    first, second = links.coords
+    is_inside = (face[first] == face[second]) & (face[first] >= 0)
+    first, second = first[is_inside], second[is_inside]
+    count = np.bincount(first, minlength=n)
+    alone = np.flatnonzero(count == 0)
+    weights = np.concatenate([1 / count[first], np.ones(len(alone))])
+    places = np.concatenate([first, alone]), np.concatenate([second, alone])
+    mean = sparse.csr_array((weights, places), shape=(n, n))
+    # Of the two normals of a plane the one on the surface's side.
+    side = np.where(np.einsum("nd,nd->n", normals[face], frame.normals) < 0, -1.0, 1.0)
+    along = np.where((face >= 0)[:, None], side[:, None] * normals[face], frame.normals)
+    return replace(frame, normals=along, mean=mean)
