@@ -28,7 +28,7 @@ from .filter_rounds import Round, mesh_family
 from .flat_faces import FlatFaces, flattened
 from .lifted_metric import LiftedMetric, linear_elements, rim_flux
 from .local_frame import spacing_of
-from .noise.correlation import NoiseCorrelation
+from .noise.correlation import WHITE, NoiseCorrelation
 from .normal_filter import TurningLoads, smoothed_normals, triangles_around
 from .parameters import parameters
 
@@ -132,7 +132,7 @@ class FilterBank:
         positions: FloatArray,
         surface: FloatArray,
         least: float,
-        correlation: NoiseCorrelation = NoiseCorrelation(),
+        correlation: NoiseCorrelation = WHITE,
     ) -> FloatArray | None:
         """Make the flat faces of a surface flat, in planes fitted to positions, (n, 3) all.
 

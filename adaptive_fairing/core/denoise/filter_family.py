@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..linalg.krylov_filters import Diffusion
 from .lifted_metric import LiftedMetric
-from .noise.correlation import NoiseCorrelation
+from .noise.correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing
 
 # What a filter does at creases. Those that see creases keep what stands out of the noise.
@@ -76,7 +76,7 @@ class FlatFamily(NamedTuple):
     """
 
     name: str
-    correlation: NoiseCorrelation = NoiseCorrelation()
+    correlation: NoiseCorrelation = WHITE
 
     @property
     def filters(self) -> tuple[Filter, ...]:

@@ -8,7 +8,7 @@ from ..linalg.krylov_filters import Diffusion
 from ..runtime.arrays import FloatArray
 from .filter_family import KEEPS, ROUNDS, SEES, FilterFamily, FlatFamily, NormalFamily
 from .lifted_metric import LiftedMetric
-from .noise.correlation import NoiseCorrelation
+from .noise.correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing
 from .parameters import parameters
 
@@ -71,9 +71,7 @@ def _fits(name: str, short_passes: tuple[int, ...], long_passes: tuple[int, ...]
     return NormalFamily(name, (short, Smoothing(tuned.long_fit_angle, long_passes)))
 
 
-def rounds_for(
-    noise: FloatArray, correlation: NoiseCorrelation = NoiseCorrelation()
-) -> list[Round]:
+def rounds_for(noise: FloatArray, correlation: NoiseCorrelation = WHITE) -> list[Round]:
     """Choose the filters of all rounds for the noise, (n,), of the vertices judged.
 
     The angles of the metrics are scaled to it.  Flat faces are found through smooth noise of this

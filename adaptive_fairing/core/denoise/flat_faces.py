@@ -21,7 +21,7 @@ from scipy.sparse.csgraph import connected_components
 from ..mesh.normals import triangle_normals, unit_vectors
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
-from .noise.correlation import NoiseCorrelation
+from .noise.correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing, smoothed_normals
 from .parameters import parameters
 from .plane_fits import PlaneFits
@@ -36,7 +36,7 @@ def flattened(
     surface: FloatArray,
     spacing: FloatArray,
     least: float = 0.0,
-    correlation: NoiseCorrelation = NoiseCorrelation(),
+    correlation: NoiseCorrelation = WHITE,
 ) -> FloatArray | None:
     """Move the vertices of a surface's flat faces onto their planes.
 
@@ -88,7 +88,7 @@ class FlatFaces:
         noisy: FloatArray,
         surface: FloatArray,
         spacing: FloatArray,
-        correlation: NoiseCorrelation = NoiseCorrelation(),
+        correlation: NoiseCorrelation = WHITE,
     ) -> None:
         tuned = parameters()
         # Neighbours with smooth noise say less than as many of their own would.

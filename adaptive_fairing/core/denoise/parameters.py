@@ -245,7 +245,7 @@ class DenoiseParameters:
     least_on_faces: float = 0.15
     least_level_on_faces: float = 0.05
     most_misfit_on_faces: float = 0.12
-    least_evenness_on_faces: float = 0.65
+    least_evenness_on_faces: float = 0.7
     most_outliers_on_faces: float = 1.3
 
     # noise/level
@@ -282,6 +282,10 @@ class DenoiseParameters:
     # minus `fading_deviations` / √n. By hand.
     white_kept: float = 0.97
     fading_deviations: float = 2.0
+
+    # noise/line_of_sight
+    # Part of the gaps of parallelograms that is across the line of sight, at most.
+    most_off_sight: float = 0.1
 
     # noise/repeats: exact twins among triangles.
     # A model has a twin for this fraction of its triangles. Meshes with noise of 0.05 and more have

@@ -49,12 +49,12 @@ class Stage:
         start = positions + impulsive[:, None] * (calm - positions)
         return Stage(self._space, start, self._is_still, self._on_solve)
 
-    def face_noise(self) -> FaceNoise:
-        """Measure the smooth noise on flat faces."""
+    def face_noise(self, noisy: NoisySurface) -> FaceNoise:
+        """Measure the smooth noise on flat faces, in the surface's units."""
         tuned, positions = parameters(), self.track.positions
         assumed = NoiseCorrelation(deviation=tuned.assumed_deviation, passes=tuned.assumed_passes)
         faces = self.bank.flat_faces(positions, self.track.surface, assumed)
-        return face_noise(self.noisy, faces, self.parts.is_counted)
+        return face_noise(noisy, faces, self.parts.is_counted)
 
     def undented(self, level: FloatArray, impulsive: FloatArray) -> FloatArray | None:
         """Make flat faces flat, where low spikes left dents, by a part (n,) of the way.

@@ -18,7 +18,7 @@ from ...runtime.arrays import BoolArray, FloatArray, IntArray
 from ..flat_faces import FlatFaces
 from ..local_frame import LocalFrame
 from ..parameters import parameters
-from .correlation import NoiseCorrelation
+from .correlation import WHITE, NoiseCorrelation
 from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
 from .smooth_noise import (
@@ -63,7 +63,7 @@ class FaceNoise(NamedTuple):
     part: float = 0.0
     n_counted: int = 0
     level: float = 0.0
-    correlation: NoiseCorrelation = NoiseCorrelation()
+    correlation: NoiseCorrelation = WHITE
     misfit: float = np.inf
     evenness: float = 0.0
     outliers: float = np.inf
@@ -114,8 +114,8 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     if n_inner < tuned.fewest_on_faces:
         return FaceNoise()
     frame = _within_faces(surface, face, planes.normals)
-    own = frame.along_normal(planes.normals[face] * planes.heights(surface.positions, face)[:, None])
-    heights = np.where(is_inner, own, 0.0)
+    off_plane = planes.heights(surface.positions, face)[:, None] * planes.normals[face]
+    heights = np.where(is_inner, frame.along_normal(off_plane), 0.0)
     total = np.bincount(face[is_inner], heights[is_inner] ** 2, len(planes))
     sizes = np.sqrt(total / np.maximum(counts, 1))
     # Faces that the scanner saw at a grazing angle have less noise: each counts in its own unit.

@@ -21,7 +21,7 @@ import numpy as np
 from ...runtime.arrays import BoolArray, FloatArray
 from ..local_frame import LocalFrame
 from ..parameters import parameters
-from .correlation import NoiseCorrelation
+from .correlation import WHITE, NoiseCorrelation
 from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
 
@@ -63,7 +63,7 @@ class SmoothNoise(NamedTuple):
 
     evenness: float
     level: float = 0.0
-    correlation: NoiseCorrelation = NoiseCorrelation()
+    correlation: NoiseCorrelation = WHITE
     misfit: float = np.inf
     excess: float = np.inf
     outliers: float = np.inf
