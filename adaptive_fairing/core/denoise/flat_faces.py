@@ -93,6 +93,7 @@ class FlatFaces:
         tuned = parameters()
         # Neighbours with smooth noise say less than as many of their own would.
         self._own_part = correlation.deviation**2 if correlation.passes else 1.0
+        self._most_uneven = tuned.most_uneven_if_smooth if correlation.passes else tuned.most_uneven
         self._triangles = topology.triangles
         self._noisy, self._surface, self._spacing = noisy, surface, spacing
         scaled = triangle_normals(surface, self._triangles)
@@ -158,7 +159,7 @@ class FlatFaces:
         face, areas = self.face[flat], self._areas[flat]
         cosine = np.abs(np.einsum("fd,fd->f", self._normals[flat], self.planes.normals[face]))
         n = len(self.planes)
-        limit = np.cos(parameters().most_uneven) * np.bincount(face, areas, n)
+        limit = np.cos(self._most_uneven) * np.bincount(face, areas, n)
         uneven: BoolArray = np.bincount(face, areas * cosine, n) < limit
         return uneven
 

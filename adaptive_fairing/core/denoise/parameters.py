@@ -46,6 +46,8 @@ class DenoiseParameters:
     # The normals of a flat face differ from its plane's by this much in the mean. With 3° the
     # error was 4 % larger, because faces were missed.
     most_uneven: float = math.radians(4)
+    # The same with smooth noise, whose waves stay in the normals.
+    most_uneven_if_smooth: float = math.radians(8)
     # Rings of triangles by which a face may grow.
     face_rings: int = 8
     # Triangles that turn away from the plane by more than this are not taken.

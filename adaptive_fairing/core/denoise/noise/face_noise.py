@@ -138,7 +138,7 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     return FaceNoise(
         part=n_inner / np.count_nonzero(is_counted),
         n_counted=n_inner,
-        level=float(np.sqrt(np.mean(heights[is_inner] ** 2))),
+        level=float(np.median(sizes[face[is_inner]])),
         correlation=NoiseCorrelation(
             seen=deviations[best], deviation=deviations[best], passes=PASSES[best]
         ),
