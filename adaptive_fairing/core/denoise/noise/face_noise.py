@@ -116,8 +116,8 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     frame = _within_faces(surface, face, planes.normals)
     off_plane = planes.heights(surface.positions, face)[:, None] * planes.normals[face]
     heights = np.where(is_inner, frame.along_normal(off_plane), 0.0)
-    total = np.bincount(face[is_inner], heights[is_inner] ** 2, len(planes))
-    sizes = np.sqrt(total / np.maximum(counts, 1))
+    totals = np.bincount(face[is_inner], heights[is_inner] ** 2, len(planes))
+    sizes = np.sqrt(totals / np.maximum(counts, 1))
     # Faces that the scanner saw at a grazing angle have less noise: each counts in its own unit.
     relative = heights / np.maximum(sizes[face], tuned.clean_roughness**2)
     bands = band_heights(frame.raised(relative), frame)
@@ -134,11 +134,14 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     evenness = (quiet_part(strengths)[1] / quiet_part(of_noise)[1])[:N_NARROW].min()
     local = bands[:2, is_inner] / strengths[:2]
     local /= np.maximum(typical_sizes(local), 1e-9)[:, None]
+    # A plane has three numbers, which take noise away: as much as so many vertices have, alike ones.
+    fitted = np.minimum(3 / deviations[best] ** 2, counts / 2)
+    levels = np.sqrt(totals / np.maximum(counts - fitted, 1))
     tails = np.array([_tail(local[1]), _tail(relative[is_inner])])
     return FaceNoise(
         part=n_inner / np.count_nonzero(is_counted),
         n_counted=n_inner,
-        level=float(np.median(sizes[face[is_inner]])),
+        level=float(np.median(levels[face[is_inner]])),
         correlation=NoiseCorrelation(
             seen=deviations[best], deviation=deviations[best], passes=PASSES[best]
         ),
