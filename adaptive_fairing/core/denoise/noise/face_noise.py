@@ -134,7 +134,7 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     evenness = (quiet_part(strengths)[1] / quiet_part(of_noise)[1])[:N_NARROW].min()
     local = bands[:2, is_inner] / strengths[:2]
     local /= np.maximum(typical_sizes(local), 1e-9)[:, None]
-    # A plane has three numbers, which take noise away: as much as so many vertices have, alike ones.
+    # The three numbers of a plane take away the noise of as many vertices, if each had its own.
     fitted = np.minimum(3 / deviations[best] ** 2, counts / 2)
     levels = np.sqrt(totals / np.maximum(counts - fitted, 1))
     tails = np.array([_tail(local[1]), _tail(relative[is_inner])])
