@@ -1,6 +1,6 @@
 """Measure the flicker of a faired sequence: one strength for all frames, or each its own.
 
-    python -m benchmarks.flicker [--frames 50] [--picture FILE.png]
+    python -m benchmarks.flicker [--frames 50]
 
 A noisy foot bends to and fro; the noise moves along with the surface, so that what a steady
 smoother removes hardly changes from one frame to the next. The frames go through the command line
@@ -21,7 +21,7 @@ from pathlib import Path
 import meshio
 import numpy as np
 
-from tools.samples.ply import write_ply
+from tools.samples.ply import read_ply, write_ply
 from tools.samples.triangles import Faces, FloatArray, local_edge_lengths, vertex_normals
 
 from .measuring import describe, load, machine, table
@@ -71,27 +71,22 @@ class Sequence:
 
 
 def main() -> int:
-    """Make the frames, fair them in every way, print the table and draw the picture."""
+    """Make the frames, fair them in every way and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--mesh", type=Path, default=ROOT / "assets" / "foot.ply")
     parser.add_argument("--frames", type=int, default=50)
-    parser.add_argument("--case", action="append", choices=tuple(CASES), help="default: all")
-    parser.add_argument("--picture", type=Path)
     options = parser.parse_args()
     print(f"{describe(machine())}; {load()}\n")
-    mesh = meshio.read(options.mesh)
-    sequence = bending(mesh.points, mesh.get_cells_type("triangle"), options.frames)
-    rows, curves = [], {}
+    sequence = bending(*read_ply(ROOT / "assets" / "foot.ply"), options.frames)
+    rows = []
     with tempfile.TemporaryDirectory() as folder:
         given = Path(folder) / "given"
         write_frames(sequence, given)
-        for case in options.case or CASES:
+        for case, arguments in CASES.items():
             for way, more in WAYS.items():
                 output = Path(folder) / f"{case}, {way}"
-                steps = fair_frames(given, output, [*CASES[case], *more])
+                steps = fair_frames(given, output, [*arguments, *more])
                 removed = sequence.removed(read_frames(output, options.frames))
                 rows.append([case, way, *figures(removed, steps)])
-                curves[case, way] = changes(removed)
                 print(" | ".join(rows[-1]), file=sys.stderr)
     header = ("strength", "", "steps", "removed", "its jump", "change", "largest")
     print(table(header, rows))
@@ -100,8 +95,6 @@ def main() -> int:
         "one frame to the\nnext; change, largest: RMS difference of the removed displacement "
         "between two frames, mean and largest;\nthe last three relative to what is removed"
     )
-    if options.picture:
-        draw(curves, options.picture)
     return 0
 
 
@@ -150,17 +143,12 @@ def read_frames(folder: Path, n_frames: int) -> FloatArray:
     return np.array([meshio.read(path).points for path in paths], dtype=np.float64)
 
 
-def changes(removed: FloatArray) -> FloatArray:
-    """RMS change of the removed displacement between frames, over the RMS removed, (f - 1,)."""
-    return rms(np.diff(removed, axis=0)) / np.sqrt((removed**2).mean())
-
-
 def figures(removed: FloatArray, steps: list[int]) -> list[str]:
     """Describe a run for the table."""
     amounts = rms(removed)
     total = np.sqrt((removed**2).mean())
     jump = np.abs(np.diff(amounts)).max() / total
-    change = changes(removed)
+    change = rms(np.diff(removed, axis=0)) / total
     low, high = min(steps), max(steps)
     return [
         str(low) if low == high else f"{low} to {high}", f"{total:.4f}",
@@ -171,23 +159,6 @@ def figures(removed: FloatArray, steps: list[int]) -> list[str]:
 def rms(values: FloatArray) -> FloatArray:
     """Root of the mean square of every row."""
     return np.sqrt((values**2).mean(axis=1))
-
-
-def draw(curves: dict[tuple[str, str], FloatArray], path: Path) -> None:
-    """Draw the change from frame to frame, a panel for each case."""
-    from tools.claims.plots import figure, save
-
-    cases = list(dict.fromkeys(case for case, _ in curves))
-    drawing, axes = figure(len(cases))
-    for axis, case in zip(axes, cases, strict=True):
-        axis.sharey(axes[0])
-        for way, style in zip(WAYS, ("C1-", "C0-"), strict=True):
-            values = 100 * curves[case, way]
-            axis.semilogy(np.arange(1, len(values) + 1), values, style, linewidth=1.4, label=way)
-        axis.set(title=case, xlabel="frame")
-    axes[0].set_ylabel("change to the next frame, %")
-    axes[0].legend(frameon=False, fontsize=9)
-    save(drawing, path)
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from matplotlib import pyplot
 
 from .measuring import MEGABYTE
 
-MARKERS = "osD^v<>PX*"
+MARKERS = "osD^v<>PX*hp"
 
 
 class Measured(Protocol):
@@ -40,9 +40,15 @@ def draw(series: Mapping[str, Sequence[tuple[int, Mapping[str, Measured]]]], pat
     )
     names = list(dict.fromkeys(k for sizes in series.values() for _, r in sizes for k in r))
     figure, axes = pyplot.subplots(
-        len(series), len(panels), figsize=(15, 4.6 * len(series)), squeeze=False
+        len(series),
+        len(panels),
+        figsize=(15, 4.6 * len(series)),
+        squeeze=False,
+        layout="constrained",
     )
-    colors = pyplot.get_cmap("tab10").colors
+    # Of each pair the strong colour, then the pale ones.
+    pairs = pyplot.get_cmap("tab20").colors
+    colors = pairs[::2] + pairs[1::2]
     for row, (shape, sizes) in zip(axes, series.items(), strict=True):
         for axis, (title, value) in zip(row, panels, strict=True):
             for k, name in enumerate(names):
@@ -60,7 +66,6 @@ def draw(series: Mapping[str, Sequence[tuple[int, Mapping[str, Measured]]]], pat
             axis.set_xlabel("triangles")
             axis.grid(True, which="major", color="0.85")
     handles, labels = axes[0, 0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="lower center", ncols=5, frameon=False)
-    figure.tight_layout(rect=(0, 0.45 / figure.get_figheight(), 1, 1))
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False)
     figure.savefig(path, dpi=110)
     pyplot.close(figure)

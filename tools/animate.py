@@ -1,7 +1,7 @@
-"""Film a sample while it is faired, uniform beside adaptive timesteps, from its shape keys.
+"""Film the head while it is faired, uniform beside adaptive timesteps, from its shape keys.
 
-Run `python tools/animate.py [SAMPLE] [-o FILE]`. Blender renders every frame and writes an .mp4
-itself; the frames of a .gif are put together by Pillow.
+Run `python tools/animate.py [-o FILE.gif]`. Blender renders every frame, and Pillow puts them
+together.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from PIL import Image
 from adaptive_fairing.blender.data.shape_keys import animate_evolution, write_absolute_keys
 from adaptive_fairing.core import fair
 from claims.measures import TIMESTEP_AREA, UNIFORM, Scheme, matched_tau
-from claims.pairs import PUBLISHED, MeshPair, sample_pair
+from claims.pairs import MeshPair, sample_pair
 from render import Look, View, add_camera, add_lights, add_mesh, clay, set_up
 
 OUTPUT = Path(__file__).resolve().parent.parent / "assets" / "figures" / "evolution.gif"
@@ -35,46 +35,35 @@ GAP = 0.06
 TEXT_SIZE = 0.075
 """Height of the letters, as a fraction of the height of the mesh."""
 
-VIEWS = {
-    "head": View((0.75, -1.0, 0.15), margin=0.02),
-    "foot": View((0.9, -1.0, 0.7), margin=0.02),
-    "crocodile": View((0.35, -1.0, 0.55), margin=0.02),
-}
-SIZES = {"head": (560, 500), "foot": (640, 420), "crocodile": (960, 320)}
+VIEW, SIZE = View((0.75, -1.0, 0.15), margin=0.02), (560, 500)
 SAMPLES = 8
 GREYS = 48
-"""Grey levels kept in a .gif: plenty for clay, and a third of the size."""
+"""Grey levels kept in the file: plenty for clay, and a third of the size."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Film one sample."""
+    """Film the head."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("sample", nargs="?", default="head", choices=list(PUBLISHED))
-    parser.add_argument("-o", "--output", type=Path, default=OUTPUT, metavar="FILE.gif|FILE.mp4")
+    parser.add_argument("-o", "--output", type=Path, default=OUTPUT, metavar="FILE.gif")
     options = parser.parse_args(arguments)
-    if options.output.suffix not in (".gif", ".mp4"):
-        parser.error(f"{options.output.name}: the output has to be a .gif or an .mp4")
-    _stage(sample_pair(options.sample), VIEWS[options.sample], SIZES[options.sample])
-    if options.output.suffix == ".mp4":
-        _render_video(options.output)
-    else:
-        _render_gif(options.output)
+    _stage(sample_pair("head"))
+    _render_gif(options.output)
     return 0
 
 
-def _stage(pair: MeshPair, view: View, size: tuple[int, int]) -> None:
+def _stage(pair: MeshPair) -> None:
     """Set the scene: one object with animated shape keys for each side, and its name."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    look = Look(size=size, samples=SAMPLES)
+    look = Look(size=SIZE, samples=SAMPLES)
     material = clay(look)
-    turn = Vector(view.direction).normalized().to_track_quat("Z", "Y")
+    turn = Vector(VIEW.direction).normalized().to_track_quat("Z", "Y")
     right, up, _ = np.array(turn.to_matrix()).T
     across, along = pair.clean @ right, pair.clean @ up
     stride = (1 + GAP) * np.ptp(across) * right
     seen = []
     for index, (name, scheme) in enumerate(SIDES.items()):
-        item = add_mesh(scene, pair.noisy, pair.triangles, look)
+        item = add_mesh(pair.noisy, pair.triangles, look)
         item.location = index * stride
         item.data.materials.append(material)
         write_absolute_keys(item, _evolution(pair, scheme))
@@ -87,8 +76,8 @@ def _stage(pair: MeshPair, view: View, size: tuple[int, int]) -> None:
         seen += [pair.noisy + index * stride, below[None] - 0.5 * height * up]
     everything = np.concatenate(seen)
     corners = np.array([everything.min(axis=0), everything.max(axis=0)])
-    add_camera(scene, corners, everything, view, look)
-    add_lights(scene, view)
+    add_camera(scene, corners, everything, VIEW, look)
+    add_lights(scene, VIEW)
     set_up(scene, look)
     _paint_background(scene.world)
     scene.render.film_transparent = False
@@ -132,20 +121,6 @@ def _paint_background(world):
         (mix.outputs[0], nodes["World Output"].inputs["Surface"]),
     ):
         links.new(source, target)
-
-
-def _render_video(path: Path) -> None:
-    render = bpy.context.scene.render
-    settings = render.image_settings
-    if hasattr(settings, "media_type"):  # Blender 5.0 asks for it first
-        settings.media_type = "VIDEO"
-    settings.file_format = "FFMPEG"
-    settings.color_mode = "RGB"
-    render.ffmpeg.format, render.ffmpeg.codec = "MPEG4", "H264"
-    render.ffmpeg.constant_rate_factor = "MEDIUM"
-    render.use_file_extension = False
-    render.filepath = str(path.resolve())
-    bpy.ops.render.render(animation=True)
 
 
 def _render_gif(path: Path) -> None:

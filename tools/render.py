@@ -16,6 +16,8 @@ import numpy as np
 from mathutils import Vector
 from numpy.typing import NDArray
 
+from samples.blender_meshes import new_object
+
 CLAY = (0.62, 0.60, 0.57)
 AMBIENT = 0.9
 """Strength of the even light from all around (Blender's default world colour is dark grey)."""
@@ -77,7 +79,7 @@ def render(
     look = look or Look()
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    mesh = add_mesh(scene, vertices, triangles, look, vertex_colors).data
+    mesh = add_mesh(vertices, triangles, look, vertex_colors).data
     # Lights are cast for the part in view, so that a close-up is lit like the whole.
     corners = np.array(view.box) if view.box else np.array([vertices.min(0), vertices.max(0)])
     add_camera(scene, corners, vertices, view, look)
@@ -88,24 +90,16 @@ def render(
     bpy.ops.render.render(write_still=True)
 
 
-def add_mesh(scene, vertices, triangles, look, vertex_colors=None):
+def add_mesh(vertices, triangles, look, vertex_colors=None):
     """Return a new object of the scene."""
-    mesh = bpy.data.meshes.new("mesh")
-    mesh.vertices.add(len(vertices))
-    mesh.vertices.foreach_set("co", np.ascontiguousarray(vertices, dtype=np.float32).ravel())
-    mesh.loops.add(3 * len(triangles))
-    mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(triangles, dtype=np.int32).ravel())
-    mesh.polygons.add(len(triangles))
-    mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * len(triangles), 3, dtype=np.int32))
-    mesh.update(calc_edges=True)
+    item = new_object(vertices, triangles)
+    mesh = item.data
     mesh.polygons.foreach_set("use_smooth", np.full(len(triangles), look.smooth))
     if vertex_colors is not None:
         # Not "color": Cycles takes that name for the colour of the object.
         attribute = mesh.attributes.new("field", "FLOAT_COLOR", "POINT")
         rgba = np.column_stack([vertex_colors, np.ones(len(vertices))]).astype(np.float32)
         attribute.data.foreach_set("color", rgba.ravel())
-    item = bpy.data.objects.new("mesh", mesh)
-    scene.collection.objects.link(item)
     return item
 
 

@@ -20,11 +20,11 @@ from tqdm import tqdm
 
 from . import shapes, tables
 from .contest import Entry, contest
-from .ours import PAPER_SCHEMES, core_digest
+from .ours import core_digest
 from .pairs import ALL_NOISE, CASES, CLEAN, MAIN_NOISE, Pair, in_folder, made, noise_name
 from .peers import IN_USE, PEERS, RESEARCH, Peer
 from .pictures import picture
-from .verdict import clean_criterion, criteria, grouped, standing
+from .verdict import grouped, standing
 
 GROUPS = {
     **{name: tuple(members) for name, members in shapes.GROUPS.items()},
@@ -36,31 +36,30 @@ GROUPS = {
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the contest on the pairs that the command line names."""
     options = _parser().parse_args(arguments)
-    schemes = PAPER_SCHEMES if options.paper_schemes else ()
     peers = [peer.as_published if options.published else peer for peer in _peers(options.peers)]
     entries = [
         # On a clean mesh no peer has anything to do: its best parameter would be none.
         contest(
             pair,
-            [] if pair.noise == CLEAN else [*peers, *schemes],
+            [] if pair.noise == CLEAN else peers,
             options.cache,
             with_auto=not options.no_auto,
         )
         for pair in tqdm(list(_chosen(options)), unit="mesh")
     ]
-    text = report(entries, peers, schemes)
+    text = report(entries, peers)
     print(text)
     if options.output:
         options.output.mkdir(parents=True, exist_ok=True)
         (options.output / "tables.md").write_text(text + "\n", encoding="utf-8")
-        data = {"core": core_digest(), "pairs": tables.as_data(entries, [*peers, *schemes])}
+        data = {"core": core_digest(), "pairs": tables.as_data(entries, peers)}
         (options.output / "scores.json").write_text(json.dumps(data, indent=1), encoding="utf-8")
         if options.pictures:
             for entry in tqdm(_noisy(entries), unit="picture"):
                 picture(entry, peers, options.output)
 
 
-def report(entries: Sequence[Entry], peers: Sequence[Peer], schemes: Sequence[Peer]) -> str:
+def report(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
     """Return all tables of a run as one text in Markdown."""
     noisy = _noisy(entries)
     clean = [entry for entry in entries if entry.pair.noise == CLEAN and entry.auto]
@@ -81,14 +80,10 @@ def report(entries: Sequence[Entry], peers: Sequence[Peer], schemes: Sequence[Pe
                 overall = standing(noisy, rivals)
                 parts += [f"## Against {title}"]
                 parts += [tables.by_noise(rows | {"all": (len(noisy), overall)})]
-                # At one point each nothing is known of their best parameters.
-                if some is RESEARCH and any(len(peer.sweep) > 1 for peer in rivals):
-                    parts += [tables.of_criteria(criteria([*found.values()], overall))]
     if noisy:
-        parts += ["## Method by method", tables.by_peer(noisy, [*peers, *schemes])]
+        parts += ["## Method by method", tables.by_peer(noisy, peers)]
     if clean:
         parts += ["## Clean meshes", tables.of_clean(clean)]
-        parts += [tables.of_criteria([clean_criterion(clean)])]
     return "\n\n".join(parts)
 
 
@@ -159,9 +154,6 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--published", action="store_true", help="research peers at their authors' parameters alone"
-    )
-    parser.add_argument(
-        "--paper-schemes", action="store_true", help="the paper's schemes as well, over their radii"
     )
     parser.add_argument("--no-auto", action="store_true", help="peers alone")
     parser.add_argument(

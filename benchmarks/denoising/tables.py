@@ -10,7 +10,7 @@ from ..measuring import table
 from .contest import Entry
 from .measures import Score
 from .peers import Peer
-from .verdict import Criterion, Standing, best_of, best_peer, geometric_mean, one_parameter, slashed
+from .verdict import Standing, best_of, best_peer, geometric_mean, one_parameter, slashed
 
 Rows = list[list[str]]
 
@@ -94,12 +94,6 @@ def by_peer(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
             ]
         )
     return table(header, rows)
-
-
-def of_criteria(found: Sequence[Criterion]) -> str:
-    """List what must be shown, what was found, and whether that passes."""
-    rows = [[each.text, each.found, "pass" if each.passed else "FAIL"] for each in found]
-    return table(("must show", "found", ""), rows)
 
 
 def by_noise(standings: dict[str, tuple[int, Standing]]) -> str:

@@ -1,4 +1,4 @@
-"""From scores to a verdict: best parameters, one parameter for all meshes, what must be shown."""
+"""From scores to a verdict: best parameters, and one parameter for all meshes."""
 
 from __future__ import annotations
 
@@ -11,12 +11,6 @@ import numpy as np
 from .contest import Entry
 from .measures import Score
 from .peers import Peer
-
-FIXED_GOALS, BEST_GOALS, KIND_LIMITS, MESH_LIMIT = (0.80, 0.85), (0.95, 1.0), (1.0, 1.1), 1.2
-"""Error and angle over the research peers', see `Standing`."""
-
-FLIPS_GOAL, CLEAN_GOAL = 0.9, 0.00005
-"""Share of the meshes; edges, shown as 0.0000."""
 
 
 class Point(NamedTuple):
@@ -42,15 +36,6 @@ class OneParameter:
     peer: str
     parameter: str
     scores: tuple[Score, ...]
-
-
-@dataclass(frozen=True)
-class Criterion:
-    """One thing that must be shown, and whether it was."""
-
-    text: str
-    found: str
-    passed: bool
 
 
 @dataclass(frozen=True)
@@ -139,34 +124,6 @@ def standing(entries: Sequence[Entry], peers: Sequence[Peer]) -> Standing:
         float(np.mean([own["flips"] <= rival["flips"] for own, rival in both])),
         geometric_mean([own["seconds"] / rival["seconds"] for own, rival in both]),
     )
-
-
-def criteria(kinds: Sequence[Standing], overall: Standing) -> list[Criterion]:
-    """Judge auto against research peers: kind by kind of noise, and on all meshes together."""
-
-    def at_most(text: str, found: Sequence[float], goals: Sequence[float]) -> Criterion:
-        passed = all(value <= goal for value, goal in zip(found, goals, strict=True))
-        return Criterion(f"{text} ≤ {slashed(goals)}", slashed(found), passed)
-
-    fixed, best = (
-        [max(values) for values in zip(*(getattr(kind, which) for kind in kinds), strict=True)]
-        for which in ("fixed", "best")
-    )
-    flips = f"{overall.flips:.0%}"
-    return [
-        at_most("published parameters, worst kind of noise", fixed, FIXED_GOALS),
-        at_most("best parameter per mesh, all", overall.best, BEST_GOALS),
-        at_most("best parameter per mesh, worst kind of noise", best, KIND_LIMITS),
-        at_most("best parameter, error on the worst mesh", [overall.largest], [MESH_LIMIT]),
-        Criterion("no more flips, on nine meshes of ten", flips, overall.flips >= FLIPS_GOAL),
-    ]
-
-
-def clean_criterion(entries: Sequence[Entry]) -> Criterion:
-    """Judge auto on clean meshes: they must come back as they were."""
-    moved = max(entry.auto["moved"] for entry in entries)
-    text = f"clean meshes moved by 0.0000 edges, largest of {len(entries)} meshes"
-    return Criterion(text, f"{moved:.4f}", moved < CLEAN_GOAL)
 
 
 def slashed(values: Sequence[float]) -> str:

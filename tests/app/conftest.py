@@ -55,10 +55,9 @@ class App:
         timeout: float = 300,
     ) -> int:
         """Run Blender with the user directory; its exit code."""
-        return real_blender.run_blender(
+        return debian_chroot.run_inside(
             self.chroot,
-            [str(argument) for argument in arguments],
-            screen=screen,
+            real_blender.blender_script([str(each) for each in arguments], screen=screen),
             binds=[self.directory],
             environment=self._environment,
             timeout=timeout,

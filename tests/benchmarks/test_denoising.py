@@ -364,18 +364,6 @@ def test_what_the_authors_publish_is_the_one_parameter():
     assert [each["mean"] for each in single.scores] == [0.1, 0.5]
 
 
-def test_the_verdict_fails_what_does_not_hold():
-    good = [entry(0.05, [0.1], [0.1])]
-    bad = [entry(0.13, [0.1], [0.1], flips=1, angle=0.05)]
-    standings = [verdict.standing(some, [FIRST, SECOND]) for some in (good, bad, good + bad)]
-    assert all(each.passed for each in verdict.criteria(standings[:1], standings[0]))
-    found = verdict.criteria(standings[:2], standings[2])
-    assert [each.passed for each in found] == [False, True, False, False, False]
-    assert found[0].found == "1.30 / 0.50"
-    assert not verdict.clean_criterion([entry(0.1, [0.1], [0.1], moved=0.02), *good]).passed
-    assert verdict.clean_criterion(good).passed
-
-
 def test_a_parameter_that_failed_on_one_mesh_is_not_the_one_for_all():
     entries = [entry(0.1, [0.1, 0.2], [0.1]), entry(0.1, [0.1, 0.2], [0.1])]
     del entries[1].peers["first"]["0"]

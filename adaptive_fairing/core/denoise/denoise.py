@@ -13,15 +13,14 @@ from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import CallerMesh, SolverProblem
 from ..runtime.arrays import BoolArray, FloatArray
 from ..runtime.precision import SINGLE
-from .creases import crease_part
 from .filter_family import KEEPS
-from .local_frame import spacing_of
 from .mixing import mixed_surfaces
 from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
 from .progress import DenoiseProgress, ProgressReport
 from .result import DenoiseResult
 from .settings import DenoiseSettings
+from .triangle_surface import TriangleSurface
 
 
 def denoise(
@@ -95,7 +94,7 @@ def denoise(
         )
     report = ProgressReport(progress, has_plan=plan is not None)
     outcome = mixed_surfaces(
-        problem.space,
+        problem.space.topology,
         problem.start,
         surface.is_cut,
         strength=settings.strength,
@@ -116,15 +115,15 @@ def denoise(
         problem.space.measures(each, in_single).scaled(1 / frame.scale) for each in surfaces
     )
     plan, noise = outcome.plan, outcome.plan.noise
-    creases = crease_part(topology, outcome.positions[STRENGTHS.index(1.0)])
+    start = TriangleSurface(topology, problem.start)
+    creases = TriangleSurface(topology, outcome.positions[STRENGTHS.index(1.0)]).crease_part()
     result = DenoiseResult(
         strengths=settings.strength * np.array(STRENGTHS),
         shapes=np.stack([frame.displaced(mesh.points, move) for move in moves]),
         start=mesh.points,
         noise=frame.to_caller(noise),
         noise_level=_median_where(noise > 0, noise),
-        noise_length=_median_where(noise > 0, noise * spacing_of(topology, problem.start, 0))
-        / frame.scale,
+        noise_length=_median_where(noise > 0, noise * start.spacing) / frame.scale,
         radius=plan.radius,
         sharp_part=_sharp_part(plan),
         crease_part=creases,

@@ -58,12 +58,6 @@ class FilterFamily(NamedTuple):
             for each in self.diffusions
         )
 
-    def scaled(self, factor: float) -> FilterFamily:
-        """Return the same diffusions with the metric's angle times a factor."""
-        if self.metric.angle is None:
-            return self
-        return self._replace(metric=self.metric._replace(angle=factor * self.metric.angle))
-
 
 class FlatFamily(NamedTuple):
     """The mixture of the rounds before with its flat faces made flat; see `flat_faces`.
@@ -82,10 +76,6 @@ class FlatFamily(NamedTuple):
     def filters(self) -> tuple[Filter, ...]:
         """The one filter."""
         return (Filter(self.name, KEEPS),)
-
-    def scaled(self, factor: float) -> FlatFamily:
-        """Return itself: nothing in it follows the noise."""
-        return self
 
 
 class NormalFamily(NamedTuple):
@@ -112,7 +102,3 @@ class NormalFamily(NamedTuple):
             for each in self.smoothings
             for passes in each.passes
         )
-
-    def scaled(self, factor: float) -> NormalFamily:
-        """Return itself: the angles of normals do not follow the noise."""
-        return self

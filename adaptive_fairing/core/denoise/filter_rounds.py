@@ -37,22 +37,24 @@ def mesh_family() -> FilterFamily:
     return FilterFamily("mesh", ROUNDS, LiftedMetric(), all_diffusions())
 
 
-def rounds() -> tuple[Round, ...]:
+def rounds(angle_factor: float = 1.0, correlation: NoiseCorrelation = WHITE) -> tuple[Round, ...]:
     """Return the filters of each round besides those of the mesh.
 
     The metrics of a round are those of the mixture of the rounds before it, at first those of the
-    slightly smoothed surface.  Their angles are for coarse noise, see `rounds_for`.
+    slightly smoothed surface.  Their angles are for coarse noise, times a factor.
+    Flat faces are found through smooth noise of this correlation.
     """
     tuned = parameters()
+    wide, narrow = angle_factor * tuned.wide_angle, angle_factor * tuned.narrow_angle
     every, gentle = all_diffusions(), gentle_diffusions()
     return (
         (FilterFamily("surface", ROUNDS, LiftedMetric(1), every),),
         (
-            FilterFamily("mesh, wide angle", SEES, LiftedMetric(0, tuned.wide_angle), every),
-            FilterFamily("surface, wide angle", SEES, LiftedMetric(1, tuned.wide_angle), every),
+            FilterFamily("mesh, wide angle", SEES, LiftedMetric(0, wide), every),
+            FilterFamily("surface, wide angle", SEES, LiftedMetric(1, wide), every),
         ),
         (
-            FilterFamily("mesh, narrow angle", KEEPS, LiftedMetric(0, tuned.narrow_angle), gentle),
+            FilterFamily("mesh, narrow angle", KEEPS, LiftedMetric(0, narrow), gentle),
             NormalFamily(
                 "noisy normals", (Smoothing(tuned.long_fit_angle, tuned.noisy_fit_passes),), True
             ),
@@ -60,7 +62,7 @@ def rounds() -> tuple[Round, ...]:
         (_fits("normals", tuned.short_fit_passes, tuned.long_fit_passes),),
         (
             _fits("normals of the fits", tuned.last_short_fit_passes, tuned.last_long_fit_passes),
-            FlatFamily("flat faces"),
+            FlatFamily("flat faces", correlation),
         ),
     )
 
@@ -74,8 +76,7 @@ def _fits(name: str, short_passes: tuple[int, ...], long_passes: tuple[int, ...]
 def rounds_for(noise: FloatArray, correlation: NoiseCorrelation = WHITE) -> list[Round]:
     """Choose the filters of all rounds for the noise, (n,), of the vertices judged.
 
-    The angles of the metrics are scaled to it.  Flat faces are found through smooth noise of this
-    correlation.  Noise that turns triangles over leaves nothing in
+    The angles of the metrics are scaled to it.  Noise that turns triangles over leaves nothing in
     their normals.
     """
     tuned = parameters()
@@ -84,11 +85,9 @@ def rounds_for(noise: FloatArray, correlation: NoiseCorrelation = WHITE) -> list
     has_normals = typical <= tuned.most_noise_in_normals
     return [
         tuple(
-            family._replace(correlation=correlation)
-            if isinstance(family, FlatFamily)
-            else family.scaled(factor)
+            family
             for family in families
             if has_normals or not (isinstance(family, NormalFamily) and family.is_of_noisy)
         )
-        for families in rounds()
+        for families in rounds(factor, correlation)
     ]

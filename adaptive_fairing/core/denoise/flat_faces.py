@@ -18,23 +18,21 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from ..mesh.normals import triangle_normals, unit_vectors
-from ..mesh.topology import TriangleTopology
+from ..mesh.normals import unit_vectors
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
 from .noise.correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing, smoothed_normals
 from .parameters import parameters
 from .plane_fits import PlaneFits
+from .triangle_surface import TriangleSurface
 
 NO_FACE = -1
 
 
 def flattened(
-    topology: TriangleTopology,
-    around: IntArray,
+    surface: TriangleSurface,
     noisy: FloatArray,
-    surface: FloatArray,
-    spacing: FloatArray,
+    around: IntArray,
     least: float = 0.0,
     correlation: NoiseCorrelation = WHITE,
 ) -> FloatArray | None:
@@ -42,15 +40,12 @@ def flattened(
 
     Parameters
     ----------
-    topology : TriangleTopology
+    surface : TriangleSurface
+        Denoised: faces are found on it.
+    noisy : (n, 3)
+        Positions of the same vertices that the planes are fitted to.
     around : (9, m) int
         Triangles around each one, see `triangles_around`.
-    noisy : (n, 3)
-        Positions that the planes are fitted to.
-    surface : (n, 3)
-        The same vertices denoised: faces are found on it.
-    spacing : (n,)
-        Local edge length.
     least : float
         Fraction of the triangles that must be on flat faces.
     correlation : NoiseCorrelation
@@ -62,11 +57,11 @@ def flattened(
         The surface with flat faces; vertices that are not on any are as they were.  None if too
         few triangles, or none, are on flat faces.
     """
-    found = FlatFaces(topology, around, noisy, surface, spacing, correlation)
+    found = FlatFaces(surface, noisy, around, correlation)
     part = np.mean(found.face >= 0)
     if part == 0 or part < least:
         return None
-    return found.planes.onto(surface, spacing)
+    return found.planes.onto(surface.positions, surface.smooth_spacing)
 
 
 class FlatFaces:
@@ -83,20 +78,18 @@ class FlatFaces:
 
     def __init__(
         self,
-        topology: TriangleTopology,
-        around: IntArray,
+        surface: TriangleSurface,
         noisy: FloatArray,
-        surface: FloatArray,
-        spacing: FloatArray,
+        around: IntArray,
         correlation: NoiseCorrelation = WHITE,
     ) -> None:
-        tuned = parameters()
+        tuned, topology = parameters(), surface.topology
         # Neighbours with smooth noise say less than as many of their own would.
         self._own_part = correlation.deviation**2 if correlation.passes else 1.0
         self._most_uneven = tuned.most_uneven_if_smooth if correlation.passes else tuned.most_uneven
-        self._triangles = topology.triangles
-        self._noisy, self._surface, self._spacing = noisy, surface, spacing
-        scaled = triangle_normals(surface, self._triangles)
+        self._triangles, self._noisy = topology.triangles, noisy
+        self._surface, self._spacing = surface.positions, surface.smooth_spacing
+        scaled = surface.triangle_normals()
         self._areas = np.sqrt(np.einsum("fd,fd->f", scaled, scaled))
         passes = tuned.face_passes + tuned.face_passes_for_smooth * correlation.passes
         smoothing = Smoothing(tuned.short_fit_angle, (passes,))

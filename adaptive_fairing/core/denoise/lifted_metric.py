@@ -29,9 +29,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ..linalg.edge_matrix import EdgeMatrix, EdgePattern
-from ..mesh.normals import vertex_normals
-from ..runtime.arrays import FloatArray
+from ..runtime.arrays import FloatArray, IntArray
 from .parameters import parameters
+from .triangle_surface import TriangleSurface
 
 # A triangle's metric counts as at least this definite: determinant relative to the
 # square of the edges' squared lengths.
@@ -53,25 +53,23 @@ class LiftedMetric(NamedTuple):
     angle: float | None = None
 
     def lengths(
-        self, pattern: EdgePattern, positions: FloatArray, spacing: FloatArray
+        self, surface: TriangleSurface, smooth: TriangleSurface | None = None
     ) -> FloatArray:
         """Squared lengths q of every triangle's edges in the metric ĝ of a surface, (3, m).
 
         Parameters
         ----------
-        pattern : EdgePattern
-        positions : (n, 3)
-        spacing : (n,)
-            Local edge length h > 0, in the units of the positions.
+        surface : TriangleSurface
+        smooth : TriangleSurface, optional
+            The same surface with less noise, to take the local edge length h from.
         """
-        topology, fraction = pattern.topology, self.surface_fraction
-        squares = np.full((3, topology.n_triangles), 1.0 - fraction)
+        triangles, fraction = surface.topology.triangles, self.surface_fraction
+        squares = np.full((3, len(triangles)), 1.0 - fraction)
         if fraction > 0:
-            spacing_of_triangle = spacing[topology.triangles].mean(axis=1)
-            squares += fraction / spacing_of_triangle**2 * squared_edges(pattern, positions)
+            spacing = (smooth or surface).smooth_spacing[triangles].mean(axis=1)
+            squares += fraction / spacing**2 * squared_edges(triangles, surface.positions)
         if self.angle is not None:
-            normals = vertex_normals(topology, positions)
-            squares += squared_edges(pattern, normals) / self.angle**2
+            squares += squared_edges(triangles, surface.normals) / self.angle**2
         return squares
 
 
@@ -89,20 +87,19 @@ def linear_elements(pattern: EdgePattern, squares: FloatArray) -> tuple[EdgeMatr
     return mass.with_diagonal(on_diagonal), stiffness.with_diagonal(-stiffness.row_sums())
 
 
-def rim_flux(pattern: EdgePattern, squares: FloatArray, positions: FloatArray) -> FloatArray:
+def rim_flux(surface: TriangleSurface, squares: FloatArray) -> FloatArray:
     """Integrate ∂x/∂ν φ over the rims, (n, 3): what L x has there because the surface ends.
 
     L x less that is 0 for a plane, at its rims as inside.
 
     Parameters
     ----------
-    pattern : EdgePattern
+    surface : TriangleSurface
+        With positions x.
     squares : (3, m)
         Squared lengths of the triangles' edges in the metric.
-    positions : (n, 3)
-        x.
     """
-    topology = pattern.topology
+    topology, positions = surface.topology, surface.positions
     flux = np.zeros((topology.n_vertices, 3))
     triangle, first = np.divmod(np.flatnonzero(topology.twin < 0), 3)
     own = squares[:, triangle]
@@ -119,9 +116,8 @@ def rim_flux(pattern: EdgePattern, squares: FloatArray, positions: FloatArray) -
     return flux
 
 
-def squared_edges(pattern: EdgePattern, points: FloatArray) -> FloatArray:
+def squared_edges(triangles: IntArray, points: FloatArray) -> FloatArray:
     """Squared lengths of every triangle's edges from corner k to the next, (3, n_triangles)."""
-    triangles = pattern.topology.triangles
     squares = np.zeros((3, len(triangles)))
     for column in points.T:
         corners = np.ascontiguousarray(column)[triangles.T]

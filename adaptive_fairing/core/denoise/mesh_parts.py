@@ -8,9 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.sparse import csgraph
 
-from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
-from .local_frame import LocalFrame
 from .mixture import Mixture
 from .noise.clean_detail import NOISE, CleanDetail
 from .noise.level import beyond_clean, noise_model
@@ -18,7 +16,8 @@ from .noise.noisy_surface import NoisySurface
 from .noise.roughness import Roughness
 from .noise.spikes import impulsive_certainty
 from .parameters import parameters
-from .unbiased_risk import density_classes, least_risk_coefficients
+from .triangle_surface import TriangleSurface
+from .unbiased_risk import least_risk_coefficients
 
 
 class NoiseFound(NamedTuple):
@@ -45,6 +44,13 @@ class NoiseFound(NamedTuple):
 class MeshParts:
     """Connected parts that are judged each by itself, small ones together.
 
+    Parameters
+    ----------
+    frame : TriangleSurface
+        Slightly smoothed.
+    is_still : (n,) bool
+        Vertices that nothing is judged from.
+
     Attributes
     ----------
     is_counted : (n,) bool
@@ -53,11 +59,10 @@ class MeshParts:
         These and those of the rims.
     """
 
-    def __init__(self, topology: TriangleTopology, frame: LocalFrame, is_still: BoolArray) -> None:
-        tuned = parameters()
+    def __init__(self, frame: TriangleSurface, is_still: BoolArray) -> None:
+        tuned, topology = parameters(), frame.topology
         self.may_move = ~(is_still | topology.is_loose)
         self.is_counted = self.may_move & ~topology.on_boundary
-        self._frame = frame
         size = frame.spread(np.log(frame.spacing), tuned.density_passes)
         _, label = csgraph.connected_components(topology.adjacency(), directed=False)
         n_counted = np.bincount(label, self.is_counted)
@@ -89,7 +94,7 @@ class MeshParts:
         keeps_clean : bool
             Whether what looks like a clean mesh has no noise. Or else all roughness is noise.
         """
-        tuned = parameters()
+        tuned, frame = parameters(), surface.frame
         clean = tuned.clean_roughness
         n_counted = int(np.count_nonzero(self.is_counted))
         noise, impulsive, level = np.zeros((3, len(self.is_counted)))
@@ -99,7 +104,7 @@ class MeshParts:
         )
         if n_counted < tuned.fewest_vertices:
             return NoiseFound(noise, impulsive, noise, (too_few,))
-        rough = Roughness.of(surface.positions, self._frame)
+        rough = Roughness.of(surface.positions, frame)
         detail = CleanDetail(surface, self.is_counted)
         models = []
         for members in self._members:
@@ -107,8 +112,8 @@ class MeshParts:
             counted[members] = self.is_counted[members]
             if not counted.any():
                 continue
-            model = noise_model(rough, self._frame.spacing, counted, self._averaged)
-            level[counted] = model.level(self._frame.spacing[counted])
+            model = noise_model(rough, frame, counted)
+            level[counted] = model.level(frame.spacing[counted])
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
             may_be_spiky = np.median(level[counted]) > clean and not surface.fading.fades(counted)
             spiky = impulsive_certainty(surface, level, counted) if may_be_spiky else 0.0
@@ -140,9 +145,6 @@ class MeshParts:
         )
         return NoiseFound(noise, impulsive, level, (note,))
 
-    def _averaged(self, values: FloatArray) -> FloatArray:
-        return self._frame.spread(values, parameters().density_passes)
-
     def best_mixtures(
         self,
         removed: Sequence[RealArray],
@@ -167,3 +169,24 @@ class MeshParts:
                     weights[used],
                 )
         return [Mixture(each, self._weights, self._part) for each in chosen]
+
+
+def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:
+    """Overlapping classes of vertices from dense to coarse, (c, n), adding up to 1.
+
+    Parameters
+    ----------
+    size : (n,)
+        Logarithm of the local edge length.
+    is_counted : (n,) bool
+        Vertices whose distribution decides.
+    """
+    tuned = parameters()
+    n_counted = int(np.count_nonzero(is_counted))
+    n_classes = int(np.clip(n_counted // tuned.vertices_per_class, 1, tuned.most_classes))
+    parts = np.linspace(tuned.class_margin, 1 - tuned.class_margin, n_classes)
+    knots = np.quantile(size[is_counted], parts) if n_counted else []
+    # On an even mesh there is nothing to tell apart.
+    if n_classes == 1 or not np.all(np.diff(knots) > tuned.least_class_distance):
+        return np.ones((1, len(size)))
+    return np.stack([np.interp(size, knots, unit) for unit in np.eye(n_classes)])

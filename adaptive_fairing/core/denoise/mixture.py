@@ -43,7 +43,7 @@ class Mixture(NamedTuple):
         return coefficients
 
     def spread(self, is_one: Sequence[bool]) -> Mixture:
-        """Return the mixture of more filters, those that are none of these with 0; (k',) bool."""
+        """Return the same mixture among k' filters: those that are one of its own, (k',) bool."""
         by_class = np.zeros((*self.by_class.shape[:2], len(is_one)))
         by_class[..., is_one] = self.by_class
         return self._replace(by_class=by_class)

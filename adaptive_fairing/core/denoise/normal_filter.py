@@ -15,13 +15,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..linalg.edge_matrix import EdgePattern
-from ..mesh.normals import triangle_normals, unit_vectors
+from ..mesh.normals import unit_vectors
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, IntArray, RealArray
 from ..runtime.threads import chunks, ordered_map
 from .lifted_metric import area_elements, half_cotangents, squared_edges
 from .parameters import parameters
+from .triangle_surface import TriangleSurface
 
 TRIANGLES_PER_CHUNK = 16384
 
@@ -108,8 +108,7 @@ class TurningLoads:
 
     Parameters
     ----------
-    pattern : EdgePattern
-    positions : (n, 3)
+    surface : TriangleSurface
 
     Attributes
     ----------
@@ -117,11 +116,11 @@ class TurningLoads:
         Unit normals of the triangles.
     """
 
-    def __init__(self, pattern: EdgePattern, positions: FloatArray) -> None:
-        triangles = pattern.topology.triangles
+    def __init__(self, surface: TriangleSurface) -> None:
+        triangles, positions = surface.topology.triangles, surface.positions
         self._n_vertices, self._corners = len(positions), triangles.T.reshape(-1)
-        self.normals = unit_vectors(triangle_normals(positions, triangles))
-        squares = squared_edges(pattern, positions)
+        self.normals = unit_vectors(surface.triangle_normals())
+        squares = squared_edges(triangles, positions)
         corners = np.ascontiguousarray(positions.T)[:, triangles.T]
         # From corner k to the next: (3 coordinates, 3 corners, m).
         edges = np.roll(corners, -1, axis=1) - corners

@@ -191,7 +191,7 @@ class DenoiseParameters:
     # Rounds of halving at most. By hand.
     most_sliding_rounds: int = 32
 
-    # unbiased_risk: density classes.
+    # mesh_parts: density classes.
     # A class has at least this many vertices. By hand.
     vertices_per_class: int = 200
     # Classes at most. By hand.

@@ -1,4 +1,4 @@
-"""A surface before it is filtered, with all that the automatic method needs of it."""
+"""A surface before it is filtered, and on its way through the filters."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ..fem.loop_space import LoopSpace
 from ..linalg.conjugate_gradients import SolveReport
-from ..runtime.arrays import BoolArray, FloatArray
-from .creases import has_creases
+from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from .filter_bank import FilterBank
-from .filter_rounds import rounds_for
-from .local_frame import LocalFrame
+from .filter_family import Filter
+from .filter_rounds import Round, rounds_for
 from .mesh_parts import MeshParts
+from .mixture import Mixture
 from .noise.correlation import NoiseCorrelation
 from .noise.face_noise import FaceNoise, face_noise
 from .noise.level import beyond_clean
@@ -22,38 +22,106 @@ from .noise.spikes import without_spikes
 from .parameters import parameters
 from .plan import DenoisePlan
 from .progress import ProgressReport
-from .track import Track
+from .triangle_surface import TriangleSurface
+
+
+class Track:
+    """A surface on its way through the filters, with what each filter takes away.
+
+    What is taken away is kept in single precision, which is plenty for it, to save memory.
+
+    Parameters
+    ----------
+    bank : FilterBank
+    start : TriangleSurface
+        What is filtered.
+
+    Attributes
+    ----------
+    surface : TriangleSurface
+        What the next filters take their metrics and normals from.
+    taken : dict of Filter to (n, 3)
+    """
+
+    def __init__(self, bank: FilterBank, start: TriangleSurface) -> None:
+        self._bank, self.start = bank, start
+        self.surface, filtered = bank.started(start)
+        self.taken: dict[Filter, RealArray] = {
+            each: self._taken_by(result) for each, result in filtered.items()
+        }
+
+    def filter(self, families: Round, pilot: Mixture | None = None) -> None:
+        """Add the filters of a round, on the surface that a mixture makes if one is given."""
+        if pilot is not None:
+            self.surface = TriangleSurface(self.start.topology, self.mixed(pilot))
+        for each, result in self._bank.filtered(self.start, self.surface, families):
+            self.taken[each] = self._taken_by(result)
+
+    def repeat(self, plan: DenoisePlan, progress: ProgressReport) -> None:
+        """Filter as on another frame of the surface."""
+        # Without creases there was no last round.
+        pilots = (None, *plan.pilots)
+        for number, (families, pilot) in enumerate(
+            zip(rounds_for(plan.noise, plan.correlation), pilots, strict=False), start=1
+        ):
+            progress.begin("filter", number)
+            self.filter(families, pilot)
+
+    def removed(self, each: Filter, frame: TriangleSurface) -> FloatArray:
+        """Measure the normal part of what a filter takes away, in local edge lengths, (n,)."""
+        return frame.along_normal(self.taken[each].astype(np.float64))
+
+    def mixed(self, mixture: Mixture) -> FloatArray:
+        """Mix the filters so far."""
+        result, taken = self.start.positions.copy(), list(self.taken.values())
+        for used in mixture.used:
+            result -= mixture.coefficients(used)[:, None] * taken[used]
+        return result
+
+    def _taken_by(self, result: FloatArray) -> RealArray:
+        return (self.start.positions - result).astype(np.float32)
 
 
 class Stage:
-    """Positions with all that the method needs of them before the noise is known."""
+    """A surface with all that the method needs of it before the noise is known.
+
+    Attributes
+    ----------
+    bank : FilterBank
+    track : Track
+    frame : TriangleSurface
+        The surface, slightly smoothed: unit of length and direction of the noise.
+    noisy : NoisySurface
+    parts : MeshParts
+    """
 
     def __init__(
         self,
-        space: LoopSpace,
+        topology: TriangleTopology,
         positions: FloatArray,
         is_still: BoolArray,
         on_solve: Callable[[SolveReport], None],
     ) -> None:
-        self._space, self._is_still, self._on_solve = space, is_still, on_solve
-        self.bank = FilterBank(space.topology, positions, on_solve)
-        self.track = Track(self.bank, positions)
-        self.frame = LocalFrame.of(space.topology, self.track.surface, self.track.surface)
-        self.noisy = NoisySurface(space.topology, positions, self.frame)
-        self.parts = MeshParts(space.topology, self.frame, is_still)
+        self._is_still, self._on_solve = is_still, on_solve
+        start = TriangleSurface(topology, positions)
+        self.bank = FilterBank(start, on_solve)
+        self.track = Track(self.bank, start)
+        self.frame = self.track.surface
+        self.noisy = NoisySurface(positions, self.frame)
+        self.parts = MeshParts(self.frame, is_still)
 
     def calmed(self, impulsive: FloatArray) -> Stage:
         """Put vertices back that stand out, by a part (n,) of their way."""
-        positions = self.track.positions
+        positions = self.noisy.positions
         calm = without_spikes(self.noisy, self.parts.is_counted, self.parts.may_move)
         start = positions + impulsive[:, None] * (calm - positions)
-        return Stage(self._space, start, self._is_still, self._on_solve)
+        return Stage(self.frame.topology, start, self._is_still, self._on_solve)
 
     def face_noise(self, noisy: NoisySurface) -> FaceNoise:
         """Measure the smooth noise on flat faces, in the surface's units."""
-        tuned, positions = parameters(), self.track.positions
+        tuned = parameters()
         assumed = NoiseCorrelation(deviation=tuned.assumed_deviation, passes=tuned.assumed_passes)
-        faces = self.bank.flat_faces(positions, self.track.surface, assumed)
+        faces = self.bank.flat_faces(self.track.start, self.frame, assumed)
         return face_noise(noisy, faces, self.parts.is_counted)
 
     def undented(self, level: FloatArray, impulsive: FloatArray) -> FloatArray | None:
@@ -64,24 +132,12 @@ class Stage:
         """
         judged = level[level > 0]
         is_clean = not len(judged) or not beyond_clean(np.median(judged, keepdims=True)).any()
-        start = calm = self.track.positions
-        if not (impulsive.any() and is_clean and has_creases(self.bank.topology, start)):
+        calm = start = self.track.start
+        if not (impulsive.any() and is_clean and start.has_creases()):
             return None
         for _ in range(parameters().undenting_rounds):
             flat = self.bank.flattened(calm, calm, parameters().least_flat_dented)
             if flat is None:
                 return None
-            calm = flat
-        result: FloatArray = start + impulsive[:, None] * (calm - start)
-        return result
-
-    def repeat(self, plan: DenoisePlan, progress: ProgressReport) -> None:
-        """Filter as on another frame of the surface."""
-        first, *others = rounds_for(plan.noise, plan.correlation)
-        progress.begin("filter", 1)
-        self.track.filter(first)
-        # Without creases there was no last round.
-        for number, (families, pilot) in enumerate(zip(others, plan.pilots, strict=False), start=2):
-            progress.begin("filter", number)
-            self.track.surface = self.track.mixed(pilot)
-            self.track.filter(families)
+            calm = TriangleSurface(start.topology, flat)
+        return start.positions + impulsive[:, None] * (calm.positions - start.positions)

@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..mesh.normals import triangle_normals, unit_vectors, vertex_normals
-from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray
-from .local_frame import LocalFrame
 from .parameters import parameters
+from .triangle_surface import TriangleSurface
 
 
 class Sliding:
@@ -23,32 +22,25 @@ class Sliding:
 
     Parameters
     ----------
-    topology : TriangleTopology
-    positions : (n, 3)
+    start : TriangleSurface
         Before fairing.
-    frame : LocalFrame
+    frame : TriangleSurface
     has_creases : bool
         Whether the faired surface has creases.  Then it tells best what is along it: a vertex on a
         flat face near a crease must not leave the face.  Otherwise the smoothed normals of the
         noisy one do, which slivers and rims do not disturb.
     """
 
-    def __init__(
-        self,
-        topology: TriangleTopology,
-        positions: FloatArray,
-        frame: LocalFrame,
-        has_creases: bool,
-    ) -> None:
+    def __init__(self, start: TriangleSurface, frame: TriangleSurface, has_creases: bool) -> None:
         tuned = parameters()
-        self._topology, self._triangles = topology, topology.triangles
-        self._positions, self._has_creases = positions, has_creases
-        normals = vertex_normals(topology, positions)
+        self._topology, self._triangles = start.topology, start.topology.triangles
+        self._positions, self._has_creases = start.positions, has_creases
+        normals = start.normals
         for _ in range(tuned.normal_passes):
             normals = unit_vectors(frame.spread(normals, 1))
         self._normals = normals
-        self._upwards = unit_vectors(normals[topology.triangles].sum(axis=1))
-        self._before = unit_vectors(triangle_normals(positions, topology.triangles))
+        self._upwards = unit_vectors(normals[self._triangles].sum(axis=1))
+        self._before = unit_vectors(start.triangle_normals())
         cosines = np.einsum("fd,fd->f", self._before, self._upwards)
         self._was_upright = cosines > tuned.upright_cosine
         self._may_turn = cosines > -tuned.upright_cosine

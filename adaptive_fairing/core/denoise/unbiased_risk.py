@@ -20,8 +20,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
 
-from ..runtime.arrays import BoolArray, FloatArray, RealArray
-from .parameters import parameters
+from ..runtime.arrays import FloatArray, RealArray
 
 # Sums over the vertices are taken over this many at once, which bounds the memory.
 VERTICES_AT_ONCE = 16384
@@ -113,24 +112,3 @@ def _products(first: FloatArray, second: FloatArray) -> FloatArray:
     left, right = (part.swapaxes(0, 1) for part in parts)
     products: FloatArray = np.matmul(left, right.swapaxes(1, 2)).sum(axis=0)
     return products + first[:, whole:] @ second[:, whole:].T
-
-
-def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:
-    """Overlapping classes of vertices from dense to coarse, (c, n), adding up to 1.
-
-    Parameters
-    ----------
-    size : (n,)
-        Logarithm of the local edge length.
-    is_counted : (n,) bool
-        Vertices whose distribution decides.
-    """
-    tuned = parameters()
-    n_counted = int(np.count_nonzero(is_counted))
-    n_classes = int(np.clip(n_counted // tuned.vertices_per_class, 1, tuned.most_classes))
-    parts = np.linspace(tuned.class_margin, 1 - tuned.class_margin, n_classes)
-    knots = np.quantile(size[is_counted], parts) if n_counted else []
-    # On an even mesh there is nothing to tell apart.
-    if n_classes == 1 or not np.all(np.diff(knots) > tuned.least_class_distance):
-        return np.ones((1, len(size)))
-    return np.stack([np.interp(size, knots, unit) for unit in np.eye(n_classes)])

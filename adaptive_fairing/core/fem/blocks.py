@@ -2,7 +2,8 @@
 
     chunk     neighbouring triangles, up to 32,768: the work of one thread, scattered together
     block     triangles of a chunk with equally many quadrature points: the work of one numpy call
-    segment   triangles of a block, or of a chunk, that one `PatchTables` serves
+    group     triangles of a block with equally many control points
+    segment   triangles of a group, or of a chunk, that one `PatchTables` serves
 
 What differs by class is a matrix product per segment; everything between the products runs over
 all points of a block at once.
@@ -11,15 +12,17 @@ all points of a block at once.
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from itertools import groupby
 from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..linalg.symmetric_pattern import Pairs
 from ..loop.patches import Segment
 from ..runtime.arrays import IntArray
 from ..runtime.precision import Precision
-from .patch_tables import PatchTables
+from .patch_tables import PatchTables, upper_pairs
 from .table_cache import SpaceTables
 
 Value = TypeVar("Value", np.float32, np.float64, np.int32)
@@ -27,6 +30,38 @@ Value = TypeVar("Value", np.float32, np.float64, np.int32)
 # Large enough to hide the cost of a numpy call, and of threads taking turns at the interpreter;
 # small enough for the cache: half or twice as many points take longer.
 POINTS_PER_BLOCK = 24576
+
+
+class Group(NamedTuple):
+    """Where the triangles of a group are in the arrays of their block and chunk.
+
+    Attributes
+    ----------
+    n_control_points : int
+        Of a triangle, K.
+    control : slice
+        Of the (K, n) control points, among those of the block.
+    entries : slice
+        Of the (p, n) local matrix entries, among those of the chunk.
+    """
+
+    n_control_points: int
+    control: slice
+    entries: slice
+
+    @property
+    def pairs(self) -> Pairs:
+        """Pairs of control points, the p = K (K + 1) / 2 entries of a local matrix."""
+        return upper_pairs(self.n_control_points)
+
+    def of_control(self, values: NDArray[Value]) -> NDArray[Value]:
+        """View values (…, n_control) at a block's control points as (…, K, n)."""
+        own = values[..., self.control]
+        return own.reshape(*values.shape[:-1], self.n_control_points, -1)
+
+    def of_entries(self, values: NDArray[Value]) -> NDArray[Value]:
+        """View values (n_entries,) of a chunk's local matrices as (p, n)."""
+        return values[self.entries].reshape(len(self.pairs[0]), -1)
 
 
 class BlockSegment(NamedTuple):
@@ -37,16 +72,15 @@ class BlockSegment(NamedTuple):
     tables : PatchTables
     columns : slice
         Among the triangles of the block.
-    control : slice
-        Of the (K, n) control points, among those of the block.
-    entries : slice
-        Of the (p, n) local matrix entries, among those of the chunk.
+    group : Group
+    in_group : slice
+        Among the triangles of the group.
     """
 
     tables: PatchTables
     columns: slice
-    control: slice
-    entries: slice
+    group: Group
+    in_group: slice
 
     def tables_in(self, precision: Precision) -> PatchTables:
         """Return the tables in single or double precision."""
@@ -54,12 +88,11 @@ class BlockSegment(NamedTuple):
 
     def of_control(self, values: NDArray[Value]) -> NDArray[Value]:
         """View values (…, n_control) at a block's control points as (…, K, n)."""
-        own = values[..., self.control]
-        return own.reshape(*values.shape[:-1], self.tables.n_control_points, -1)
+        return self.group.of_control(values)[..., self.in_group]
 
     def of_entries(self, values: NDArray[Value]) -> NDArray[Value]:
         """View values (n_entries,) of a chunk's local matrices as (p, n)."""
-        return values[self.entries].reshape(len(self.tables.pairs[0]), -1)
+        return self.group.of_entries(values)[:, self.in_group]
 
 
 class Block:
@@ -68,13 +101,15 @@ class Block:
     Parameters
     ----------
     segments : list of pairs (PatchTables, Segment)
+        In ascending numbers of control points.
     control_points : (n_control,) int32
-        Vertex numbers relative to the chunk's lowest one, segment by segment.
+        Vertex numbers relative to the chunk's lowest one, group by group.
     first_control, first_entry : int
         Numbers of the block's first control point and local matrix entry in the chunk.
 
     Attributes
     ----------
+    groups : list of Group
     segments : list of BlockSegment
     control_points : (n_control,) int32
     control : slice
@@ -82,8 +117,6 @@ class Block:
     n_points : int
         Points of one triangle, q.
     n_triangles : int
-    triangles : (n_triangles,) int32
-        Which triangles of the topology.
     weights : (q, k), weight_starts : (k,) int
         Quadrature weights of the measures, and the first of the triangles that have them.
     """
@@ -98,17 +131,24 @@ class Block:
         self.control_points = control_points
         self.control = slice(first_control, first_control + len(control_points))
         self.n_points = segments[0][0].n_points
-        self.triangles = np.concatenate([each.triangles for _, each in segments]).astype(np.int32)
-        self.n_triangles = len(self.triangles)
+        self.groups: list[Group] = []
         self.segments: list[BlockSegment] = []
         column, control, entry = 0, 0, first_entry
-        for tables, segment in segments:
-            n = len(segment.triangles)
-            columns = slice(column, column + n)
-            controls = slice(control, control + segment.control_points.size)
-            entries = slice(entry, entry + n * len(tables.pairs[0]))
-            self.segments.append(BlockSegment(tables, columns, controls, entries))
-            column, control, entry = columns.stop, controls.stop, entries.stop
+        for members in _groups(segments):
+            n_control_points = members[0][0].n_control_points
+            n = sum(len(segment.triangles) for _, segment in members)
+            controls = slice(control, control + n * n_control_points)
+            entries = slice(entry, entry + n * len(members[0][0].pairs[0]))
+            group = Group(n_control_points, controls, entries)
+            first = column
+            for tables, segment in members:
+                columns = slice(column, column + len(segment.triangles))
+                in_group = slice(columns.start - first, columns.stop - first)
+                self.segments.append(BlockSegment(tables, columns, group, in_group))
+                column = columns.stop
+            self.groups.append(group)
+            control, entry = controls.stop, entries.stop
+        self.n_triangles = column
         self.weights = np.concatenate([tables.weights[0] for tables, _ in segments], axis=1)
         self.weight_starts = np.concatenate(
             [s.columns.start + np.arange(s.tables.weights.shape[2]) for s in self.segments]
@@ -130,20 +170,30 @@ class Chunk:
     """
 
     def __init__(self, segments: list[Segment], tables: SpaceTables) -> None:
-        groups = list(_block_wise(tables.of_chunk(segments)))
-        self.control_points = np.concatenate(
-            [segment.control_points.reshape(-1) for group in groups for _, segment in group]
-        )
+        blocks = list(_block_wise(tables.of_chunk(segments)))
+        of_blocks = [
+            [np.concatenate([s.control_points for _, s in group], axis=1) for group in _groups(block)]
+            for block in blocks
+        ]
+        self.control_points = np.concatenate([own.reshape(-1) for each in of_blocks for own in each])
         self.low, self.high = int(self.control_points.min()), int(self.control_points.max()) + 1
         self.control_points -= np.int32(self.low)
         self.blocks: list[Block] = []
         control = self.n_entries = 0
-        for group in groups:
-            n_control = sum(segment.control_points.size for _, segment in group)
-            own = self.control_points[control : control + n_control]
-            self.blocks.append(Block(group, own, control, self.n_entries))
-            control += n_control
-            self.n_entries = self.blocks[-1].segments[-1].entries.stop
+        for block, own in zip(blocks, of_blocks, strict=True):
+            first, control = control, control + sum(each.size for each in own)
+            self.blocks.append(
+                Block(block, self.control_points[first:control], first, self.n_entries)
+            )
+            self.n_entries = self.blocks[-1].groups[-1].entries.stop
+
+
+def _groups(
+    segments: list[tuple[PatchTables, Segment]],
+) -> Iterator[list[tuple[PatchTables, Segment]]]:
+    """Part segments by their numbers of control points, which ascend."""
+    for _, group in groupby(segments, lambda each: each[0].n_control_points):
+        yield list(group)
 
 
 def _block_wise(
@@ -152,7 +202,7 @@ def _block_wise(
     """Cut segments, and gather those of equally many points to full blocks."""
     gathered: list[tuple[PatchTables, Segment]] = []
     room = 0
-    for tables, segment in sorted(segments, key=lambda each: each[0].n_points):
+    for tables, segment in sorted(segments, key=_shape):
         if gathered and gathered[0][0].n_points != tables.n_points:
             yield gathered
             gathered = []
@@ -169,3 +219,8 @@ def _block_wise(
                 gathered = []
     if gathered:
         yield gathered
+
+
+def _shape(segment: tuple[PatchTables, Segment]) -> tuple[int, int]:
+    """Numbers of points and of control points."""
+    return segment[0].n_points, segment[0].n_control_points

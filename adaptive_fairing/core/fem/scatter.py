@@ -28,10 +28,10 @@ class ChunkEntries:
         places = pattern.places(chunk.low, chunk.high)
         doubled = [np.empty(0, dtype=np.intp)]
         for block in chunk.blocks:
-            for segment in block.segments:
-                vertices = segment.of_control(block.control_points)
-                places.numbers(vertices, segment.tables.pairs, segment.of_entries(self.numbers))
-                doubled.append(segment.entries.start + _doubled(vertices, segment.tables.pairs))
+            for group in block.groups:
+                vertices, pairs = group.of_control(block.control_points), group.pairs
+                places.numbers(vertices, pairs, group.of_entries(self.numbers))
+                doubled.append(group.entries.start + _doubled(vertices, pairs))
         self.doubled = np.concatenate(doubled)
 
 

@@ -69,8 +69,9 @@ class SymmetricPattern:
     def __init__(self, adjacency: sparse.csr_array) -> None:
         self.n = adjacency.shape[0]
         self._near = _with_diagonal(adjacency)
-        firsts = range(0, self.n, ROWS_PER_CHUNK)
-        self.chunks = list(ordered_map(lambda first: _row_chunk(self._near, first), firsts))
+        rows = [slice(k, min(k + ROWS_PER_CHUNK, self.n)) for k in range(0, self.n, ROWS_PER_CHUNK)]
+        two_edges = _near_of_near(self._near, rows)
+        self.chunks = list(ordered_map(lambda own: _row_chunk(self._near, two_edges, own), rows))
         self.row_starts = np.zeros(self.n + 1, dtype=np.int32)
         for chunk in self.chunks:
             first, last = chunk.rows.start, chunk.rows.stop
@@ -133,23 +134,28 @@ def _with_diagonal(adjacency: sparse.csr_array) -> sparse.csr_array:
     return sparse.csr_array((ones, columns, starts), shape=adjacency.shape)
 
 
-def _row_chunk(near: sparse.csr_array, first: int) -> RowChunk:
-    """Find the vertices that are at most three edges away, for a chunk of rows."""
-    n = near.shape[0]
-    rows = slice(first, min(first + ROWS_PER_CHUNK, n))
-    two_edges = near[rows] @ near
+def _near_of_near(near: sparse.csr_array, rows: list[slice]) -> sparse.csr_array:
+    """Find the vertices that are at most two edges away."""
+    parts = list(ordered_map(lambda own: near[own] @ near, rows))
+    two_edges = sparse.csr_array(sparse.vstack(parts)) if parts else near
     # Entries count paths; without this a count might overflow to 0, and the entry be lost.
     two_edges.data[:] = 1
-    reach = two_edges @ near
-    row = np.repeat(np.arange(len(reach.indptr) - 1, dtype=np.int32), np.diff(reach.indptr))
-    columns = reach.indices - np.int32(first)
-    is_upper = columns >= row
-    row, columns = row[is_upper], columns[is_upper]
-    starts = np.zeros(rows.stop - first + 1, dtype=np.int32)
-    np.cumsum(np.bincount(row, minlength=rows.stop - first), out=starts[1:])
+    return two_edges
+
+
+def _row_chunk(near: sparse.csr_array, two_edges: sparse.csr_array, rows: slice) -> RowChunk:
+    """Find the vertices that are at most three edges away, for a chunk of rows."""
+    # Not two edges and then one: the long rows of the second factor are read in one go.
+    reach = near[rows] @ two_edges
+    first, n_rows = rows.start, rows.stop - rows.start
+    row = np.repeat(np.arange(first, rows.stop, dtype=np.int32), np.diff(reach.indptr))
+    is_upper = reach.indices >= row
+    columns = reach.indices[is_upper] - np.int32(first)
+    starts = np.zeros(n_rows + 1, dtype=np.int32)
+    np.cumsum(np.add.reduceat(is_upper, reach.indptr[:-1], dtype=np.int32), out=starts[1:])
     width = int(columns.max()) + 1
     entries = (np.ones(len(columns), dtype=bool), columns, starts)
-    upper = sparse.csr_array(entries, shape=(rows.stop - first, width))
+    upper = sparse.csr_array(entries, shape=(n_rows, width))
     # Transposing twice sorts the columns of every row in linear time.
     return RowChunk(rows, slice(first, first + width), starts, upper.tocsc().tocsr().indices)
 

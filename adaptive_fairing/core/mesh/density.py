@@ -9,7 +9,7 @@ from scipy import sparse
 from ..errors import SettingsError
 from ..runtime.arrays import FloatArray
 from ..runtime.threads import chunks, ordered_map
-from .limit_surface import limit_weights
+from .loop_masks import limit_weight
 from .normals import triangle_normals
 from .topology import TriangleTopology
 
@@ -77,7 +77,7 @@ def smoothed(topology: TriangleTopology, values: FloatArray, passes: int) -> Flo
     On the boundary, where the paper has no rule, the limit mask is the one of the cubic B-spline
     curve that Loop's boundary rules converge to: (1/6, 2/3, 1/6).
     """
-    weight = limit_weights(topology)
+    weight = _limit_weights(topology)
     keep = 1 - topology.ring_size * weight
     adjacency = topology.adjacency(np.float64)
     border = topology.boundary_vertices
@@ -88,6 +88,15 @@ def smoothed(topology: TriangleTopology, values: FloatArray, passes: int) -> Flo
         following[border] = 2 / 3 * values[border] + (values[before] + values[after]) / 6
         values = following
     return values
+
+
+def _limit_weights(topology: TriangleTopology) -> FloatArray:
+    """Weights (n_vertices,) of each neighbour in limit positions inside; 0 for other vertices."""
+    # One cosine per valence, not per vertex.
+    valences = np.arange(1, topology.ring_size.max(initial=0) + 1)
+    weights: FloatArray = np.append(0.0, limit_weight(valences))[topology.ring_size]
+    weights[topology.on_boundary] = 0
+    return weights
 
 
 def _mean_edge_length(topology: TriangleTopology, points: FloatArray) -> FloatArray:

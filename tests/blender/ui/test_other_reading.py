@@ -12,7 +12,7 @@ from support.results import coordinates
 from adaptive_fairing.blender.operators import readings
 from adaptive_fairing.blender.ui.settings_panel import VIEW3D_PT_adaptive_fairing
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoise.local_frame import LocalFrame
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -34,7 +34,7 @@ def model():
 def scanned():
     """A torus with smooth noise, as a scanner makes it."""
     vertices, faces = meshes.torus(104, 52)
-    frame = LocalFrame.of(TriangleTopology(faces, len(vertices)), vertices, vertices)
+    frame = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
     heights = frame.spread(np.random.default_rng(0).normal(size=len(vertices)), 4)
     return selected(vertices + frame.raised(0.2 * heights / heights.std()), faces)
 

@@ -7,10 +7,10 @@ from support import meshes
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoise.filter_bank import FilterBank
 from adaptive_fairing.core.denoise.filter_rounds import mesh_family
-from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.mixing import filter_divergence
 from adaptive_fairing.core.denoise.noise.own_numbers import OwnNumbers
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 
 def exact_filters(size, seed=0):
@@ -64,11 +64,11 @@ def test_the_probe_of_a_mesh_finds_the_trace_of_its_diffusions(shape):
     vertices = vertices + 0.02 * np.random.default_rng(1).normal(size=vertices.shape)
     n = len(vertices)
     topology = TriangleTopology(faces, n)
-    frame = LocalFrame.of(topology, vertices, vertices)
-    bank = FilterBank(topology, vertices, lambda report: None)
+    frame = TriangleSurface(topology, vertices)
+    bank = FilterBank(frame, lambda report: None)
 
     def removed_from(positions):
-        _, filtered = bank.started(positions)
+        _, filtered = bank.started(TriangleSurface(topology, positions))
         return np.stack([frame.along_normal(positions - each) for each in filtered.values()])
 
     probe = PARAMETERS.probe_size * OwnNumbers(vertices, frame).probe()

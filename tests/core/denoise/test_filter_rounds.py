@@ -10,6 +10,7 @@ from adaptive_fairing.core.denoise.filter_bank import FilterBank
 from adaptive_fairing.core.denoise.filter_family import FilterFamily, NormalFamily
 from adaptive_fairing.core.denoise.filter_rounds import mesh_family, rounds, rounds_for
 from adaptive_fairing.core.denoise.plan import STRENGTHS
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 POINTS, FACES = meshes.noisy_ball(3, 0.03)
 
@@ -79,9 +80,9 @@ def test_a_later_round_takes_its_metric_from_the_mixture_of_the_rounds_before(
     calls = []
     filtered = FilterBank.filtered
 
-    def recorded(self, positions, surface, families):
-        found = list(filtered(self, positions, surface, families))
-        calls.append((positions, surface, [result for _, result in found]))
+    def recorded(self, noisy, surface, families):
+        found = list(filtered(self, noisy, surface, families))
+        calls.append((noisy.positions, surface.positions, [result for _, result in found]))
         return iter(found)
 
     monkeypatch.setattr(FilterBank, "filtered", recorded)
@@ -95,9 +96,9 @@ def test_a_later_round_takes_its_metric_from_the_mixture_of_the_rounds_before(
     surfaces = [surface for each, surface, _ in both_runs if np.array_equal(each, positions)]
     for surface, (_, again, _) in zip(surfaces, calls, strict=True):
         assert np.array_equal(surface, again)
-    bank = FilterBank(prepared.surface.topology, positions, lambda report: None)
-    start, of_mesh = bank.started(positions)
-    np.testing.assert_allclose(calls[0][1], start, rtol=0, atol=1e-12)
+    noisy = TriangleSurface(prepared.surface.topology, positions)
+    start, of_mesh = FilterBank(noisy, lambda report: None).started(noisy)
+    np.testing.assert_allclose(calls[0][1], start.positions, rtol=0, atol=1e-12)
     so_far = [*of_mesh.values(), *calls[0][2]]
     for pilot, (_, surface, results) in zip(plan.pilots, calls[1:], strict=True):
         mixture = positions - sum(

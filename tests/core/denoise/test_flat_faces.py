@@ -7,10 +7,10 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
 from adaptive_fairing.core.denoise.flat_faces import FlatFaces, flattened
-from adaptive_fairing.core.denoise.local_frame import spacing_of
 from adaptive_fairing.core.denoise.normal_filter import triangles_around
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
 from adaptive_fairing.core.denoise.plan import STRENGTHS
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 
 def cube():
@@ -51,8 +51,7 @@ def noisy_cube(amplitude, seed=0):
 def seen(positions, faces, surface):
     """What `FlatFaces` and `flattened` need."""
     topology = TriangleTopology(faces, len(positions))
-    spacing = spacing_of(topology, surface, 3)
-    return topology, triangles_around(topology), positions, surface, spacing
+    return TriangleSurface(topology, surface), positions, triangles_around(topology)
 
 
 def off_the_cube(positions):

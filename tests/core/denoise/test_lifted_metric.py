@@ -11,15 +11,16 @@ from adaptive_fairing.core.denoise.lifted_metric import (
     rim_flux,
     squared_edges,
 )
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 from adaptive_fairing.core.linalg.edge_matrix import EdgePattern
 
 BUMPY = meshes.random_closed(2)
 
 
 def matrices(metric, vertices, faces, spacing=None):
-    pattern = EdgePattern(TriangleTopology(faces, len(vertices)))
-    spacing = np.ones(len(vertices)) if spacing is None else spacing
-    both = linear_elements(pattern, metric.lengths(pattern, vertices, spacing))
+    surface = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
+    surface.smooth_spacing = np.ones(len(vertices)) if spacing is None else spacing
+    both = linear_elements(EdgePattern(surface.topology), metric.lengths(surface))
     return [matrix.full() for matrix in both]
 
 
@@ -118,9 +119,9 @@ def test_along_a_cylinder_distances_stay_and_around_it_they_grow():
 def test_less_the_flux_through_its_rim_a_plane_has_no_bending():
     vertices, faces = meshes.flat_grid(7, 5)
     vertices[:, :2] += np.random.default_rng(0).uniform(-0.2, 0.2, (len(vertices), 2))
-    pattern = EdgePattern(TriangleTopology(faces, len(vertices)))
-    squares = squared_edges(pattern, vertices)
-    _, stiffness = linear_elements(pattern, squares)
-    bending, flux = stiffness.product(vertices.T).T, rim_flux(pattern, squares, vertices)
+    surface = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
+    squares = squared_edges(faces, vertices)
+    _, stiffness = linear_elements(EdgePattern(surface.topology), squares)
+    bending, flux = stiffness.product(vertices.T).T, rim_flux(surface, squares)
     assert abs(bending).max() > 0.1
     assert abs(bending - flux).max() < 1e-13

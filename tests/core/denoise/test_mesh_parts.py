@@ -7,12 +7,12 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
-from adaptive_fairing.core.denoise.local_frame import LocalFrame
-from adaptive_fairing.core.denoise.mesh_parts import MeshParts
+from adaptive_fairing.core.denoise.mesh_parts import MeshParts, density_classes
 from adaptive_fairing.core.denoise.noise import noisy_surface
 from adaptive_fairing.core.denoise.noise.line_roughness import LineRoughness
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.parameters import PARAMETERS, using
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 BALL, FACES = meshes.icosphere(3)
 SMALL_BALL, SMALL_FACES = meshes.icosphere(2)
@@ -20,7 +20,7 @@ SMALL_BALL, SMALL_FACES = meshes.icosphere(2)
 
 def noisy(clean, faces, level, seed=0):
     """Noise along the normals of a ball about the origin, in local edge lengths."""
-    spacing = LocalFrame.of(TriangleTopology(faces, len(clean)), clean, clean).spacing
+    spacing = TriangleSurface(TriangleTopology(faces, len(clean)), clean).spacing
     heights = level * spacing * np.random.default_rng(seed).normal(size=len(clean))
     return clean * (1 + heights[:, None])
 
@@ -32,9 +32,9 @@ def side_by_side(*parts):
 def levels_of(points, faces):
     """Noise that is found, and the vertices of each part."""
     topology = TriangleTopology(faces, len(points))
-    frame = LocalFrame.of(topology, points, points)
-    parts = MeshParts(topology, frame, np.zeros(len(points), dtype=bool))
-    return parts.noise(NoisySurface(topology, points, frame), 1.0).level
+    frame = TriangleSurface(topology, points)
+    parts = MeshParts(frame, np.zeros(len(points), dtype=bool))
+    return parts.noise(NoisySurface(points, frame), 1.0).level
 
 
 def test_large_parts_have_estimates_of_their_own():
@@ -87,11 +87,26 @@ def test_filters_are_chosen_in_every_part_by_its_noise():
     """What a filter removes is the noise itself: its coefficient is 1 where there is noise."""
     points, faces = side_by_side((BALL, FACES), (BALL, FACES))
     topology = TriangleTopology(faces, len(points))
-    frame = LocalFrame.of(topology, points, points)
-    parts = MeshParts(topology, frame, np.zeros(len(points), dtype=bool))
+    frame = TriangleSurface(topology, points)
+    parts = MeshParts(frame, np.zeros(len(points), dtype=bool))
     removed = np.random.default_rng(0).normal(size=(1, len(points)))
     variances = np.where(np.arange(len(points)) < len(BALL), 1.0, 0.0)[None]
     (mixture,) = parts.best_mixtures(removed, np.ones_like(removed), variances)
     chosen = mixture.coefficients(0)
     assert chosen[: len(BALL)].mean() == pytest.approx(1, abs=0.1)
     assert not chosen[len(BALL) :].any()
+
+
+def test_classes_add_up_to_one_and_follow_the_density():
+    size = np.random.default_rng(4).normal(size=4000)
+    classes = density_classes(size, np.ones(4000, dtype=bool))
+    assert len(classes) == 3
+    np.testing.assert_allclose(classes.sum(axis=0), 1)
+    assert classes[:, size.argmin()].tolist() == [1, 0, 0]
+    assert classes[:, size.argmax()].tolist() == [0, 0, 1]
+
+
+def test_an_even_mesh_is_one_class():
+    everyone = np.ones(4000, dtype=bool)
+    assert len(density_classes(np.zeros(4000), everyone)) == 1
+    assert len(density_classes(np.linspace(0, 1, 50), everyone[:50])) == 1

@@ -13,7 +13,7 @@ from adaptive_fairing.core.denoise.normal_filter import (
     smoothed_normals,
     triangles_around,
 )
-from adaptive_fairing.core.linalg.edge_matrix import EdgePattern
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 from adaptive_fairing.core.mesh.normals import triangle_normals, unit_vectors
 
 ANGLE = np.radians(60)
@@ -53,10 +53,13 @@ def shortest_turn(before, after):
     return cosine * np.eye(3) + across + np.outer(axis, axis) / (1 + cosine)
 
 
+def filtered(noisy, surface, family):
+    return FilterBank(noisy, lambda report: None).filtered(noisy, surface, [family])
+
+
 def test_the_load_is_that_of_the_shortest_turns_of_the_tangents():
     """Σ over triangles of ∫ (∇x - R ∇x) · ∇φ, with dense gradients."""
     vertices, faces = meshes.random_closed(1)
-    pattern = EdgePattern(TriangleTopology(faces, len(vertices)))
     normals = normals_of(vertices, faces)
     turned = unit_vectors(normals + np.random.default_rng(0).normal(0, 0.4, normals.shape))
     expected = np.zeros_like(vertices)
@@ -68,7 +71,8 @@ def test_the_load_is_that_of_the_shortest_turns_of_the_tangents():
         slopes = np.array([a, b, c]).T @ gradients
         bent = slopes - shortest_turn(before, after) @ slopes
         expected[triangle] += np.linalg.norm(normal) / 2 * gradients @ bent.T
-    load = TurningLoads(pattern, vertices).of(turned)
+    surface = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
+    load = TurningLoads(surface).of(turned)
     np.testing.assert_allclose(load, expected, atol=1e-12)
 
 
@@ -114,9 +118,9 @@ def test_noise_goes_and_the_ridge_of_a_roof_stays():
 def test_a_fit_turns_a_noisy_roof_to_the_clean_one(seed):
     vertices, faces, left, right = roof(noise=0.05, seed=seed)
     true = normals_of(roof()[0], faces)
-    bank = FilterBank(TriangleTopology(faces, len(vertices)), vertices, lambda report: None)
+    noisy = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
     family = NormalFamily("normals", (Smoothing(ANGLE, (1, 3, 8)),))
-    fits = dict(bank.filtered(vertices, vertices, [family]))
+    fits = dict(filtered(noisy, noisy, family))
     assert tuple(fits) == family.filters
     surfaces = [vertices, *fits.values()]
 
@@ -131,16 +135,16 @@ def test_a_fit_turns_a_noisy_roof_to_the_clean_one(seed):
 
 def test_a_fit_leaves_a_clean_roof_as_it_is():
     vertices, faces, *_ = roof()
-    bank = FilterBank(TriangleTopology(faces, len(vertices)), vertices, lambda report: None)
+    noisy = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
     family = NormalFamily("normals", (Smoothing(ANGLE, (8,)),))
-    ((_, fit),) = bank.filtered(vertices, vertices, [family])
+    ((_, fit),) = filtered(noisy, noisy, family)
     np.testing.assert_allclose(fit, vertices, atol=1e-9)
 
 
 def test_normals_of_the_noisy_mesh_are_not_those_of_the_surface():
     vertices, faces, *_ = roof()
-    rounded = vertices * [1, 1, 0.5]
-    bank = FilterBank(TriangleTopology(faces, len(vertices)), vertices, lambda report: None)
+    noisy = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
+    rounded = TriangleSurface(noisy.topology, vertices * [1, 1, 0.5])
     family = NormalFamily("noisy normals", (Smoothing(ANGLE, (8,)),), is_of_noisy=True)
-    ((_, fit),) = bank.filtered(vertices, rounded, [family])
+    ((_, fit),) = filtered(noisy, rounded, family)
     np.testing.assert_allclose(fit, vertices, atol=1e-9)

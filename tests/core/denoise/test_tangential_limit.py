@@ -4,17 +4,16 @@ import numpy as np
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
-from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
 from adaptive_fairing.core.denoise.tangential_limit import Sliding
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 SPHERE = meshes.icosphere(3)
 
 
 def sliding(positions, faces):
-    topology = TriangleTopology(faces, len(positions))
-    frame = LocalFrame.of(topology, positions, positions)
-    return Sliding(topology, positions, frame, has_creases=False)
+    start = TriangleSurface(TriangleTopology(faces, len(positions)), positions)
+    return Sliding(start, start, has_creases=False)
 
 
 def face_normals(positions, faces):

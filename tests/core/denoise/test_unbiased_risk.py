@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from adaptive_fairing.core.denoise.unbiased_risk import density_classes, least_risk_coefficients
+from adaptive_fairing.core.denoise.mesh_parts import density_classes
+from adaptive_fairing.core.denoise.unbiased_risk import least_risk_coefficients
 
 N = 4000
 ONE_CLASS = np.ones((1, N))
@@ -66,18 +67,3 @@ def test_no_other_mixture_has_less_risk():
     grid = np.linspace(0, 1, 41)
     others = min(risk(np.array([a, b])) for a in grid for b in grid if a + b <= 1)
     assert risk(chosen) <= others + 1e-3 * abs(others)
-
-
-def test_classes_add_up_to_one_and_follow_the_density():
-    size = np.random.default_rng(4).normal(size=N)
-    classes = density_classes(size, np.ones(N, dtype=bool))
-    assert len(classes) == 3
-    np.testing.assert_allclose(classes.sum(axis=0), 1)
-    assert classes[:, size.argmin()].tolist() == [1, 0, 0]
-    assert classes[:, size.argmax()].tolist() == [0, 0, 1]
-
-
-def test_an_even_mesh_is_one_class():
-    everyone = np.ones(N, dtype=bool)
-    assert len(density_classes(np.zeros(N), everyone)) == 1
-    assert len(density_classes(np.linspace(0, 1, 50), everyone[:50])) == 1

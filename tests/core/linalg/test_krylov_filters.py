@@ -7,6 +7,7 @@ from support import meshes
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoise.filter_rounds import all_diffusions
 from adaptive_fairing.core.denoise.lifted_metric import LiftedMetric, linear_elements
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 from adaptive_fairing.core.linalg.edge_matrix import EdgePattern
 from adaptive_fairing.core.linalg.krylov_filters import Diffusion, removed_by
 
@@ -22,11 +23,8 @@ def noisy_mesh(loose=0):
 
 
 def matrices_of(metric, vertices, faces):
-    pattern = EdgePattern(TriangleTopology(faces, len(vertices)))
-    corners = vertices[faces]
-    edge = np.linalg.norm(corners[:, 0] - corners[:, 1], axis=1).mean()
-    lengths = metric.lengths(pattern, vertices, np.full(len(vertices), edge))
-    return linear_elements(pattern, lengths)
+    surface = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
+    return linear_elements(EdgePattern(surface.topology), metric.lengths(surface))
 
 
 def removed(diffusions, matrices, control, is_loose=None, **options):

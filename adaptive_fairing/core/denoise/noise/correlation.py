@@ -12,8 +12,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
-from ..local_frame import LocalFrame
 from ..parameters import parameters
+from ..triangle_surface import TriangleSurface
 from .noisy_surface import NoisySurface
 
 # Number of coefficients of the neighbours' mean that are tried; the first is 0, for white noise.
@@ -40,7 +40,7 @@ class NoiseCorrelation(NamedTuple):
     deviation: float = 1.0
     passes: int = 0
 
-    def applied(self, values: FloatArray, frame: LocalFrame) -> FloatArray:
+    def applied(self, values: FloatArray, frame: TriangleSurface) -> FloatArray:
         """Give white noise (n,), in local edge lengths, this correlation."""
         if self.passes:
             return frame.spread(values * frame.spacing, self.passes) / frame.spacing

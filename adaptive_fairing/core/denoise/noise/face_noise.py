@@ -8,7 +8,6 @@ of averaged white noise band by band, and is normally distributed (`smooth_noise
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -16,8 +15,8 @@ from scipy import sparse
 
 from ...runtime.arrays import BoolArray, FloatArray, IntArray
 from ..flat_faces import FlatFaces
-from ..local_frame import LocalFrame
 from ..parameters import parameters
+from ..triangle_surface import TriangleSurface
 from .correlation import WHITE, NoiseCorrelation
 from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
@@ -158,7 +157,7 @@ def _tail(values: FloatArray) -> float:
     return float(max(np.quantile(size, TAIL) / np.median(size), 1e-9)) / NORMAL_TAIL
 
 
-def _within_faces(surface: NoisySurface, face: IntArray, normals: FloatArray) -> LocalFrame:
+def _within_faces(surface: NoisySurface, face: IntArray, normals: FloatArray) -> TriangleSurface:
     """Return a frame that averages within the faces of vertices, (n,), along their planes' normals.
 
     A vertex without a face, or without a neighbour on it, is an average of itself.
@@ -177,4 +176,4 @@ def _within_faces(surface: NoisySurface, face: IntArray, normals: FloatArray) ->
     # Of the two normals of a plane the one on the surface's side.
     side = np.where(np.einsum("nd,nd->n", normals[face], frame.normals) < 0, -1.0, 1.0)
     along = np.where((face >= 0)[:, None], side[:, None] * normals[face], frame.normals)
-    return replace(frame, normals=along, mean=mean)
+    return frame.with_frame(normals=along, mean=mean)

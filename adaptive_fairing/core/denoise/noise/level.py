@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -11,9 +10,8 @@ from scipy.special import expit
 
 from ...runtime.arrays import BoolArray, FloatArray, IndexArray
 from ..parameters import parameters
+from ..triangle_surface import TriangleSurface
 from .roughness import Roughness
-
-Smoother = Callable[[FloatArray], FloatArray]
 
 # The median of |x| for a normal distribution of unit variance.
 NORMAL_MEDIAN = 0.6744897501960817
@@ -46,9 +44,7 @@ class NoiseModel(NamedTuple):
         return np.sqrt(self.per_edge + self.per_length * rough.fineness)
 
 
-def noise_model(
-    rough: Roughness, spacing: FloatArray, is_counted: BoolArray, smoothed: Smoother
-) -> NoiseModel:
+def noise_model(rough: Roughness, frame: TriangleSurface, is_counted: BoolArray) -> NoiseModel:
     """Estimate the noise along the normals from vertices (n,) bool.
 
     Medians do not see the features in the roughness.  Noise of neighbours that is alike (scanners,
@@ -57,12 +53,9 @@ def noise_model(
     Parameters
     ----------
     rough : Roughness
-    spacing : (n,)
-        Local edge lengths.
+    frame : TriangleSurface
     is_counted : (n,) bool
         Vertices to judge from.
-    smoothed : callable
-        Averages values (n,) over the neighbourhoods.
 
     Source: median absolute deviation, after D. Donoho and I. Johnstone, Ideal spatial adaptation
     by wavelet shrinkage, 1994; quantiles, R. Koenker and G. Bassett, Regression quantiles, 1978;
@@ -70,12 +63,12 @@ def noise_model(
     """
     if not is_counted.any():
         return NoiseModel(0.0, 0.0)
-    variance = _variances(rough, _bins(is_counted, smoothed(np.log(spacing))))
+    variance = _variances(rough, _bins(is_counted, frame, frame.spacing))
     (constant,) = _quantile_fit(np.ones((1, len(variance))), variance)
     least = float(variance.min())
     # Noise is everywhere: where a part is clean, the others have features.
     alone = least if least <= parameters().clean_roughness ** 2 else float(constant)
-    bins = _bins(is_counted, smoothed(np.log(rough.fineness)))
+    bins = _bins(is_counted, frame, rough.fineness)
     fineness = np.exp([np.median(np.log(rough.fineness[members])) for members in bins])
     terms = np.stack([np.ones_like(fineness), fineness])
     both = NoiseModel(*_quantile_fit(terms, _variances(rough, bins)))
@@ -92,9 +85,10 @@ def _variances(rough: Roughness, bins: list[IndexArray]) -> FloatArray:
     return np.square(levels)
 
 
-def _bins(is_counted: BoolArray, size: FloatArray) -> list[IndexArray]:
-    """Sort the counted vertices into bins of density."""
+def _bins(is_counted: BoolArray, frame: TriangleSurface, values: FloatArray) -> list[IndexArray]:
+    """Sort the counted vertices into bins of values that tell the density, (n,)."""
     tuned = parameters()
+    size = frame.spread(np.log(values), tuned.density_passes)
     chosen = np.flatnonzero(is_counted)
     n_bins = int(np.clip(len(chosen) // tuned.vertices_per_bin, 1, len(LEAST_OF) - 1))
     return np.array_split(chosen[np.argsort(size[chosen], kind="stable")], n_bins)

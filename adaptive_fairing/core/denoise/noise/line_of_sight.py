@@ -8,8 +8,6 @@ are as large everywhere: along the surface's normals they are less where it is s
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ...mesh.topology import TriangleTopology
@@ -52,4 +50,4 @@ def along_sight(surface: NoisySurface) -> NoisySurface:
     frame = surface.frame
     unit = np.maximum(np.abs(frame.normals @ direction), LEAST_COSINE)
     unit *= np.median(frame.spacing) / np.median(unit)
-    return NoisySurface(surface.topology, surface.positions, replace(frame, spacing=unit))
+    return NoisySurface(surface.positions, frame.with_frame(spacing=unit))

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import BoolArray, FloatArray
-from ..local_frame import LocalFrame
 from ..parameters import parameters
+from ..triangle_surface import TriangleSurface
 
 
 class OppositeLines:
@@ -19,11 +18,11 @@ class OppositeLines:
 
     Parameters
     ----------
-    topology : TriangleTopology
-    frame : LocalFrame
+    frame : TriangleSurface
     """
 
-    def __init__(self, topology: TriangleTopology, frame: LocalFrame) -> None:
+    def __init__(self, frame: TriangleSurface) -> None:
+        topology = frame.topology
         self._sizes = sizes = topology.ring_size
         self._middle = np.repeat(np.arange(topology.n_vertices), sizes)
         first = np.repeat(topology.ring_start[:-1], sizes)
@@ -68,9 +67,8 @@ class LineRoughness:
 
     Parameters
     ----------
-    topology : TriangleTopology
     positions : (n, 3)
-    frame : LocalFrame
+    frame : TriangleSurface
     noise : (n,)
         White noise of unit variance along the normals, to compare with.
 
@@ -80,14 +78,8 @@ class LineRoughness:
         Their magnitudes in local edge lengths, of the positions and of the noise.
     """
 
-    def __init__(
-        self,
-        topology: TriangleTopology,
-        positions: FloatArray,
-        frame: LocalFrame,
-        noise: FloatArray,
-    ) -> None:
-        lines = OppositeLines(topology, frame)
+    def __init__(self, positions: FloatArray, frame: TriangleSurface, noise: FloatArray) -> None:
+        lines = OppositeLines(frame)
         passing = lines.passing(positions)
         self.least = np.abs(lines.least_deviation(positions, passing))
         self.least_of_noise = np.abs(lines.least_deviation(frame.raised(noise), passing))

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from functools import cached_property
 
-from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import FloatArray
-from ..local_frame import LocalFrame
+from ..triangle_surface import TriangleSurface
 from .line_roughness import LineRoughness
 from .order_decay import Fading
 from .own_numbers import LINE_NOISE, WHITE_NOISE, OwnNumbers
@@ -17,15 +16,14 @@ class NoisySurface:
 
     Parameters
     ----------
-    topology : TriangleTopology
     positions : (n, 3)
-    frame : LocalFrame
+    frame : TriangleSurface
+        The same surface, slightly smoothed: unit of length and direction of the noise.
     """
 
-    def __init__(
-        self, topology: TriangleTopology, positions: FloatArray, frame: LocalFrame
-    ) -> None:
-        self.topology, self.positions, self.frame = topology, positions, frame
+    def __init__(self, positions: FloatArray, frame: TriangleSurface) -> None:
+        self.positions, self.frame = positions, frame
+        self.topology = frame.topology
 
     @cached_property
     def own(self) -> OwnNumbers:
@@ -40,5 +38,4 @@ class NoisySurface:
     @cached_property
     def lines(self) -> LineRoughness:
         """Deviations from the smoothest line through each vertex."""
-        noise = self.own.noise(LINE_NOISE)
-        return LineRoughness(self.topology, self.positions, self.frame, noise)
+        return LineRoughness(self.positions, self.frame, self.own.noise(LINE_NOISE))

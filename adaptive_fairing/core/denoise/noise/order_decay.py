@@ -12,8 +12,8 @@ from functools import cached_property
 import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
-from ..local_frame import LocalFrame
 from ..parameters import parameters
+from ..triangle_surface import TriangleSurface
 
 # Orders of the differences that are compared.
 LOW, HIGH = 2, 5
@@ -25,12 +25,12 @@ class Fading:
     Parameters
     ----------
     positions : (n, 3)
-    frame : LocalFrame
+    frame : TriangleSurface
     white : (n,)
         The white noise along the normals, in local edge lengths.
     """
 
-    def __init__(self, positions: FloatArray, frame: LocalFrame, white: FloatArray) -> None:
+    def __init__(self, positions: FloatArray, frame: TriangleSurface, white: FloatArray) -> None:
         self.white = white
         self._positions, self._frame = positions, frame
 
@@ -61,10 +61,12 @@ class Fading:
     def _compared(self, differences: FloatArray, is_counted: BoolArray) -> tuple[float, float]:
         low, high = np.median(differences[:, is_counted], axis=1)
         white_low, white_high = np.median(self._of_white[:, is_counted], axis=1)
-        return float(low / white_low), float((high / low) / (white_high / white_low))
+        # What is not rough at all does not fade.
+        kept = (high / low) / (white_high / white_low) if low > 0 else 1.0
+        return float(low / white_low), float(kept)
 
 
-def _differences(values: FloatArray, frame: LocalFrame) -> FloatArray:
+def _differences(values: FloatArray, frame: TriangleSurface) -> FloatArray:
     """Magnitudes of the normal parts of differences of low and high order, (2, n)."""
     found = []
     for order in range(1, HIGH + 1):

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.special import ndtri
 
 from ...runtime.arrays import FloatArray
-from ..local_frame import LocalFrame
+from ..triangle_surface import TriangleSurface
 
 # Turns of the phase per local edge length.  Noise of 0.05 of an edge moves the phase by several
 # turns, so neighbours are not alike; rounding to single precision moves it by a thousandth.
@@ -31,15 +31,15 @@ class OwnNumbers:
     Parameters
     ----------
     positions : (n, 3)
-    frame : LocalFrame
+    frame : TriangleSurface
 
     Attributes
     ----------
     rises : (n,)
-        How far each vertex lies over the mean of its neighbours, see `LocalFrame.rises`.
+        How far each vertex lies over the mean of its neighbours, see `TriangleSurface.rises`.
     """
 
-    def __init__(self, positions: FloatArray, frame: LocalFrame) -> None:
+    def __init__(self, positions: FloatArray, frame: TriangleSurface) -> None:
         self.rises = frame.rises(positions)
         centred = positions - positions.mean(axis=0)
         around = frame.mean @ centred

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from ...runtime.arrays import FloatArray
-from ..local_frame import LocalFrame
+from ..triangle_surface import TriangleSurface
 
 
 class Roughness(NamedTuple):
@@ -28,7 +28,7 @@ class Roughness(NamedTuple):
     fineness: FloatArray
 
     @classmethod
-    def of(cls, positions: FloatArray, frame: LocalFrame) -> Roughness:
+    def of(cls, positions: FloatArray, frame: TriangleSurface) -> Roughness:
         """Measure positions (n, 3)."""
         difference = sparse.identity(len(positions), format="csr") - frame.mean
         twice = sparse.csr_array(difference @ difference)

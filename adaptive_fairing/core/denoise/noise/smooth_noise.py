@@ -19,8 +19,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
-from ..local_frame import LocalFrame
 from ..parameters import parameters
+from ..triangle_surface import TriangleSurface
 from .correlation import WHITE, NoiseCorrelation
 from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
@@ -168,7 +168,7 @@ def typical_sizes(heights: FloatArray) -> FloatArray:
     return sizes
 
 
-def band_heights(positions: FloatArray, frame: LocalFrame) -> FloatArray:
+def band_heights(positions: FloatArray, frame: TriangleSurface) -> FloatArray:
     """Heights of the bands along the normals, (k, n)."""
     found, near, done = [], positions, 0
     for low, high in BANDS:
@@ -179,7 +179,9 @@ def band_heights(positions: FloatArray, frame: LocalFrame) -> FloatArray:
     return np.stack(found)
 
 
-def local_strengths(heights: FloatArray, frame: LocalFrame, is_counted: BoolArray) -> FloatArray:
+def local_strengths(
+    heights: FloatArray, frame: TriangleSurface, is_counted: BoolArray
+) -> FloatArray:
     """Local strength of the bands' heights (k, n) at the counted vertices, (k, m)."""
     passes = parameters().band_passes
     weight = np.maximum(frame.spread(is_counted.astype(float), passes), 1e-9)

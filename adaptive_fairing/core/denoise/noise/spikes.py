@@ -76,7 +76,7 @@ def without_spikes(surface: NoisySurface, is_counted: BoolArray, may_move: BoolA
     """
     tuned = parameters()
     topology, frame = surface.topology, surface.frame
-    lines = OppositeLines(topology, frame)
+    lines = OppositeLines(frame)
     unit = np.median(surface.lines.least_of_noise[is_counted])
     result = surface.positions.copy()
     centre = np.repeat(np.arange(topology.n_vertices), topology.ring_size)

@@ -5,12 +5,12 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
-from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.mesh_parts import MeshParts
 from adaptive_fairing.core.denoise.noise.level import beyond_clean, noise_model
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.noise.roughness import Roughness
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 SHAPES = {"graded": meshes.graded_sphere(4), "torus": meshes.torus(48, 24)}
 EVERY_SHAPE = pytest.mark.parametrize("shape", SHAPES)
@@ -18,13 +18,12 @@ EVERY_SHAPE = pytest.mark.parametrize("shape", SHAPES)
 
 def frame_of(shape):
     vertices, faces = SHAPES[shape]
-    topology = TriangleTopology(faces, len(vertices))
-    return topology, LocalFrame.of(topology, vertices, vertices)
+    return TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
 
 
 def with_detail(shape, amplitude, seed=0):
     """Bumps of about two edges across, of some local edge lengths."""
-    _, frame = frame_of(shape)
+    frame = frame_of(shape)
     bumps = np.random.default_rng(seed).normal(size=len(frame.spacing))
     for _ in range(2):
         bumps = (bumps + frame.mean @ bumps) / 2
@@ -33,20 +32,18 @@ def with_detail(shape, amplitude, seed=0):
 
 
 def with_noise(shape, amplitude, seed=0):
-    _, frame = frame_of(shape)
+    frame = frame_of(shape)
     noise = np.random.default_rng(seed).normal(size=len(frame.spacing))
     return SHAPES[shape][0] + frame.raised(amplitude * noise)
 
 
 def levels(shape, points):
     """Before and after detail was told from noise."""
-    topology, frame = frame_of(shape)
+    frame = frame_of(shape)
     inside = np.ones(len(points), dtype=bool)
-    model = noise_model(
-        Roughness.of(points, frame), frame.spacing, inside, lambda each: frame.spread(each, 3)
-    )
-    parts = MeshParts(topology, frame, ~inside)
-    found = parts.noise(NoisySurface(topology, points, frame), 1.0)
+    model = noise_model(Roughness.of(points, frame), frame, inside)
+    parts = MeshParts(frame, ~inside)
+    found = parts.noise(NoisySurface(points, frame), 1.0)
     return model.level(frame.spacing), found.level
 
 
@@ -86,9 +83,15 @@ def test_what_is_rough_and_fades_is_not_taken_for_detail():
     assert np.array_equal(level, kept)
 
 
+def test_what_is_not_rough_at_all_does_not_fade():
+    points, faces = meshes.flat_grid(8, 8)
+    frame = TriangleSurface(TriangleTopology(faces, len(points)), points)
+    assert not NoisySurface(points, frame).fading.fades(~frame.topology.on_boundary)
+
+
 def test_few_vertices_of_white_noise_seem_to_fade_by_chance_and_are_not_taken_for_detail():
-    topology, frame = frame_of("graded")
-    fading = NoisySurface(topology, with_noise("graded", 0.1), frame).fading
+    frame = frame_of("graded")
+    fading = NoisySurface(with_noise("graded", 0.1), frame).fading
     parts = np.array_split(np.arange(len(frame.spacing)), 40)
     counted = [np.isin(np.arange(len(frame.spacing)), part) for part in parts]
     kept = np.array([fading.of_mesh(part)[1] for part in counted])

@@ -5,10 +5,10 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
-from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.noise.correlation import NoiseCorrelation, noise_correlation
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 SHAPES = {
     "sphere": meshes.icosphere(5),
@@ -18,7 +18,7 @@ SHAPES = {
 
 
 def frame_of(vertices, faces):
-    return LocalFrame.of(TriangleTopology(faces, len(vertices)), vertices, vertices)
+    return TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
 
 
 def noisy(vertices, faces, coefficient, amplitude):
@@ -32,8 +32,8 @@ def noisy(vertices, faces, coefficient, amplitude):
 
 def found(points, smooth, faces):
     everywhere = np.ones(len(points), dtype=bool)
-    topology, frame = TriangleTopology(faces, len(points)), frame_of(smooth, faces)
-    return noise_correlation(NoisySurface(topology, points, frame), everywhere)
+    frame = frame_of(smooth, faces)
+    return noise_correlation(NoisySurface(points, frame), everywhere)
 
 
 @pytest.mark.parametrize("amplitude", [0.05, 0.1, 0.4])

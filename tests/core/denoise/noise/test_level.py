@@ -5,17 +5,17 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoise.local_frame import LocalFrame, spacing_of
 from adaptive_fairing.core.denoise.noise.level import beyond_clean, noise_model
 from adaptive_fairing.core.denoise.noise.roughness import Roughness
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 SPHERE = meshes.graded_sphere(4)
 
 
 def estimated(vertices, faces, smooth):
     topology = TriangleTopology(faces, len(vertices))
-    frame = LocalFrame.of(topology, smooth, smooth)
+    frame = TriangleSurface(topology, smooth)
     return level_of(vertices, frame, ~topology.on_boundary)
 
 
@@ -25,13 +25,13 @@ def level_of(vertices, frame, is_counted):
 
 def model_of(vertices, frame, is_counted):
     rough = Roughness.of(vertices, frame)
-    return noise_model(rough, frame.spacing, is_counted, lambda values: frame.spread(values, 3))
+    return noise_model(rough, frame, is_counted)
 
 
 def noisy(amplitude, per_edge=True, seed=0):
     """The graded sphere with noise along its normals; the spacing of the clean one."""
     vertices, faces = SPHERE
-    spacing = spacing_of(TriangleTopology(faces, len(vertices)), vertices, 0)
+    spacing = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices).spacing
     unit = spacing if per_edge else np.full(len(vertices), np.median(spacing))
     normals = vertices / np.linalg.norm(vertices, axis=1, keepdims=True)
     noise = np.random.default_rng(seed).normal(size=len(vertices))
@@ -58,7 +58,7 @@ def test_a_clean_surface_has_none_beyond_what_clean_meshes_have():
 def test_a_feature_is_no_noise():
     """A quarter of a sphere, wrinkled in the densest part alone."""
     vertices, faces = SPHERE
-    densest = spacing_of(TriangleTopology(faces, len(vertices)), vertices, 0).argsort()
+    densest = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices).spacing.argsort()
     wrinkled = vertices.copy()
     rough = densest[: len(vertices) // 4]
     wrinkled[rough] *= 1 + 0.01 * np.random.default_rng(3).normal(size=(len(rough), 1))
@@ -69,8 +69,8 @@ def test_one_quiet_part_does_not_hide_the_noise_of_the_others():
     """The coarsest fifth of a sphere, noisy everywhere else."""
     vertices, faces = SPHERE
     points, true = noisy(0.2)
-    coarsest = spacing_of(TriangleTopology(faces, len(vertices)), vertices, 0).argsort()[::-1]
-    quiet = coarsest[: len(vertices) // 5]
+    spacing = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices).spacing
+    quiet = (-spacing).argsort()[: len(vertices) // 5]
     points[quiet] = vertices[quiet] + 0.4 * (points[quiet] - vertices[quiet])
     loud = np.setdiff1d(np.arange(len(vertices)), quiet)
     found = estimated(points, faces, vertices)[loud] / true[loud]
@@ -88,7 +88,7 @@ def test_the_unit_does_not_matter():
 def test_only_what_is_counted_is_judged():
     points, _ = noisy(0.2)
     topology = TriangleTopology(SPHERE[1], len(points))
-    frame = LocalFrame.of(topology, SPHERE[0], SPHERE[0])
+    frame = TriangleSurface(topology, SPHERE[0])
     nothing = level_of(points, frame, np.zeros(len(points), dtype=bool))
     assert not nothing.any()
 
@@ -104,7 +104,7 @@ def jittered_sphere():
 def test_kinds_of_noise_are_told_apart_even_where_edges_hardly_differ(per_edge):
     """By thousands of vertices that each say very little."""
     vertices, faces = jittered_sphere()
-    frame = LocalFrame.of(TriangleTopology(faces, len(vertices)), vertices, vertices)
+    frame = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
     assert 0.05 < np.std(np.log(frame.spacing)) < 0.12
     right = 0
     for seed in range(20):

@@ -5,11 +5,11 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
-from adaptive_fairing.core.denoise.local_frame import LocalFrame, spacing_of
 from adaptive_fairing.core.denoise.noise.level import noise_model
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.noise.roughness import Roughness
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 
 def plane(n=48):
@@ -29,14 +29,12 @@ def grating():
 def levels(points, smooth, faces):
     """Of both measures, inside."""
     topology = TriangleTopology(faces, len(points))
-    frame = LocalFrame.of(topology, smooth, smooth)
+    frame = TriangleSurface(topology, smooth)
     inside = ~topology.on_boundary
-    model = noise_model(
-        Roughness.of(points, frame), frame.spacing, inside, lambda each: frame.spread(each, 3)
-    )
+    model = noise_model(Roughness.of(points, frame), frame, inside)
     return (
         np.median(model.level(frame.spacing)[inside]),
-        NoisySurface(topology, points, frame).lines.level(inside),
+        NoisySurface(points, frame).lines.level(inside),
     )
 
 
@@ -44,7 +42,7 @@ def levels(points, smooth, faces):
 def test_known_noise_is_found(amplitude):
     """One estimate has a standard error of 5 %, the mean of ten one of 1.6 %."""
     vertices, faces = plane()
-    spacing = spacing_of(TriangleTopology(faces, len(vertices)), vertices, 0)
+    spacing = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices).spacing
     found = []
     for seed in range(10):
         noise = amplitude * spacing * np.random.default_rng(seed).normal(size=len(vertices))
@@ -62,7 +60,7 @@ def test_a_grating_is_smooth_along_its_folds():
 def test_noise_on_a_grating_is_noise():
     """One line in three is free of creases: what is found is more than there is, not less."""
     points, flat, faces = grating()
-    spacing = spacing_of(TriangleTopology(faces, len(points)), flat, 0)
+    spacing = TriangleSurface(TriangleTopology(faces, len(points)), flat).spacing
     noise = 0.2 * spacing * np.random.default_rng(2).normal(size=len(points))
     _, along_lines = levels(points + noise[:, None] * [0, 0, 1], flat, faces)
     assert 0.19 < along_lines < 0.4
@@ -78,7 +76,7 @@ def test_auto_leaves_a_clean_grating_alone():
 def test_rough_corners_all_over_a_smooth_grating_are_no_clean_shape():
     """The terraces of contoured voxels: smooth along some line, but for many corners."""
     points, flat, faces = grating()
-    spacing = spacing_of(TriangleTopology(faces, len(points)), flat, 0)
+    spacing = TriangleSurface(TriangleTopology(faces, len(points)), flat).spacing
     is_corner = np.random.default_rng(5).random(len(points)) < 0.2
     steps = np.where(is_corner, 0.5 * spacing, 0)
     stepped = points + steps[:, None] * [0, 0, 1]

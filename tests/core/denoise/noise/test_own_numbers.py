@@ -5,20 +5,20 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.noise.own_numbers import (
     LINE_NOISE,
     PROBE,
     WHITE_NOISE,
     OwnNumbers,
 )
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 VERTICES, FACES = meshes.graded_sphere(4)
 POINTS = VERTICES * (1 + 0.01 * np.random.default_rng(0).normal(size=(len(VERTICES), 1)))
 
 
 def frame_of(points, faces):
-    return LocalFrame.of(TriangleTopology(faces, len(points)), points, points)
+    return TriangleSurface(TriangleTopology(faces, len(points)), points)
 
 
 def steps(points, faces):

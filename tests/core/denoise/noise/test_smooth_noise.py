@@ -5,15 +5,15 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
-from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.noise.correlation import NoiseCorrelation
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.noise.smooth_noise import SmoothNoise, smooth_noise
 from adaptive_fairing.core.denoise.parameters import parameters
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 VERTICES, FACES = meshes.torus(104, 52)
 TOPOLOGY = TriangleTopology(FACES, len(VERTICES))
-FRAME = LocalFrame.of(TOPOLOGY, VERTICES, VERTICES)
+FRAME = TriangleSurface(TOPOLOGY, VERTICES)
 
 
 def noisy(level, passes=8, seed=0):
@@ -23,7 +23,7 @@ def noisy(level, passes=8, seed=0):
 
 def found(points):
     everywhere = np.ones(len(points), dtype=bool)
-    return smooth_noise(NoisySurface(TOPOLOGY, points, FRAME), everywhere)
+    return smooth_noise(NoisySurface(points, FRAME), everywhere)
 
 
 def heights(passes=4, seed=0):

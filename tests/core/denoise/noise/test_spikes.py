@@ -5,17 +5,16 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
-from adaptive_fairing.core.denoise.local_frame import LocalFrame
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.noise.spikes import impulsive_certainty, without_spikes
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 SHAPES = {"sphere": meshes.icosphere(4), "graded": meshes.graded_sphere(4)}
 
 
 def frame_of(shape):
     vertices, faces = SHAPES[shape]
-    topology = TriangleTopology(faces, len(vertices))
-    return topology, LocalFrame.of(topology, vertices, vertices)
+    return TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
 
 
 def with_spikes(shape, below=0.0, seed=0):
@@ -24,16 +23,16 @@ def with_spikes(shape, below=0.0, seed=0):
     generator = np.random.default_rng(seed)
     is_spike = generator.random(len(vertices)) < 0.2
     heights = np.where(is_spike, 0.45, below) * generator.normal(size=len(vertices))
-    return vertices + frame_of(shape)[1].raised(heights)
+    return vertices + frame_of(shape).raised(heights)
 
 
 def certainty(shape, heights):
     """For heights (n,) in local edge lengths, with the level that their median tells."""
-    topology, frame = frame_of(shape)
+    frame = frame_of(shape)
     points = SHAPES[shape][0] + frame.raised(heights)
     level = np.full(len(heights), np.median(np.abs(heights)) / 0.6745)
     everywhere = np.ones(len(heights), dtype=bool)
-    return impulsive_certainty(NoisySurface(topology, points, frame), level, everywhere)
+    return impulsive_certainty(NoisySurface(points, frame), level, everywhere)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -59,10 +58,10 @@ def test_heavy_tails_are_told_from_normal_noise(shape):
 @pytest.mark.parametrize("shape", SHAPES)
 def test_spikes_come_off_and_the_others_stay(shape):
     vertices, _ = SHAPES[shape]
-    topology, frame = frame_of(shape)
+    frame = frame_of(shape)
     points = with_spikes(shape)
     everywhere = np.ones(len(points), dtype=bool)
-    calm = without_spikes(NoisySurface(topology, points, frame), everywhere, everywhere)
+    calm = without_spikes(NoisySurface(points, frame), everywhere, everywhere)
     before = np.linalg.norm(points - vertices, axis=1) / frame.spacing
     after = np.linalg.norm(calm - vertices, axis=1) / frame.spacing
     assert np.sqrt(np.mean(after**2)) < 0.45 * np.sqrt(np.mean(before**2))
@@ -75,7 +74,7 @@ def test_spikes_come_off_and_the_others_stay(shape):
 @pytest.mark.parametrize("below", [0.01, 0.02])
 def test_no_spike_survives(shape, below):
     vertices, faces = SHAPES[shape]
-    _, frame = frame_of(shape)
+    frame = frame_of(shape)
     points = with_spikes(shape, below=below)
     result = denoise(points, faces)
     assert result.plan.impulsive.max() > 0.8
@@ -100,7 +99,7 @@ def test_spikes_of_a_rim_come_off_too():
 
 def test_other_frames_lose_their_spikes_too():
     vertices, faces = SHAPES["sphere"]
-    _, frame = frame_of("sphere")
+    frame = frame_of("sphere")
     plan = denoise(with_spikes("sphere", below=0.02), faces).plan
     result = denoise(with_spikes("sphere", below=0.02, seed=1), faces, plan=plan)
     left = np.linalg.norm(result.positions - vertices, axis=1) / frame.spacing
@@ -110,14 +109,14 @@ def test_other_frames_lose_their_spikes_too():
 @pytest.mark.parametrize("shape", SHAPES)
 def test_normal_noise_is_denoised_as_before(shape):
     vertices, faces = SHAPES[shape]
-    _, frame = frame_of(shape)
+    frame = frame_of(shape)
     heights = 0.2 * np.random.default_rng(2).normal(size=len(vertices))
     assert not denoise(vertices + frame.raised(heights), faces).plan.impulsive.any()
 
 
 def test_steps_of_voxels_are_no_spikes():
     """Heights in whole steps, averaged twice with the neighbours', as contours are."""
-    _, frame = frame_of("sphere")
+    frame = frame_of("sphere")
     vertices, faces = SHAPES["sphere"]
     steps = np.random.default_rng(0).choice([-2.0, 0.0, 0.0, 2.0], len(vertices))
     points = vertices + frame.raised(frame.spread(steps, 2))
