@@ -115,46 +115,63 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     frame = _within_faces(surface, face, planes.normals)
     off_plane = planes.heights(surface.positions, face)[:, None] * planes.normals[face]
     heights = np.where(is_inner, frame.along_normal(off_plane), 0.0)
+    part = n_inner / np.count_nonzero(is_counted)
     totals = np.bincount(face[is_inner], heights[is_inner] ** 2, len(planes))
     sizes = np.sqrt(totals / np.maximum(counts, 1))
-    # Faces that the scanner saw at a grazing angle have less noise: each counts in its own unit.
+    typical = float(np.median(sizes[face[is_inner]]))
+    if typical < tuned.least_level_on_faces:
+        return FaceNoise(part, n_inner, typical)
+    # Each face counts in its own unit: a scanner may see some of them at a grazing angle.
     relative = heights / np.maximum(sizes[face], tuned.clean_roughness**2)
     bands = band_heights(frame.raised(relative), frame)
-    found = np.log(np.maximum(typical_sizes(bands[:, is_inner]), 1e-12))
-    misfits, deviations, noises = [], [], []
-    for passes in PASSES:
-        noise = frame.spread(surface.fading.white * frame.spacing, passes) / frame.spacing
-        deviations.append(float(np.std(noise[is_inner])))
-        noises.append(band_heights(frame.raised(noise / deviations[-1]), frame))
-        expected = np.log(typical_sizes(noises[-1][:, is_inner]))
-        misfits.append(float(WEIGHTS @ np.square(found - expected)))
-    best = int(np.argmin(misfits))
-    strengths, of_noise = (local_strengths(each, frame, is_inner) for each in (bands, noises[best]))
-    evenness = (quiet_part(strengths)[1] / quiet_part(of_noise)[1])[:N_NARROW].min()
+    correlation, of_noise, misfit = _explained(bands, surface, frame, is_inner)
+    # The three numbers of a plane take away the noise of as many vertices, if each had its own.
+    fitted = np.minimum(3 / correlation.deviation**2, counts / 2)
+    levels = np.sqrt(totals / np.maximum(counts - fitted, 1))
+    strengths, strengths_of_noise = (
+        local_strengths(each, frame, is_inner) for each in (bands, of_noise)
+    )
+    evenness = quiet_part(strengths)[1] / quiet_part(strengths_of_noise)[1]
     local = bands[:2, is_inner] / strengths[:2]
     local /= np.maximum(typical_sizes(local), 1e-9)[:, None]
-    # The three numbers of a plane take away the noise of as many vertices, if each had its own.
-    fitted = np.minimum(3 / deviations[best] ** 2, counts / 2)
-    levels = np.sqrt(totals / np.maximum(counts - fitted, 1))
     tails = np.array([_tail(local[1]), _tail(relative[is_inner])])
     return FaceNoise(
-        part=n_inner / np.count_nonzero(is_counted),
-        n_counted=n_inner,
+        part,
+        n_inner,
         level=float(np.median(levels[face[is_inner]])),
-        correlation=NoiseCorrelation(
-            seen=deviations[best], deviation=deviations[best], passes=PASSES[best]
-        ),
-        misfit=misfits[best],
-        evenness=float(evenness),
+        correlation=correlation,
+        misfit=misfit,
+        evenness=float(evenness[:N_NARROW].min()),
         outliers=float(np.maximum(tails, 1 / tails).max()),
         lean=float(np.abs(np.tanh(NORMAL_MEDIAN * local).mean(axis=1)).max()),
     )
 
 
+def _explained(
+    bands: FloatArray, surface: NoisySurface, frame: TriangleSurface, is_inner: BoolArray
+) -> tuple[NoiseCorrelation, FloatArray, float]:
+    """Find the noise of unit size whose bands are most like those of heights, (k, n).
+
+    Its correlation, its own bands, and the misfit.
+    """
+    found = np.log(np.maximum(typical_sizes(bands[:, is_inner]), 1e-12))
+    best = WHITE, bands, np.inf
+    for passes in PASSES:
+        noise = frame.spread(surface.fading.white * frame.spacing, passes) / frame.spacing
+        deviation = float(np.std(noise[is_inner]))
+        of_noise = band_heights(frame.raised(noise / deviation), frame)
+        differences = found - np.log(typical_sizes(of_noise[:, is_inner]))
+        misfit = float(WEIGHTS @ np.square(differences))
+        if misfit < best[2]:
+            correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
+            best = correlation, of_noise, misfit
+    return best
+
+
 def _tail(values: FloatArray) -> float:
     """How far out the largest values are, relative to a normal distribution."""
     size = np.abs(values)
-    return float(max(np.quantile(size, TAIL) / np.median(size), 1e-9)) / NORMAL_TAIL
+    return float(np.quantile(size, TAIL) / max(np.median(size), 1e-9)) / NORMAL_TAIL
 
 
 def _within_faces(surface: NoisySurface, face: IntArray, normals: FloatArray) -> TriangleSurface:

@@ -33,7 +33,7 @@ def line_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatArr
     # Half-edge k of a triangle runs from its corner k to the next.
     gaps = corner(side, 2) + corner(other, 2) - corner(side, 0) - corner(side, 1)
     sizes, axes = np.linalg.eigh(gaps.T @ gaps)
-    if sizes[:2].sum() > parameters().most_off_sight * sizes.sum() or sizes[2] <= 0:
+    if sizes[:2].sum() > parameters().most_off_sight * sizes.sum():
         return None
     direction: FloatArray = axes[:, 2]
     return direction
