@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import platform
 import re
-import sys
 import timeit
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -13,6 +12,9 @@ from pathlib import Path
 import numpy as np
 import psutil
 import scipy
+
+from adaptive_fairing.batch.memory_use import peak_bytes
+from adaptive_fairing.core.runtime.threads import n_threads
 
 MEGABYTE = 1e6
 
@@ -23,19 +25,9 @@ def best_time(action: Callable[[], object], repeats: int) -> float:
 
 
 def peak_memory() -> int:
-    """Largest resident memory of this process so far, in bytes."""
-    status = Path("/proc/self/status")
-    if status.is_file():
-        # Not getrusage: on Linux its figure starts at the size of the process that started this.
-        found = re.search(r"VmHWM:\s+(\d+) kB", status.read_text())
-        if found:
-            return 1024 * int(found[1])
-    if sys.platform == "win32":
-        return int(psutil.Process().memory_info().peak_wset)
-    import resource
-
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return int(peak) if sys.platform == "darwin" else 1024 * int(peak)
+    """Largest resident memory of this process so far, in bytes; that of now if none is told."""
+    held = psutil.Process().memory_info()
+    return peak_bytes() or int(getattr(held, "peak_wset", held.rss))
 
 
 def resident_memory() -> int:
@@ -47,7 +39,7 @@ def machine() -> dict[str, str | int]:
     """Describe what the figures depend on: processor, cores, versions; no names of hosts."""
     return {
         "processor": _processor(),
-        "cores": usable_cores(),
+        "cores": n_threads(),
         "memory_gb": round(psutil.virtual_memory().total / 1e9),
         "system": platform.system(),
         "python": ".".join(platform.python_version_tuple()[:2]),
@@ -64,13 +56,6 @@ def describe(details: dict[str, str | int]) -> str:
         f"{details['system']}; Python {details['python']}, numpy {details['numpy']} "
         f"({details['blas']}), scipy {details['scipy']}"
     )
-
-
-def usable_cores() -> int:
-    """Count the processors that this process may use."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
 
 
 def load() -> str:

@@ -39,9 +39,10 @@ from adaptive_fairing.core.linalg.symmetric_pattern import SymmetricPattern
 from adaptive_fairing.core.loop.basis import basis_table
 from adaptive_fairing.core.loop.patches import PatchSet
 from adaptive_fairing.core.loop.quadrature import quadrature_choice
+from adaptive_fairing.core.runtime.threads import n_threads
 
 from . import history, meshes
-from .measuring import best_time, describe, load, machine, seconds_text, table, usable_cores
+from .measuring import best_time, describe, load, machine, seconds_text, table
 
 CORE = Path(adaptive_fairing.core.__file__).parent
 
@@ -137,7 +138,7 @@ def measured_rates() -> Rates:
 
     source = np.ones(COPIED_BYTES // 8)
     target = np.empty_like(source)
-    parts = np.array_split(np.arange(len(source)), usable_cores())
+    parts = np.array_split(np.arange(len(source)), n_threads())
     pieces = [slice(part[0], part[-1] + 1) for part in parts]
 
     def copy(piece: slice) -> None:

@@ -39,12 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     peers = [peer.as_published if options.published else peer for peer in _peers(options.peers)]
     entries = [
         # On a clean mesh no peer has anything to do: its best parameter would be none.
-        contest(
-            pair,
-            [] if pair.noise == CLEAN else peers,
-            options.cache,
-            with_auto=not options.no_auto,
-        )
+        contest(pair, [] if pair.noise == CLEAN else peers, options.cache)
         for pair in tqdm(list(_chosen(options)), unit="mesh")
     ]
     text = report(entries, peers)
@@ -62,9 +57,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
 def report(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
     """Return all tables of a run as one text in Markdown."""
     noisy = _noisy(entries)
-    clean = [entry for entry in entries if entry.pair.noise == CLEAN and entry.auto]
+    clean = [entry for entry in entries if entry.pair.noise == CLEAN]
     parts = []
-    if noisy and noisy[0].auto:
+    if noisy:
         parts += ["## In short", tables.in_short(noisy, peers)]
         parts += ["## Mesh by mesh", tables.by_mesh(noisy, peers)]
         groups = grouped(noisy, lambda entry: entry.pair.noise)
@@ -80,7 +75,6 @@ def report(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
                 overall = standing(noisy, rivals)
                 parts += [f"## Against {title}"]
                 parts += [tables.by_noise(rows | {"all": (len(noisy), overall)})]
-    if noisy:
         parts += ["## Method by method", tables.by_peer(noisy, peers)]
     if clean:
         parts += ["## Clean meshes", tables.of_clean(clean)]
@@ -155,7 +149,6 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--published", action="store_true", help="research peers at their authors' parameters alone"
     )
-    parser.add_argument("--no-auto", action="store_true", help="peers alone")
     parser.add_argument(
         "--cache",
         type=Path,

@@ -95,20 +95,20 @@ class Entry:
     noisy
         Score of the noisy mesh as it is.
     auto
-        Score of method "auto", None where it was not asked for.
+        Score of `denoise`.
     peers
         By name, the scores at all parameters.
     """
 
     pair: Pair
     noisy: Score
-    auto: Score | None
+    auto: Score
     peers: Mapping[str, Scores]
 
 
-def contest(pair: Pair, peers: Sequence[Peer], cache: Path | None, with_auto: bool) -> Entry:
+def contest(pair: Pair, peers: Sequence[Peer], cache: Path | None) -> Entry:
     """Score the noisy mesh, auto and all peers on one pair."""
     reference = Reference(pair.clean, pair.faces)
-    score = peer_scores(pair, OURS, cache)[OURS.parameter("", 1.0)] if with_auto else None
+    score = peer_scores(pair, OURS, cache)[OURS.parameter("", 1.0)]
     found = {peer.name: peer_scores(pair, peer, cache) for peer in peers}
     return Entry(pair, reference.score(pair.noisy), score, found)

@@ -1,8 +1,4 @@
-"""How far a result is from the clean mesh: distances by density class, normals, volume, flips.
-
-`score(clean, faces, result)` measures one result. For many results of one mesh make a `Reference`
-once and call its `score`.
-"""
+"""How far a result is from the clean mesh: distances by density class, normals, volume, flips."""
 
 from __future__ import annotations
 
@@ -93,8 +89,3 @@ class Reference:
             else None,
             "flips": int(np.count_nonzero(cosines < 0)),
         }
-
-
-def score(clean: FloatArray, faces: Faces, result: FloatArray) -> Score:
-    """Measure one result (n, 3) against the clean mesh; see `Reference.score`."""
-    return Reference(clean, faces).score(result)

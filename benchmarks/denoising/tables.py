@@ -69,16 +69,15 @@ def by_peer(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
         "method", "mean, best parameters", "worst class", "mean, one parameter", "worst class",
         "auto is below on", "auto over it: mean", "largest", "the one parameter", "grid too narrow",
     )  # fmt: skip
-    rows: Rows = []
-    autos = [entry.auto for entry in entries if entry.auto]
-    if autos:
-        mean, worst = (geometric_mean([s[key] for s in autos]) for key in ("mean", "worst"))
-        rows.append(["auto", *[f"{mean:.4f}", f"{worst:.4f}"] * 2, *["–"] * 5])
+    autos = [entry.auto for entry in entries]
+    mean, worst = (geometric_mean([s[key] for s in autos]) for key in ("mean", "worst"))
+    rows: Rows = [["auto", *[f"{mean:.4f}", f"{worst:.4f}"] * 2, *["–"] * 5]]
     for peer in peers:
         best = [best_of(entry, peer.name) for entry in entries]
         single = one_parameter(entries, peer)
         narrow = sum(peer.at_edge(point.parameter) for point in best)
-        ratios = [own["mean"] / other["mean"] for own, other in zip(autos, single.scores)]  # noqa: B905
+        both = zip(autos, single.scores, strict=True)
+        ratios = [own["mean"] / other["mean"] for own, other in both]
         rows.append(
             [
                 peer.name,
@@ -86,9 +85,9 @@ def by_peer(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
                 f"{geometric_mean([point.score['worst'] for point in best]):.4f}",
                 f"{geometric_mean([score['mean'] for score in single.scores]):.4f}",
                 f"{geometric_mean([score['worst'] for score in single.scores]):.4f}",
-                f"{sum(ratio < 1 for ratio in ratios)} of {len(entries)}" if autos else "–",
-                f"{geometric_mean(ratios):.2f}" if autos else "–",
-                f"{max(ratios):.2f}" if autos else "–",
+                f"{sum(ratio < 1 for ratio in ratios)} of {len(entries)}",
+                f"{geometric_mean(ratios):.2f}",
+                f"{max(ratios):.2f}",
                 single.parameter,
                 f"{narrow} meshes" if narrow else "no",
             ]

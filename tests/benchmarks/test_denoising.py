@@ -14,7 +14,7 @@ from scipy.special import erf
 from support.meshes import flat_grid, graded_sphere, icosphere
 
 from benchmarks.denoising import blender_modifiers, contest, noise, pairs, scans, verdict
-from benchmarks.denoising.measures import N_CLASSES, Reference, score
+from benchmarks.denoising.measures import N_CLASSES, Reference
 from benchmarks.denoising.peers import Peer
 from samples.ply import write_ply
 from samples.triangles import (
@@ -161,7 +161,7 @@ def test_noise_is_the_same_on_every_run(ball):
 
 def test_a_clean_result_has_no_errors(ball):
     vertices, faces = ball
-    found = score(vertices, faces, vertices)
+    found = Reference(vertices, faces).score(vertices)
     assert found["volume"] is not None
     assert found.pop("classes") == pytest.approx([0.0] * N_CLASSES, abs=1e-12)
     assert found == pytest.approx(dict.fromkeys(found, 0.0), abs=1e-5)  # arccos near 1 is coarse
@@ -187,7 +187,7 @@ def test_sliding_within_the_surface_is_no_error_but_a_move():
     inside[np.unique(edges_of(faces)[_boundary(faces)])] = False
     slid = vertices.copy()
     slid[inside, 0] += 0.2 * local_edge_lengths(vertices, faces)[inside]
-    found = score(vertices, faces, slid)
+    found = Reference(vertices, faces).score(slid)
     assert found["mean"] == pytest.approx(0, abs=1e-12)
     assert found["volume"] is None  # it is open
     assert found["moved"] == pytest.approx(0.2 * np.sqrt(inside.mean()), rel=1e-9)
@@ -203,7 +203,7 @@ def _boundary(faces: np.ndarray) -> np.ndarray:
 def test_noise_along_the_normals_is_the_distance_measured(ball):
     vertices, faces = ball
     noisy = noise.add_noise(vertices, faces, "normal", AMPLITUDE, seed=3)
-    found = score(vertices, faces, noisy)
+    found = Reference(vertices, faces).score(noisy)
     assert found["mean"] == pytest.approx(AMPLITUDE, rel=0.05)
     assert found["classes"] == pytest.approx([AMPLITUDE] * N_CLASSES, rel=0.1)
     assert found["worst"] == max(found["classes"])
@@ -211,7 +211,7 @@ def test_noise_along_the_normals_is_the_distance_measured(ball):
 
 def test_turned_faces_are_counted():
     vertices, faces = flat_grid(6, 6)
-    found = score(vertices, faces, vertices * [-1, 1, 1])
+    found = Reference(vertices, faces).score(vertices * [-1, 1, 1])
     assert found["flips"] == len(faces)
     assert found["angle"] == pytest.approx(180)
 
@@ -295,7 +295,7 @@ def test_the_result_at_a_point_of_the_grid_is_the_one_that_was_scored(pair):
     peer = Peer("shrinking", (), "share", (0.5, 1.0, 1.2), Shrinking(), {"a": {}, "b": {}})
     positions = peer.result(pair.noisy, pair.faces, "share 1, b")
     expected = contest.peer_scores(pair, peer)["share 1, b"]
-    assert score(pair.clean, pair.faces, positions).items() <= expected.items()
+    assert Reference(pair.clean, pair.faces).score(positions).items() <= expected.items()
     with pytest.raises(KeyError, match="no share 2"):
         peer.result(pair.noisy, pair.faces, "share 2")
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
@@ -192,9 +194,31 @@ def test_every_claim_has_its_place_in_the_page():
         assert f"python -m claims {name}" in text
 
 
-def test_the_command_prints_the_tables_of_a_claim(pair, monkeypatch, capsys):
-    monkeypatch.setattr(command, "PUBLISHED", [pair.name])
-    monkeypatch.setattr(command, "sample_pair", {pair.name: pair}.get)
-    assert command.main(["homogenisation"]) == 0
-    tables = [table.markdown() for table in homogenisation([pair]).tables]
-    assert capsys.readouterr().out == "\n".join(tables) + "\n"
+def test_the_command_prints_the_same_numbers_as_json(pair, monkeypatch, capsys):
+    monkeypatch.setattr(command, "_pairs", lambda options: [pair])
+    assert command.main(["homogenisation", "--json"]) == 0
+    (record,) = json.loads(capsys.readouterr().out)
+    tables = homogenisation([pair]).tables
+    assert record["claim"] == "homogenisation"
+    assert [table["title"] for table in record["tables"]] == [table.title for table in tables]
+    assert [list(row.values()) for row in record["tables"][1]["rows"]] == tables[1].rows
+
+
+def test_meshes_that_are_no_pair_are_refused(tmp_path, capsys):
+    pytest.importorskip("bpy")
+    assets = command.ROOT / "assets"
+    pair = [str(assets / "head_noisy.ply"), str(assets / "foot.ply")]
+    assert command.main(["homogenisation", "--pair", *pair]) == 1
+    assert "are no pair" in capsys.readouterr().err
+
+
+def test_a_pair_of_files_keeps_the_order_of_its_vertices():
+    pytest.importorskip("bpy")
+    from claims.pairs import file_pair, sample_pair
+
+    assets = command.ROOT / "assets"
+    read = file_pair(assets / "foot_noisy.ply", assets / "foot.ply")
+    foot = sample_pair("foot")
+    np.testing.assert_array_equal(read.triangles, foot.triangles)
+    np.testing.assert_array_equal(read.clean, foot.clean)
+    np.testing.assert_array_equal(read.noisy, foot.noisy)

@@ -1,4 +1,4 @@
-"""Pairs of a noisy and a clean mesh with the same triangles."""
+"""Pairs of a noisy and a clean mesh with the same triangles: the samples, or files."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
+import numpy as np
+
+from adaptive_fairing.core import FairingError
 from samples.ply import read_ply
 from samples.triangles import Faces, FloatArray
 
@@ -70,3 +73,27 @@ def sample_pair(name: str) -> MeshPair:
     clean, triangles = read_ply(ASSETS / f"{name}.ply")
     noisy, _ = read_ply(ASSETS / f"{name}_noisy.ply")
     return MeshPair(name, noisy, clean, triangles, PUBLISHED[name])
+
+
+def file_pair(noisy: Path, clean: Path) -> MeshPair:
+    """Read a pair of mesh files in any format that Blender imports.
+
+    Raises
+    ------
+    FairingError
+        A file cannot be read, or the two do not have the same triangles and vertices.
+    """
+    # Blender is needed for other people's files only: the samples have their own reader.
+    from adaptive_fairing.blender.data.mesh_arrays import read_mesh
+    from adaptive_fairing.blender.files.mesh_files import import_mesh
+
+    meshes = [read_mesh(import_mesh(path, keep_axes=True).data) for path in (noisy, clean)]
+    first, second = meshes
+    if first.vertices.shape != second.vertices.shape or not np.array_equal(
+        first.triangles, second.triangles
+    ):
+        raise FairingError(
+            f"{noisy.name} and {clean.name} are no pair: they need the same vertices and "
+            "triangles in the same order"
+        )
+    return MeshPair(noisy.stem, first.vertices, second.vertices, first.triangles)

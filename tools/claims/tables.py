@@ -1,4 +1,4 @@
-"""Results of claims: tables as Markdown, in a page too."""
+"""Results of claims: tables as Markdown, in a page too, and as plain values for programs."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 Cell = str | int | float | tuple[float, ...] | None
 """A tuple is shown as its numbers with slashes between them, None as a dash."""
@@ -39,6 +40,13 @@ class Table:
         ]
         rows = "\n".join("| " + " | ".join(line) + " |" for line in lines)
         return f"**{self.title}**\n\n{rows}\n"
+
+    def record(self) -> dict[str, Any]:
+        """Return the table for JSON, with all digits."""
+        return {
+            "title": self.title,
+            "rows": [dict(zip(self.columns, row, strict=True)) for row in self.rows],
+        }
 
 
 @dataclass(frozen=True)

@@ -97,9 +97,7 @@ def denoise(
         problem.space.topology,
         problem.start,
         surface.is_cut,
-        strength=settings.strength,
-        features=settings.features,
-        clean=settings.clean,
+        settings,
         plan=plan,
         progress=report,
     )

@@ -27,7 +27,12 @@ from .filter_rounds import Round, mesh_family
 from .flat_faces import FlatFaces, flattened
 from .lifted_metric import LiftedMetric, linear_elements, rim_flux
 from .noise.correlation import WHITE, NoiseCorrelation
-from .normal_filter import TurningLoads, smoothed_normals, triangles_around
+from .normal_filter import (
+    TurningLoads,
+    smoothed_normals,
+    triangles_around,
+    weights_of_normals,
+)
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
@@ -55,6 +60,11 @@ class FilterBank:
         self._precision: Precision = np.float32 if is_large else np.float64
         ratio, largest = start.smooth_spacing / start.spacing, parameters().largest_weight
         self._weights = np.clip(ratio, 1 / largest, largest)
+        self._normal_weights: FloatArray | None = None
+
+    def know_noise(self, noise: FloatArray) -> None:
+        """Let normals count for less where the noise, (n,) in local edge lengths, is stronger."""
+        self._normal_weights = weights_of_normals(self._pattern.topology, noise)
 
     def started(self, noisy: TriangleSurface) -> tuple[TriangleSurface, dict[Filter, FloatArray]]:
         """Filter in the metric of the mesh alone, for which the surface need not be smooth.
@@ -116,13 +126,15 @@ class FilterBank:
 
         None if less than the fraction `least` of the triangles is on flat faces.
         """
-        return flattened(surface, noisy.positions, self._around, least, correlation)
+        weights = self._normal_weights
+        return flattened(surface, noisy.positions, self._around, least, weights, correlation)
 
     def flat_faces(
         self, noisy: TriangleSurface, surface: TriangleSurface, correlation: NoiseCorrelation
     ) -> FlatFaces:
         """Find the flat faces of a surface, and their planes, in spite of smooth noise."""
-        return FlatFaces(surface, noisy.positions, self._around, correlation)
+        weights = self._normal_weights
+        return FlatFaces(surface, noisy.positions, self._around, weights, correlation)
 
     def _fitted(
         self, surface: TriangleSurface, smooth: TriangleSurface, family: NormalFamily
@@ -138,7 +150,9 @@ class FilterBank:
         loads = (
             tuned.fit_time * turning.of(smooth)
             for smoothing in family.smoothings
-            for smooth in smoothed_normals(turning.normals, self._around, smoothing)
+            for smooth in smoothed_normals(
+                turning.normals, self._around, smoothing, self._normal_weights
+            )
         )
         # One system for all fits: they differ in the right sides alone.
         load = np.concatenate([each.astype(self._precision) for each in loads], axis=1)

@@ -34,6 +34,7 @@ def flattened(
     noisy: FloatArray,
     around: IntArray,
     least: float = 0.0,
+    weights: FloatArray | None = None,
     correlation: NoiseCorrelation = WHITE,
 ) -> FloatArray | None:
     """Move the vertices of a surface's flat faces onto their planes.
@@ -48,6 +49,8 @@ def flattened(
         Triangles around each one, see `triangles_around`.
     least : float
         Fraction of the triangles that must be on flat faces.
+    weights : (m,), optional
+        How much the normal of each triangle counts.
     correlation : NoiseCorrelation
         Of smooth noise, or else none.
 
@@ -57,7 +60,7 @@ def flattened(
         The surface with flat faces; vertices that are not on any are as they were.  None if too
         few triangles, or none, are on flat faces.
     """
-    found = FlatFaces(surface, noisy, around, correlation)
+    found = FlatFaces(surface, noisy, around, weights, correlation)
     part = np.mean(found.face >= 0)
     if part == 0 or part < least:
         return None
@@ -81,6 +84,7 @@ class FlatFaces:
         surface: TriangleSurface,
         noisy: FloatArray,
         around: IntArray,
+        weights: FloatArray | None = None,
         correlation: NoiseCorrelation = WHITE,
     ) -> None:
         tuned, topology = parameters(), surface.topology
@@ -93,7 +97,7 @@ class FlatFaces:
         self._areas = np.sqrt(np.einsum("fd,fd->f", scaled, scaled))
         passes = tuned.face_passes + tuned.face_passes_for_smooth * correlation.passes
         smoothing = Smoothing(tuned.short_fit_angle, (passes,))
-        (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing)
+        (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing, weights)
         side = np.flatnonzero(topology.twin >= 0)
         self._beside = side // 3, topology.twin[side] // 3
         self.face = self._connected(self._even(around))

@@ -134,16 +134,20 @@ class MeshParts:
             if n_counted < tuned.fewest_to_tell and keeps_clean:
                 return NoiseFound(0 * noise, 0 * noise, level, (too_few,))
             return NoiseFound(noise, impulsive, level)
+        note = self._why_nothing(level, models)
+        return NoiseFound(noise, impulsive, level, (note,))
+
+    def _why_nothing(self, level: FloatArray, models: list[str]) -> str:
+        """Say why nothing is to be done: from the roughness (n,), and what tells models."""
         if models:
-            note = f"looks like a clean low-poly model: {models[0]}; nothing was changed"
-            return NoiseFound(noise, impulsive, level, (note,))
+            return f"looks like a clean low-poly model: {models[0]}; nothing was changed"
         typical = float(np.median(level[self.is_counted]))
-        what = "clean meshes are" if typical <= clean else "the detail of clean meshes is"
-        note = (
+        is_clean = typical <= parameters().clean_roughness
+        what = "clean meshes are" if is_clean else "the detail of clean meshes is"
+        return (
             f"no noise found: the surface is rough by {typical:.2g} of the local edge length, as "
             f"{what}; nothing was changed"
         )
-        return NoiseFound(noise, impulsive, level, (note,))
 
     def best_mixtures(
         self,

@@ -13,7 +13,7 @@ added: the metrics depend on the noise too, so a formula for linear filters woul
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import compress
 from threading import Lock
 
@@ -24,16 +24,18 @@ from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.threads import for_each
 from .filter_rounds import Round, rounds_for
+from .folds import unfolded
 from .mixture import Mixture
-from .noise.correlation import NoiseCorrelation
 from .noise.level import beyond_clean
-from .noise_verdict import noise_verdict
+from .noise_verdict import NoiseVerdict, noise_verdict
 from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
 from .progress import ProgressReport
+from .settings import DenoiseSettings
 from .stage import Stage, Track
 from .tangential_limit import Sliding
 from .triangle_surface import TriangleSurface
+from .unbiased_risk import filter_divergence
 
 # Vertices of a mesh up to which both runs filter at once, each with one thread.  Most of their
 # work is passes of numpy over all vertices, which no threads share.  Measured on 2 cores, relative
@@ -68,10 +70,8 @@ def mixed_surfaces(
     topology: TriangleTopology,
     positions: FloatArray,
     is_still: BoolArray,
+    settings: DenoiseSettings,
     *,
-    strength: float = 1.0,
-    features: str = "auto",
-    clean: str = "keep",
     plan: DenoisePlan | None = None,
     progress: ProgressReport,
 ) -> MixedSurfaces:
@@ -83,14 +83,7 @@ def mixed_surfaces(
     positions : (n, 3)
     is_still : (n,) bool
         Vertices that noise and risk are not judged from, besides those of the boundary.
-    strength : float
-        Factor of the estimated noise.
-    features : "auto", "sharp" or "smooth"
-        Which filters may be used: all, only those that keep creases, or only those that round
-        them.
-    clean : "keep", "detail" or "denoise"
-        Whether what looks like a clean mesh stays as it is; with "detail" what is smooth over
-        several edges does, too.
+    settings : DenoiseSettings
     plan : DenoisePlan, optional
         Of another frame of this surface: nothing is estimated then.
     progress : ProgressReport
@@ -101,53 +94,52 @@ def mixed_surfaces(
     notes: tuple[str, ...] = ()
     other_readings: tuple[str, ...] = ()
     if plan is None:
-        verdict = noise_verdict(stage, strength, clean)
-        stage, level, notes = verdict.stage, verdict.level, verdict.notes
-        other_readings = verdict.other_readings
-        plan = DenoisePlan.idle(level)
-        undented = stage.undented(level, verdict.impulsive)
-        if undented is None and beyond_clean(max(STRENGTHS) * strength * level).any():
-            plan = _planned(stage, level, verdict.correlation, strength, features, progress)
-        plan = replace(plan, impulsive=verdict.impulsive)
+        verdict = noise_verdict(stage, settings.strength, settings.clean)
+        stage, level, impulsive = verdict.stage, verdict.level, verdict.impulsive
+        notes, other_readings = verdict.notes, verdict.other_readings
+        plan = DenoisePlan.idle(level, impulsive)
+        undented = stage.undented(level, impulsive)
+        if undented is None and beyond_clean(max(STRENGTHS) * settings.strength * level).any():
+            plan = _planned(verdict, settings, progress)
     else:
         if plan.impulsive.any():
             stage = stage.calmed(plan.impulsive)
         undented = stage.undented(plan.noise, plan.impulsive) if plan.is_idle else None
         if not plan.is_idle:
             stage.track.repeat(plan, progress)
-    start = stage.track.start
+    start, before = stage.track.start, TriangleSurface(topology, positions)
     if undented is not None:
-        before = TriangleSurface(topology, positions)
-        sliding = Sliding(before, stage.frame, has_creases=True)
-        results = [sliding.limited(undented)] * len(STRENGTHS)
+        results = [Sliding(before, stage.frame, True, plan.noise).limited(undented)]
     elif plan.is_idle:
-        results = [start.positions] * len(STRENGTHS)
+        results = [start.positions]
     else:
         progress.begin("mix")
-        results = [stage.track.mixed(mixture) for mixture in plan.mixtures]
-        sliding = Sliding(start, stage.frame, plan.has_creases)
-        results = [sliding.limited(result) for result in results]
+        sliding = Sliding(start, stage.frame, plan.has_creases, plan.noise)
+        results = [sliding.limited(stage.track.mixed(mixture)) for mixture in plan.mixtures]
+    results = [unfolded(each, before, stage.parts.is_counted) for each in results]
+    if len(results) < len(STRENGTHS):
+        results *= len(STRENGTHS)
     return MixedSurfaces(results, plan, solves.report(), notes, other_readings)
 
 
 def _planned(
-    stage: Stage,
-    noise: FloatArray,
-    correlation: NoiseCorrelation,
-    strength: float,
-    features: str,
-    progress: ProgressReport,
+    verdict: NoiseVerdict, settings: DenoiseSettings, progress: ProgressReport
 ) -> DenoisePlan:
     """Filter in all rounds, and choose the coefficients of the filters after each."""
-    tuned = parameters()
+    tuned, stage, correlation = parameters(), verdict.stage, verdict.correlation
     track, frame, parts = stage.track, stage.frame, stage.parts
-    seen, noise = noise, noise / correlation.seen * correlation.deviation
+    seen = verdict.level
+    noise = seen / correlation.seen * correlation.deviation
+    stage.bank.know_noise(noise)
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
     probe = tuned.probe_size * correlation.applied(stage.noisy.own.probe(), frame)
     probed = TriangleSurface(frame.topology, track.start.positions + frame.raised(probe))
     shadow = Track(stage.bank, probed)
 
-    # Kept in single precision, as what they are measured from.
+    # The risk is in local edge lengths, but not in less than the noise: else a few vertices of tiny
+    # edges, with noise of many, would decide for all.
+    unit = np.maximum(noise, 1)
+    # In single precision, like what they are measured from.
     removed: list[RealArray] = []
     divergence: list[RealArray] = []
 
@@ -155,18 +147,17 @@ def _planned(
         """Measure what each new filter removes along the normals, and how much of it is noise."""
         for each in list(track.taken)[len(removed) :]:
             own, of_shadow = (one.removed(each, frame) for one in (track, shadow))
-            removed.append(own.astype(np.float32))
+            removed.append((own / unit).astype(np.float32))
             divergence.append(filter_divergence(own, of_shadow, probe).astype(np.float32))
 
     def variance(factor: float) -> FloatArray:
-        return np.square(
-            tuned.noise_factor * beyond_clean(factor * strength * seen) / correlation.seen
-        )
+        level = beyond_clean(factor * settings.strength * seen) / correlation.seen
+        return np.square(tuned.noise_factor * level / unit)
 
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
     first, *others = rounds_for(noise, correlation)
     saw_creases = False
-    pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen)
+    pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen / unit)
     pilots: list[Mixture] = []
     progress.begin("filter", 1)
     _filter_both(track, shadow, first)
@@ -182,9 +173,9 @@ def _planned(
         _filter_both(track, shadow, families, pilots[-1])
     progress.begin("mix")
     measure()
-    shadow.taken.clear()  # has told all, and is large
+    shadow.taken.clear()  # large, and not needed any more
     filters = tuple(track.taken)
-    usable = [each.serves(features) for each in filters]
+    usable = [each.serves(settings.features) for each in filters]
     rows = list(compress(removed, usable)), list(compress(divergence, usable))
     variances = np.stack([variance(factor) for factor in STRENGTHS])
     mixtures = [each.spread(usable) for each in parts.best_mixtures(*rows, variances)]
@@ -193,14 +184,13 @@ def _planned(
         for used in mixture.used:
             removed_noise = (mixture.coefficients(used) * divergence[used])[counted]
             kept[index] -= removed_noise.mean(dtype=float) / correlation.deviation**2
-    impulsive = np.zeros(len(noise))  # the caller knows
     return DenoisePlan(
         filters,
         noise,
         tuple(pilots),
         tuple(mixtures),
         kept,
-        impulsive,
+        verdict.impulsive,
         saw_creases,
         correlation,
     )
@@ -219,25 +209,6 @@ def _filter_both(
     else:
         filter_one(track)
         filter_one(shadow)
-
-
-def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
-    """How much of its own noise a filter removes at each vertex, (n,); for white noise 0 to 1.
-
-    From what it removes of the positions, and of them with the probes added, (n,) each.  The
-    neighbours' probes mix in, but cancel in sums over many vertices.
-
-    Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
-    """
-    tuned = parameters()
-    size = probe / tuned.probe_size
-    divergence = shadow - removed
-    divergence *= size / tuned.probe_size
-    # Large probes would count for more than small ones, mostly with the probe itself.
-    divergence -= np.square(size) - np.mean(np.square(size))
-    return np.clip(
-        divergence, 1 - tuned.largest_response, 1 + tuned.largest_response, out=divergence
-    )
 
 
 class _Solves:

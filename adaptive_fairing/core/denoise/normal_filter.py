@@ -4,6 +4,9 @@ A triangle's normal becomes the mean of those around it that turn away from it b
 angle, the nearer ones counting for more.  Unlike diffusion in a metric that follows the bending,
 this also works between creases that stand only a few edges apart.
 
+Noise of one amplitude turns small triangles further than large ones, and their normals count for
+less.
+
 Source: X. Sun, P. L. Rosin, R. R. Martin and F. C. Langbein, Fast and effective feature-preserving
 mesh denoising, 2007; its weights, on another neighbourhood.
 """
@@ -25,6 +28,9 @@ from .triangle_surface import TriangleSurface
 
 TRIANGLES_PER_CHUNK = 16384
 
+# Relative: noise that varies by no more than rounding is the same everywhere.
+LEAST_RANGE = 1e-9
+
 
 class Smoothing(NamedTuple):
     """How to smooth normals.
@@ -42,7 +48,10 @@ class Smoothing(NamedTuple):
 
 
 def smoothed_normals(
-    normals: FloatArray, around: IntArray, smoothing: Smoothing
+    normals: FloatArray,
+    around: IntArray,
+    smoothing: Smoothing,
+    weights: FloatArray | None = None,
 ) -> Iterator[FloatArray]:
     """Smooth unit normals of triangles, in single precision.
 
@@ -52,6 +61,8 @@ def smoothed_normals(
     around : (k, m) int
         Triangles around each one, see `triangles_around`.
     smoothing : Smoothing
+    weights : (m,), optional
+        How much each triangle counts, see `weights_of_normals`; without, all count alike.
 
     Yields
     ------
@@ -63,10 +74,13 @@ def smoothed_normals(
     # The last one is that of no triangle: its weight is 0, for `least` is not negative.
     columns = np.zeros((3, n + 1), dtype=np.float32)
     columns[:, :n] = normals.T
+    trust = None if weights is None else np.append(weights, 0).astype(np.float32)
 
     def of_chunk(chunk: slice) -> RealArray:
         own = columns[:, chunk]
         mean = (1 - least) ** 2 * own
+        if trust is not None:
+            mean *= trust[chunk]
         for neighbours in around[:, chunk]:
             # All indices are in range, and mode "wrap" saves the time of checking them.
             other = columns.take(neighbours, axis=1, mode="wrap")
@@ -74,6 +88,8 @@ def smoothed_normals(
             weight -= least
             np.maximum(weight, 0, out=weight)
             weight *= weight
+            if trust is not None:
+                weight *= trust.take(neighbours, mode="wrap")
             other *= weight
             mean += other
         length = np.sqrt(np.einsum("df,df->f", mean, mean))
@@ -88,6 +104,27 @@ def smoothed_normals(
         columns = following
         if done in smoothing.passes:
             yield columns[:, :n].T.astype(np.float64)
+
+
+def weights_of_normals(topology: TriangleTopology, noise: FloatArray) -> FloatArray | None:
+    """Tell how much the normals of triangles count, (m,); None if all count alike.
+
+    Noise of σ local edge lengths turns a normal by about σ.  Weights are one over the variance of
+    that, with the square of `coarse_noise` added: less noise does not matter.
+
+    Parameters
+    ----------
+    topology : TriangleTopology
+    noise : (n,)
+        Standard deviation in local edge lengths; 0 where it is not known.
+    """
+    known = noise[noise > 0]
+    if not len(known) or np.ptp(known) <= LEAST_RANGE * known[0]:
+        return None
+    corners = noise[topology.triangles]
+    variance = np.square(corners).sum(axis=1) / np.maximum(np.count_nonzero(corners, axis=1), 1)
+    variance[variance == 0] = np.median(np.square(known))
+    return 1 / (variance + parameters().coarse_noise ** 2)
 
 
 def triangles_around(topology: TriangleTopology) -> IntArray:

@@ -49,9 +49,9 @@ class DenoisePlan:
     correlation: NoiseCorrelation = WHITE
 
     @classmethod
-    def idle(cls, noise: FloatArray) -> DenoisePlan:
-        """Leave everything as it is."""
-        return cls((), noise, (), (), np.ones(len(STRENGTHS)), np.zeros(len(noise)))
+    def idle(cls, noise: FloatArray, impulsive: FloatArray) -> DenoisePlan:
+        """Leave everything but vertices that stand out as it is."""
+        return cls((), noise, (), (), np.ones(len(STRENGTHS)), impulsive)
 
     @property
     def is_idle(self) -> bool:

@@ -139,7 +139,7 @@ class PlaneFits:
         return np.bincount(self.face, values, len(self)).astype(np.float64, copy=False)
 
     def _medians(self, values: FloatArray) -> FloatArray:
-        """Median of the values (p,) of each face, (k,); any where there is none."""
+        """Median of the values (p,) of each face, (k,); arbitrary where it has none."""
         ordered = values[np.lexsort((values, self.face))]
         last = np.cumsum(self._count)
         middle = np.minimum(last - self._count + self._count // 2, len(ordered) - 1)

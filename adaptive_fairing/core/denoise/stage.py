@@ -59,6 +59,7 @@ class Track:
 
     def repeat(self, plan: DenoisePlan, progress: ProgressReport) -> None:
         """Filter as on another frame of the surface."""
+        self._bank.know_noise(plan.noise)
         # Without creases there was no last round.
         pilots = (None, *plan.pilots)
         for number, (families, pilot) in enumerate(

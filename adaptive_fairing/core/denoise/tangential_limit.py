@@ -4,6 +4,9 @@ Filters also move vertices along the surface: towards the middle of their neighb
 a rim.  A large part of that is no noise, and small triangles between larger ones may be turned
 over.  So vertices go only a fraction of their way along the surface, and less where a triangle
 would be turned over.  They go all of their way along the normal.
+
+Where the noise is as large as the edges, the noisy triangles do not tell where the surface is and
+which of its sides is up.  There vertices go where the filters take them.
 """
 
 from __future__ import annotations
@@ -29,9 +32,17 @@ class Sliding:
         Whether the faired surface has creases.  Then it tells best what is along it: a vertex on a
         flat face near a crease must not leave the face.  Otherwise the smoothed normals of the
         noisy one do, which slivers and rims do not disturb.
+    noise : (n,)
+        Standard deviation in local edge lengths.
     """
 
-    def __init__(self, start: TriangleSurface, frame: TriangleSurface, has_creases: bool) -> None:
+    def __init__(
+        self,
+        start: TriangleSurface,
+        frame: TriangleSurface,
+        has_creases: bool,
+        noise: FloatArray,
+    ) -> None:
         tuned = parameters()
         self._topology, self._triangles = start.topology, start.topology.triangles
         self._positions, self._has_creases = start.positions, has_creases
@@ -43,7 +54,9 @@ class Sliding:
         self._before = unit_vectors(start.triangle_normals())
         cosines = np.einsum("fd,fd->f", self._before, self._upwards)
         self._was_upright = cosines > tuned.upright_cosine
-        self._may_turn = cosines > -tuned.upright_cosine
+        self._is_free = noise > tuned.most_noise_told
+        is_told = ~self._is_free[self._triangles].any(axis=1)
+        self._may_turn = is_told & (cosines > -tuned.upright_cosine)
 
     def limited(self, faired: FloatArray) -> FloatArray:
         """Return faired positions (n, 3) with less sliding, and no triangle turned if possible."""
@@ -55,7 +68,7 @@ class Sliding:
         judged = np.flatnonzero(self._may_turn)
         for done in range(tuned.most_sliding_rounds):
             slower = move - (1 - along_kept)[:, None] * along
-            result: FloatArray = self._positions + kept[:, None] * slower
+            result = self._positions + kept[:, None] * slower
             turned = judged[self._is_turned(result, judged)]
             if not len(turned):
                 break
@@ -66,7 +79,7 @@ class Sliding:
             # Elsewhere nothing has changed.
             is_near = (along_kept[self._triangles] < tuned.sliding_fraction).any(axis=1)
             judged = np.flatnonzero(self._may_turn & is_near)
-        return result
+        return np.where(self._is_free[:, None], faired, result)
 
     def _is_turned(self, positions: FloatArray, faces: NDArray[np.intp]) -> BoolArray:
         """Which of some triangles are turned over."""

@@ -8,6 +8,9 @@ the one with the least distance to the unknown x₀ minimises
 whose expectation is that distance up to a constant, for normally distributed noise: the divergence
 tells how much of the noise each filter removes.
 
+Filters that are not linear have no formula for it: it is measured by filtering a second time, with
+a little noise added.
+
 Source: C. Stein, Estimation of the mean of a multivariate normal distribution, 1981; mixtures of
 filters after T. Blu and F. Luisier, The SURE-LET approach to image denoising, 2007.
 """
@@ -21,6 +24,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
 
 from ..runtime.arrays import FloatArray, RealArray
+from .parameters import parameters
 
 # Sums over the vertices are taken over this many at once, which bounds the memory.
 VERTICES_AT_ONCE = 16384
@@ -33,6 +37,25 @@ VERTICES_PER_PRODUCT = 128
 # keeps the sum of the coefficients at most 1.
 RIDGE = 1e-6
 CONSTRAINT = 100.0
+
+
+def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
+    """How much of its own noise a filter removes at each vertex, (n,); for white noise 0 to 1.
+
+    From what it removes of the positions, and of them with the probes added, (n,) each.  The
+    neighbours' probes mix in, but cancel in sums over many vertices.
+
+    Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
+    """
+    tuned = parameters()
+    size = probe / tuned.probe_size
+    divergence = shadow - removed
+    divergence *= size / tuned.probe_size
+    # Large probes would count for more than small ones, mostly with the probe itself.
+    divergence -= np.square(size) - np.mean(np.square(size))
+    return np.clip(
+        divergence, 1 - tuned.largest_response, 1 + tuned.largest_response, out=divergence
+    )
 
 
 def least_risk_coefficients(
@@ -62,6 +85,39 @@ def least_risk_coefficients(
     (s, c, k)
         Coefficients a ≥ 0 with a sum of at most 1 in each class; the rest is left unfiltered.
     """
+    square, gains = _normal_equations(removed, divergence, variances, classes)
+    n_classes, n_filters = len(classes), len(removed)
+    n = n_classes * n_filters
+    size = float(np.trace(square)) / n
+    result = np.zeros((len(variances), n_classes, n_filters))
+    if not size > 0:
+        return result
+    square[np.diag_indices(n)] += RIDGE * size
+    # Not numpy's: its OpenBLAS starts threads for matrices as small as this.
+    factor = cholesky(square, lower=True)
+    # The sum of a class and a slack is 1, as further equations of great weight.
+    system = np.zeros((n + n_classes, n + n_classes))
+    system[:n, :n] = factor.T
+    weight = CONSTRAINT * np.sqrt(size)
+    for index in range(n_classes):
+        system[n + index, index * n_filters : (index + 1) * n_filters] = weight
+        system[n + index, n + index] = weight
+    for coefficients, gain in zip(result, gains, strict=True):
+        if gain.any():
+            seen = solve_triangular(factor, gain, lower=True)
+            target = np.concatenate([seen, np.full(n_classes, weight)])
+            found, _ = nnls(system, target, maxiter=100 * len(target))
+            coefficients[:] = found[:n].reshape(n_classes, n_filters)
+    return result
+
+
+def _normal_equations(
+    removed: Sequence[RealArray],
+    divergence: Sequence[RealArray],
+    variances: FloatArray,
+    classes: RealArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Sum up ⟨e_i, e_j⟩ and σ² div e_i over the vertices, by class: (c k, c k) and (s, c k)."""
     n_classes, n_filters = len(classes), len(removed)
     n = n_classes * n_filters
     square = np.zeros((n_classes, n_filters, n_classes, n_filters))
@@ -81,28 +137,7 @@ def least_risk_coefficients(
             gains[index] += _products(weight * variances[:, some], gain_rows)
     for i, j in pairs:
         square[j, :, i] = square[i, :, j]
-    square, gains = square.reshape(n, n), gains.swapaxes(1, 2).reshape(n, -1)
-    size = float(np.trace(square)) / n
-    result = np.zeros((len(variances), n_classes, n_filters))
-    if not size > 0:
-        return result
-    square[np.diag_indices(n)] += RIDGE * size
-    # Not numpy's: its OpenBLAS starts threads for matrices as small as this.
-    factor = cholesky(square, lower=True)
-    # The sum of a class and a slack is 1, as further equations of great weight.
-    system = np.zeros((n + n_classes, n + n_classes))
-    system[:n, :n] = factor.T
-    weight = CONSTRAINT * np.sqrt(size)
-    for index in range(n_classes):
-        system[n + index, index * n_filters : (index + 1) * n_filters] = weight
-        system[n + index, n + index] = weight
-    for coefficients, gain in zip(result, gains.T, strict=True):
-        if gain.any():
-            seen = solve_triangular(factor, gain, lower=True)
-            target = np.concatenate([seen, np.full(n_classes, weight)])
-            found, _ = nnls(system, target, maxiter=100 * len(target))
-            coefficients[:] = found[:n].reshape(n_classes, n_filters)
-    return result
+    return square.reshape(n, n), gains.swapaxes(0, 1).reshape(-1, n)
 
 
 def _products(first: FloatArray, second: FloatArray) -> FloatArray:

@@ -171,17 +171,14 @@ class Chunk:
 
     def __init__(self, segments: list[Segment], tables: SpaceTables) -> None:
         blocks = list(_block_wise(tables.of_chunk(segments)))
-        of_blocks = [
-            [np.concatenate([s.control_points for _, s in group], axis=1) for group in _groups(block)]
-            for block in blocks
-        ]
-        self.control_points = np.concatenate([own.reshape(-1) for each in of_blocks for own in each])
+        of_blocks = [_control_points(block) for block in blocks]
+        self.control_points = np.concatenate(of_blocks)
         self.low, self.high = int(self.control_points.min()), int(self.control_points.max()) + 1
         self.control_points -= np.int32(self.low)
         self.blocks: list[Block] = []
         control = self.n_entries = 0
         for block, own in zip(blocks, of_blocks, strict=True):
-            first, control = control, control + sum(each.size for each in own)
+            first, control = control, control + len(own)
             self.blocks.append(
                 Block(block, self.control_points[first:control], first, self.n_entries)
             )
@@ -194,6 +191,12 @@ def _groups(
     """Part segments by their numbers of control points, which ascend."""
     for _, group in groupby(segments, lambda each: each[0].n_control_points):
         yield list(group)
+
+
+def _control_points(segments: list[tuple[PatchTables, Segment]]) -> IntArray:
+    """Put the control points of a block's segments together, group by group."""
+    groups = [[segment.control_points for _, segment in group] for group in _groups(segments)]
+    return np.concatenate([np.concatenate(each, axis=1).reshape(-1) for each in groups])
 
 
 def _block_wise(

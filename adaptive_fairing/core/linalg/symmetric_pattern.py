@@ -25,7 +25,7 @@ ROWS_PER_CHUNK = 16384
 # valence needs more, entries are searched for in the pattern, which takes three times as long.
 LARGEST_TABLE = 32_000_000
 
-# Below this number of triangles of a class the calls take longer than what they compute.
+# Below this number of triangles the calls take longer than what they compute.
 FEW_TRIANGLES = 256
 
 
@@ -107,17 +107,17 @@ class SymmetricPattern:
             rows = np.repeat(np.arange(high - low, dtype=np.int32), sizes)
             rows, columns, numbers = _chosen(columns < high - low, rows, columns, numbers)
             return _SearchedPlaces(rows, columns, numbers, high - low)
-        base = (ends - last - 1).astype(np.int32)
-        first = np.repeat(order, sizes)
-        first, columns, numbers = _chosen(columns < high - low, first, columns, numbers)
-        # All indices are in range, and mode "wrap" saves the time of checking them.
-        row, column = _ascending(first, np.take(order, columns, mode="wrap"))
+        base = ends - last - 1
+        # Vertices beyond the range get a number that no row reaches.
+        second = np.take(np.append(order, np.int32(high - low)), columns, mode="clip")
+        row, column = _ascending(np.repeat(order, sizes), second)
         # A path of three edges may leave the range of vertices: no triangle has both its ends.
+        # All indices are in range, and mode "wrap" saves the time of checking them.
         is_within = column <= np.take(last, row, mode="wrap")
         row, column, numbers = _chosen(is_within, row, column, numbers)
         table = np.empty(ends[-1], dtype=np.int32)
         table[np.take(base, row, mode="wrap") + column] = numbers
-        return _TabledPlaces(table, base, order)
+        return _TabledPlaces(table, base, order.astype(np.intp))
 
 
 def _with_diagonal(adjacency: sparse.csr_array) -> sparse.csr_array:
@@ -179,7 +179,7 @@ class Places(Protocol):
 class _TabledPlaces:
     """The number of each upper entry, at base[row] + column of a table; base never decreases."""
 
-    def __init__(self, table: IntArray, base: IntArray, order: IntArray) -> None:
+    def __init__(self, table: IntArray, base: IndexArray, order: IndexArray) -> None:
         self._table, self._base, self._order = table, base, order
 
     def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:

@@ -130,18 +130,18 @@ class PatchSet:
         for half_edge in half_edges:
             code = self._codes[half_edge]
             added = np.zeros(len(triangles), dtype=np.int64)
-            for value in np.unique(code).tolist():
+            for value in _numbered(code)[0].tolist():
                 corner = self._corners[value]
                 members = slice(None) if (code == value).all() else np.flatnonzero(code == value)
                 edges, at, step = half_edge[members], place[members], stride[members]
                 start = topology.ring_start[origins[edges]]
                 position = topology.ring_position[edges]
-                for k, entry in enumerate(corner.own_entries):
-                    index = position + entry
-                    if not corner.is_boundary:
-                        index %= corner.ring_size
-                    flat[at + k * step] = topology.ring[start + index]
-                added[members] = len(corner.own_entries)
+                entries = np.array(corner.own_entries, dtype=np.int32)[:, None]
+                index = position + entries
+                if not corner.is_boundary:
+                    index %= corner.ring_size
+                flat[at + step * np.arange(len(entries))[:, None]] = topology.ring[start + index]
+                added[members] = len(entries)
             place += added * stride
         self._complete_tetrahedra(triangles, half_edges[0], flat, place)
         return flat, starts

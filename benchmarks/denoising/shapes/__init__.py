@@ -13,7 +13,7 @@ from tools.samples.crocodile import detail
 from tools.samples.ply import read_ply
 
 from . import implicit, machined, new, parametric, turned
-from .meshing import MeshArrays, uneven
+from .meshing import MeshArrays, speckled, uneven
 
 ASSETS = Path(__file__).resolve().parents[3] / "assets"
 
@@ -76,6 +76,14 @@ TUNING: Mapping[str, Shape] = {
     "steps_even": Shape("cad, even", lambda: machined.even(machined.steps, 0.08)),
     "crystal": Shape("cad, even", machined.crystal),
     "shelf": Shape("cad, thin", machined.shelf),
+    "speck_bracket_even": Shape(
+        "cad, specks", lambda: speckled(*machined.even(machined.bracket, 0.09))
+    ),
+    "speck_steps_even": Shape(
+        "cad, specks", lambda: speckled(*machined.even(machined.steps, 0.08))
+    ),
+    "speck_coral": Shape("organic, specks", lambda: speckled(*implicit.coral())),
+    "speck_pawn": Shape("mixed, specks", lambda: speckled(*turned.pawn())),
 }
 """What the parameters of `denoise` may be tuned on; from the foot on only since it had been
 measured on them without."""

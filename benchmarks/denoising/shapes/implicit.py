@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from skimage.measure import marching_cubes
 
@@ -13,19 +11,8 @@ from tools.samples.triangles import FloatArray
 
 from .meshing import MeshArrays, graded, near, remeshed, uneven
 
-Field = Callable[[FloatArray], FloatArray]
-
-
 LEVEL = 0.35
 """Of the molecule's density, at its surface."""
-
-
-class Zeros:
-    """Points where a formula is 0, inside a cube; negative inside, as `tools.samples` wants it."""
-
-    def __init__(self, formula: Field, reach: float) -> None:
-        self.distance = formula
-        self.lower, self.upper = np.full(3, -reach), np.full(3, reach)
 
 
 def coral() -> MeshArrays:
@@ -60,7 +47,8 @@ def pebble() -> MeshArrays:
         ripples = 0.05 * side * np.sin(17 * y) * np.cos(17 * z)
         return 0.8 * (np.sqrt(x * x + y * y + z * z) - 1 - swell - ripples)
 
-    vertices, faces = dense_mesh(Zeros(formula, 1.8), 0.02)
+    reach = np.full(3, 1.8)
+    vertices, faces = dense_mesh(Formula(formula, -reach, reach), 0.02)
     return uneven(vertices, faces, 14_000, near(vertices, (1.3, 0, 0), 0.7, 0.06))
 
 

@@ -11,6 +11,9 @@ from tools.samples.triangles import Faces, FloatArray
 
 MeshArrays = tuple[FloatArray, Faces]
 
+SPECKS, SPECK_ROUNDS = 4, 4
+"""Specks of tiny triangles in a mesh, and how often each is refined."""
+
 
 def remeshed(vertices: FloatArray, faces: Faces, edge: float, crease: float = 25.0) -> MeshArrays:
     """Return triangles of nearly one size that keep sharp edges.
@@ -60,6 +63,31 @@ def uneven(
     bpy.ops.wm.read_factory_settings(use_empty=True)
     vertices, faces = decimate(vertices, faces, importance, n_triangles, contrast=8.0)
     return vertices, flip_edges(vertices, faces, flat=0.7)
+
+
+def speckled(vertices: FloatArray, faces: Faces) -> MeshArrays:
+    """Refine the triangles around four vertices again and again, as bad cuts of solids leave them.
+
+    Edges become up to some twenty times as short there.
+    """
+    generator = np.random.default_rng(5)
+    for centre in generator.choice(len(vertices), SPECKS, replace=False):
+        for _ in range(SPECK_ROUNDS):
+            is_near = (faces == centre).any(axis=1)
+            ring = [np.roll(face, -face.tolist().index(centre)) for face in faces[is_near]]
+            middle: dict[int, int] = {}
+            points, triangles = [], []
+            for corner in (int(each) for face in ring for each in face):
+                if corner != centre and corner not in middle:
+                    middle[corner] = len(vertices) + len(points)
+                    way = vertices[corner] - vertices[centre]
+                    points.append(vertices[centre] + (0.4 + 0.15 * generator.random()) * way)
+            for _, a, b in ring:
+                c, d = middle[a], middle[b]
+                triangles += [(centre, c, d), (c, a, b), (c, b, d)]
+            vertices = np.concatenate([vertices, points])
+            faces = np.concatenate([faces[~is_near], np.array(triangles, dtype=faces.dtype)])
+    return vertices, faces
 
 
 def near(vertices: FloatArray, centre: tuple[float, ...], radius: float, least: float = 1e-3):

@@ -7,10 +7,10 @@ from support import meshes
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoise.filter_bank import FilterBank
 from adaptive_fairing.core.denoise.filter_rounds import mesh_family
-from adaptive_fairing.core.denoise.mixing import filter_divergence
 from adaptive_fairing.core.denoise.noise.own_numbers import OwnNumbers
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
 from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
+from adaptive_fairing.core.denoise.unbiased_risk import filter_divergence
 
 
 def exact_filters(size, seed=0):

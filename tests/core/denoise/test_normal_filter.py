@@ -12,7 +12,9 @@ from adaptive_fairing.core.denoise.normal_filter import (
     TurningLoads,
     smoothed_normals,
     triangles_around,
+    weights_of_normals,
 )
+from adaptive_fairing.core.denoise.parameters import PARAMETERS
 from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 from adaptive_fairing.core.mesh.normals import triangle_normals, unit_vectors
 
@@ -99,6 +101,40 @@ def test_normals_are_given_after_each_number_of_passes():
     for smooth, passes in zip(both, (2, 5), strict=True):
         (alone,) = smoothed_normals(normals, around, Smoothing(ANGLE, (passes,)))
         assert np.array_equal(smooth, alone)
+
+
+def test_the_mean_of_normals_is_weighted():
+    """With weights w the normal is the mean of w (n · n' - cos)² n' over the triangles around."""
+    vertices, faces, *_ = roof(noise=0.1)
+    normals = normals_of(vertices, faces)
+    around = triangles_around(TriangleTopology(faces, len(vertices)))
+    weights = np.random.default_rng(1).uniform(0.5, 2, len(faces))
+    (smooth,) = smoothed_normals(normals, around, Smoothing(ANGLE, (1,)), weights)
+    expected = np.empty_like(normals)
+    for each, own in enumerate(normals):
+        several = [each, *(other for other in around[:, each] if other < len(faces))]
+        apart = np.maximum(normals[several] @ own - np.cos(ANGLE), 0)
+        expected[each] = (weights[several] * apart**2) @ normals[several]
+    np.testing.assert_allclose(smooth, unit_vectors(expected), atol=1e-6)
+    (alike,) = smoothed_normals(normals, around, Smoothing(ANGLE, (1,)), np.full(len(faces), 3.0))
+    (plain,) = smoothed_normals(normals, around, Smoothing(ANGLE, (1,)))
+    np.testing.assert_allclose(alike, plain, atol=1e-6)
+
+
+def test_normals_count_by_the_noise_of_their_corners():
+    vertices, faces = meshes.flat_grid(4, 4)
+    topology = TriangleTopology(faces, len(vertices))
+    assert weights_of_normals(topology, np.zeros(len(vertices))) is None
+    noise = np.where(topology.on_boundary, 0, 0.3)  # not judged at the rim
+    assert weights_of_normals(topology, noise) is None
+    loud = np.argmax(noise > 0)
+    noise[loud] = 0.9
+    weights = weights_of_normals(topology, noise)
+    least = PARAMETERS.coarse_noise**2
+    for triangle, weight in zip(faces, weights, strict=True):
+        known = noise[triangle][noise[triangle] > 0]
+        variance = np.mean(known**2) if len(known) else 0.3**2
+        assert weight == pytest.approx(1 / (variance + least))
 
 
 def test_noise_goes_and_the_ridge_of_a_roof_stays():

@@ -11,9 +11,10 @@ from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 SPHERE = meshes.icosphere(3)
 
 
-def sliding(positions, faces):
+def sliding(positions, faces, noise=0.2):
     start = TriangleSurface(TriangleTopology(faces, len(positions)), positions)
-    return Sliding(start, start, has_creases=False)
+    levels = np.broadcast_to(noise, len(positions))
+    return Sliding(start, start, has_creases=False, noise=levels)
 
 
 def face_normals(positions, faces):
@@ -75,6 +76,17 @@ def test_what_was_folded_before_is_not_judged():
     np.testing.assert_allclose(
         went, PARAMETERS.sliding_fraction * along, atol=0.1 * np.linalg.norm(along)
     )
+
+
+def test_where_the_noise_is_as_large_as_the_edges_vertices_go_all_of_their_way():
+    vertices, faces = SPHERE
+    moved = slid(vertices, faces)
+    corner = faces[0, 0]
+    is_loud = np.arange(len(vertices)) == corner
+    result = sliding(vertices, faces, np.where(is_loud, 1.5, 0.2)).limited(moved)
+    assert np.array_equal(result[corner], moved[corner])
+    # The others go as if that triangle was not turned over.
+    np.testing.assert_allclose(result[~is_loud], 0.98 * vertices[~is_loud], atol=3e-4)
 
 
 def test_no_triangle_of_an_uneven_rim_is_turned_over():

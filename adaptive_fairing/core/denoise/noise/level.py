@@ -16,8 +16,8 @@ from .roughness import Roughness
 # The median of |x| for a normal distribution of unit variance.
 NORMAL_MEDIAN = 0.6744897501960817
 
-# Entry k is by how much an order statistic of k estimates with a standard error of 1 is too low on
-# average: the lowest of two or three, the second lowest of four or five.
+# Entry k: how far an order statistic of k estimates lies below their mean, in standard errors. It
+# is the lowest of two or three, the second lowest of four or five.
 LEAST_OF = (0.0, 0.0, 0.564, 0.846, 0.297, 0.495)
 # Relative standard error of the median absolute deviation of n values, times √n.
 MEDIAN_ERROR = 1.167

@@ -2,8 +2,8 @@
 
 Modelled meshes are full of repetition: rings, mirrored halves, arrays, subdivided flat faces.
 Their triangles have twins with the same three lengths, to the last digit of single precision.
-With noise two triangles agree by chance alone, and how often can be told: at a tolerance a few
-times as wide, chance finds more pairs by at least the square of that.
+With noise two triangles agree by chance alone.  How often is estimated with a tolerance that is
+wider by a factor: chance then finds more pairs, by at least the square of the factor.
 """
 
 from __future__ import annotations

@@ -1,12 +1,13 @@
 """Impulsive noise: single vertices that stand far out of what is around them.
 
-Filters spread a spike over its neighbours.  It is taken off first: a vertex that lies far from
-every straight line through it, further than its neighbours do, moves onto the nearest of those
-lines, but for as much as its neighbours stand out, where the surface bends.  Vertices on creases
-lie on the line along the crease and are no spikes.
+Filters spread a spike over its neighbours, so spikes are taken off first.  A vertex is a spike if
+it lies far from every straight line through it, and further than its neighbours do.  It moves onto
+the nearest of those lines.  Where the surface bends its neighbours stand out as well, and it keeps
+as much height as they have.  Vertices on creases lie on the line along the crease: they are no
+spikes.
 
-Spikes stand beside spikes, so the first place of one goes by neighbours that were not all in
-theirs.  In the end all that were moved settle together.
+Spikes stand beside spikes: the first place of one depends on neighbours that were still out of
+theirs.  In the end all vertices that were moved settle together.
 """
 
 from __future__ import annotations

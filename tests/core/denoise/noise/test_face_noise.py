@@ -48,7 +48,7 @@ def with_heights(heights):
 def found(points):
     surface = TriangleSurface(TOPOLOGY, points)
     slightly_smoothed = TriangleSurface(TOPOLOGY, CLEAN.spread(points, 1))
-    faces = FlatFaces(slightly_smoothed, points, triangles_around(TOPOLOGY), ASSUMED)
+    faces = FlatFaces(slightly_smoothed, points, triangles_around(TOPOLOGY), correlation=ASSUMED)
     noisy = NoisySurface(points, slightly_smoothed.with_frame(spacing=surface.spacing))
     return face_noise(noisy, faces, EVERYWHERE)
 
@@ -67,7 +67,7 @@ def test_level_and_correlation_are_right(level, passes):
 def test_faces_of_vertices_are_the_sides_of_the_cube():
     points = with_heights(0.2 * smooth(4))
     surface = TriangleSurface(TOPOLOGY, CLEAN.spread(points, 1))
-    faces = FlatFaces(surface, points, triangles_around(TOPOLOGY), ASSUMED)
+    faces = FlatFaces(surface, points, triangles_around(TOPOLOGY), correlation=ASSUMED)
     face = faces.of_vertices()
     sides = np.sign(CUBE) * ON_FACE
     for number in np.unique(face[face != NO_FACE]):

@@ -1,0 +1,68 @@
+"""Folds are smoothed out; what has none, or has not moved, stays."""
+
+import numpy as np
+from support import meshes
+
+from adaptive_fairing.core import TriangleTopology, denoise
+from adaptive_fairing.core.denoise.folds import are_folded, unfolded
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
+
+FLAT, FACES = meshes.flat_grid(12, 12)
+TOPOLOGY = TriangleTopology(FACES, len(FLAT))
+LIFTED = TriangleSurface(TOPOLOGY, FLAT + np.array([0, 0, 0.1]))
+INSIDE = ~TOPOLOGY.on_boundary
+CORNER = np.flatnonzero(INSIDE)[len(FLAT) // 3]
+
+
+def pushed():
+    """One vertex pushed over the opposite edge of a triangle, and the triangles turned over."""
+    positions = FLAT.copy()
+    positions[CORNER] += [1.2, 0.3, 0]
+    corners = positions[FACES]
+    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
+    return positions, area < 0
+
+
+def test_triangles_turned_over_are_folded():
+    positions, is_down = pushed()
+    assert is_down.any()
+    assert np.array_equal(are_folded(TOPOLOGY, positions), is_down)
+    assert not are_folded(TOPOLOGY, FLAT).any()
+
+
+def test_a_right_angle_is_no_fold():
+    bent = FLAT.copy()
+    over = np.maximum(FLAT[:, 1] - np.median(FLAT[:, 1]), 0)
+    bent[:, 1] -= over
+    bent[:, 2] -= over
+    assert not are_folded(TOPOLOGY, bent).any()
+
+
+def test_folds_are_smoothed_near_by_alone():
+    positions, is_down = pushed()
+    result = unfolded(positions, LIFTED, INSIDE)
+    assert not are_folded(TOPOLOGY, result).any()
+    changed = np.flatnonzero((result != positions).any(axis=1))
+    assert np.isin(changed, FACES[is_down]).all()
+
+
+def test_what_has_not_moved_or_may_not_stays():
+    positions, _ = pushed()
+    same = TriangleSurface(TOPOLOGY, positions)
+    for before, may_move in ((same, INSIDE), (LIFTED, np.zeros_like(INSIDE))):
+        result = unfolded(positions, before, may_move)
+        assert np.array_equal(result, positions)
+
+
+def test_no_fold_is_left_of_spikes():
+    vertices, faces = meshes.icosphere(4)
+    topology = TriangleTopology(faces, len(vertices))
+    generator = np.random.default_rng(4)
+    spacing = TriangleSurface(topology, vertices).spacing
+    is_spike = generator.random(len(vertices)) < 0.2
+    height = np.where(is_spike, generator.normal(0, 1.2, len(vertices)), 0) * spacing
+    spiky = vertices * (1 + height[:, None])
+    assert are_folded(topology, spiky).any()
+    found = denoise(spiky, faces)
+    assert "impulsive" in " ".join(found.notes)
+    assert not are_folded(topology, found.positions).any()
