@@ -24,8 +24,9 @@ from ..runtime.arrays import FloatArray
 from ..runtime.precision import SINGLE, Precision
 from .filter_family import Filter, FlatFamily, NormalFamily
 from .filter_rounds import Round, mesh_family
-from .flat_faces import flattened
+from .flat_faces import FlatFaces, flattened
 from .lifted_metric import LiftedMetric, linear_elements, rim_flux
+from .noise.correlation import WHITE, NoiseCorrelation
 from .normal_filter import (
     TurningLoads,
     smoothed_normals,
@@ -103,7 +104,7 @@ class FilterBank:
         for family in families:
             results: Iterable[FloatArray]
             if isinstance(family, FlatFamily):
-                flat = self.flattened(noisy, surface, tuned.least_flat)
+                flat = self.flattened(noisy, surface, tuned.least_flat, family.correlation)
                 # Not the noisy positions: another frame's plan may rely on this filter.
                 results = (surface.positions if flat is None else flat,)
             elif isinstance(family, NormalFamily):
@@ -115,14 +116,25 @@ class FilterBank:
             yield from zip(family.filters, results, strict=True)
 
     def flattened(
-        self, noisy: TriangleSurface, surface: TriangleSurface, least: float
+        self,
+        noisy: TriangleSurface,
+        surface: TriangleSurface,
+        least: float,
+        correlation: NoiseCorrelation = WHITE,
     ) -> FloatArray | None:
         """Make the flat faces of a surface flat, in planes fitted to the noisy one, (n, 3).
 
         None if less than the fraction `least` of the triangles is on flat faces.
         """
         weights = self._normal_weights
-        return flattened(surface, noisy.positions, self._around, least, weights)
+        return flattened(surface, noisy.positions, self._around, least, weights, correlation)
+
+    def flat_faces(
+        self, noisy: TriangleSurface, surface: TriangleSurface, correlation: NoiseCorrelation
+    ) -> FlatFaces:
+        """Find the flat faces of a surface, and their planes, in spite of smooth noise."""
+        weights = self._normal_weights
+        return FlatFaces(surface, noisy.positions, self._around, weights, correlation)
 
     def _fitted(
         self, surface: TriangleSurface, smooth: TriangleSurface, family: NormalFamily

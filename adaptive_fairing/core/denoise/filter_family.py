@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 from ..linalg.krylov_filters import Diffusion
 from .lifted_metric import LiftedMetric
+from .noise.correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing
 
 # What a filter does at creases. Those that see creases keep what stands out of the noise.
@@ -64,9 +65,12 @@ class FlatFamily(NamedTuple):
     Attributes
     ----------
     name : str
+    correlation : NoiseCorrelation
+        Of smooth noise, through which faces are to be found, or else none.
     """
 
     name: str
+    correlation: NoiseCorrelation = WHITE
 
     @property
     def filters(self) -> tuple[Filter, ...]:

@@ -8,6 +8,7 @@ from ..linalg.krylov_filters import Diffusion
 from ..runtime.arrays import FloatArray
 from .filter_family import KEEPS, ROUNDS, SEES, FilterFamily, FlatFamily, NormalFamily
 from .lifted_metric import LiftedMetric
+from .noise.correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing
 from .parameters import parameters
 
@@ -36,11 +37,12 @@ def mesh_family() -> FilterFamily:
     return FilterFamily("mesh", ROUNDS, LiftedMetric(), all_diffusions())
 
 
-def rounds(angle_factor: float = 1.0) -> tuple[Round, ...]:
+def rounds(angle_factor: float = 1.0, correlation: NoiseCorrelation = WHITE) -> tuple[Round, ...]:
     """Return the filters of each round besides those of the mesh.
 
     The metrics of a round are those of the mixture of the rounds before it, at first those of the
     slightly smoothed surface.  Their angles are for coarse noise, times a factor.
+    Flat faces are found through smooth noise of this correlation.
     """
     tuned = parameters()
     wide, narrow = angle_factor * tuned.wide_angle, angle_factor * tuned.narrow_angle
@@ -60,7 +62,7 @@ def rounds(angle_factor: float = 1.0) -> tuple[Round, ...]:
         (_fits("normals", tuned.short_fit_passes, tuned.long_fit_passes),),
         (
             _fits("normals of the fits", tuned.last_short_fit_passes, tuned.last_long_fit_passes),
-            FlatFamily("flat faces"),
+            FlatFamily("flat faces", correlation),
         ),
     )
 
@@ -71,7 +73,7 @@ def _fits(name: str, short_passes: tuple[int, ...], long_passes: tuple[int, ...]
     return NormalFamily(name, (short, Smoothing(tuned.long_fit_angle, long_passes)))
 
 
-def rounds_for(noise: FloatArray) -> list[Round]:
+def rounds_for(noise: FloatArray, correlation: NoiseCorrelation = WHITE) -> list[Round]:
     """Choose the filters of all rounds for the noise, (n,), of the vertices judged.
 
     The angles of the metrics are scaled to it.  Noise that turns triangles over leaves nothing in
@@ -87,5 +89,5 @@ def rounds_for(noise: FloatArray) -> list[Round]:
             for family in families
             if has_normals or not (isinstance(family, NormalFamily) and family.is_of_noisy)
         )
-        for families in rounds(factor)
+        for families in rounds(factor, correlation)
     ]

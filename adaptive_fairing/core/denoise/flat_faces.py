@@ -20,6 +20,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..mesh.normals import unit_vectors
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
+from .noise.correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing, smoothed_normals
 from .parameters import parameters
 from .plane_fits import PlaneFits
@@ -34,6 +35,7 @@ def flattened(
     around: IntArray,
     least: float = 0.0,
     weights: FloatArray | None = None,
+    correlation: NoiseCorrelation = WHITE,
 ) -> FloatArray | None:
     """Move the vertices of a surface's flat faces onto their planes.
 
@@ -49,6 +51,8 @@ def flattened(
         Fraction of the triangles that must be on flat faces.
     weights : (m,), optional
         How much the normal of each triangle counts.
+    correlation : NoiseCorrelation
+        Of smooth noise, or else none.
 
     Returns
     -------
@@ -56,7 +60,7 @@ def flattened(
         The surface with flat faces; vertices that are not on any are as they were.  None if too
         few triangles, or none, are on flat faces.
     """
-    found = FlatFaces(surface, noisy, around, weights)
+    found = FlatFaces(surface, noisy, around, weights, correlation)
     part = np.mean(found.face >= 0)
     if part == 0 or part < least:
         return None
@@ -81,29 +85,43 @@ class FlatFaces:
         noisy: FloatArray,
         around: IntArray,
         weights: FloatArray | None = None,
+        correlation: NoiseCorrelation = WHITE,
     ) -> None:
         tuned, topology = parameters(), surface.topology
+        # Neighbours with smooth noise say less than as many of their own would.
+        self._own_part = correlation.deviation**2 if correlation.passes else 1.0
+        self._most_uneven = tuned.most_uneven_if_smooth if correlation.passes else tuned.most_uneven
         self._triangles, self._noisy = topology.triangles, noisy
         self._surface, self._spacing = surface.positions, surface.smooth_spacing
         scaled = surface.triangle_normals()
         self._areas = np.sqrt(np.einsum("fd,fd->f", scaled, scaled))
-        smoothing = Smoothing(tuned.short_fit_angle, (tuned.face_passes,))
+        passes = tuned.face_passes + tuned.face_passes_for_smooth * correlation.passes
+        smoothing = Smoothing(tuned.short_fit_angle, (passes,))
         (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing, weights)
         side = np.flatnonzero(topology.twin >= 0)
         self._beside = side // 3, topology.twin[side] // 3
         self.face = self._connected(self._even(around))
         self.planes = self._fitted()
-        self._drop(self.planes.are_bent() | self._are_uneven())
+        self._drop(self.planes.are_bent(self._own_part) | self._are_uneven())
         found = self.face.copy()
         for _ in range(tuned.face_rings):
             if not self._grow():
                 break
         self.planes = self._fitted()
         # Those that are bent now have grown too far: onto what is round.
-        has_grown_too_far = self._of_triangles(self.planes.are_bent())
+        has_grown_too_far = self._of_triangles(self.planes.are_bent(self._own_part))
         if has_grown_too_far.any():
             self.face = np.where(has_grown_too_far, found, self.face)
             self.planes = self._fitted()
+
+    def of_vertices(self) -> IntArray:
+        """Return the face of every vertex whose triangles are all on one, (n,), or `NO_FACE`."""
+        lowest = np.full(len(self._noisy), len(self.planes), dtype=self.face.dtype)
+        highest = np.full_like(lowest, NO_FACE)
+        for vertex in self._triangles.T:
+            np.minimum.at(lowest, vertex, self.face)
+            np.maximum.at(highest, vertex, self.face)
+        return np.where(lowest == highest, highest, NO_FACE)
 
     def _fitted(self) -> PlaneFits:
         return PlaneFits(self._noisy, self._spacing, self._triangles, self.face)
@@ -138,7 +156,7 @@ class FlatFaces:
         face, areas = self.face[flat], self._areas[flat]
         cosine = np.abs(np.einsum("fd,fd->f", self._normals[flat], self.planes.normals[face]))
         n = len(self.planes)
-        limit = np.cos(parameters().most_uneven) * np.bincount(face, areas, n)
+        limit = np.cos(self._most_uneven) * np.bincount(face, areas, n)
         uneven: BoolArray = np.bincount(face, areas * cosine, n) < limit
         return uneven
 

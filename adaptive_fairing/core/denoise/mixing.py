@@ -155,7 +155,7 @@ def _planned(
         return np.square(tuned.noise_factor * level / unit)
 
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
-    first, *others = rounds_for(noise)
+    first, *others = rounds_for(noise, correlation)
     saw_creases = False
     pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen / unit)
     pilots: list[Mixture] = []
@@ -185,7 +185,14 @@ def _planned(
             removed_noise = (mixture.coefficients(used) * divergence[used])[counted]
             kept[index] -= removed_noise.mean(dtype=float) / correlation.deviation**2
     return DenoisePlan(
-        filters, noise, tuple(pilots), tuple(mixtures), kept, verdict.impulsive, saw_creases
+        filters,
+        noise,
+        tuple(pilots),
+        tuple(mixtures),
+        kept,
+        verdict.impulsive,
+        saw_creases,
+        correlation,
     )
 
 

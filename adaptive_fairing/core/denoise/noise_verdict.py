@@ -8,7 +8,9 @@ import numpy as np
 
 from ..runtime.arrays import FloatArray
 from .noise.correlation import NoiseCorrelation, noise_correlation
+from .noise.face_noise import FaceNoise
 from .noise.level import beyond_clean
+from .noise.line_of_sight import along_sight
 from .noise.repeats import repetition
 from .noise.smooth_noise import SmoothNoise, smooth_noise
 from .parameters import parameters
@@ -83,17 +85,23 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     others = ("denoise",) if was_kept and found.roughness.any() else ()
     # White noise that is stronger hides the smooth kind.
     if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:
-        smooth = smooth_noise(stage.noisy, counted)
-        if _is_removed(smooth, stage, clean):
-            level, correlation = np.where(counted, smooth.level, 0), smooth.correlation
+        seen = along_sight(stage.noisy)
+        on_faces = stage.face_noise(seen)
+        anywhere = smooth_noise(seen, counted)
+        smooth = next(
+            (each for each in (on_faces, anywhere) if _is_removed(each, stage, clean)), None
+        )
+        if smooth is not None:
+            per_edge = seen.frame.spacing / stage.noisy.frame.spacing
+            level, correlation = np.where(counted, smooth.level * per_edge, 0), smooth.correlation
             notes = (SMOOTH_REMOVED.format(smooth.level),)
             others = ("detail",) if clean == "keep" else ()
-        elif smooth.is_likely and not beyond_clean(strength * level).any():
-            notes = (SMOOTH.format(smooth.level), *notes)
+        elif anywhere.is_likely and not beyond_clean(strength * level).any():
+            notes = (SMOOTH.format(anywhere.level), *notes)
     return NoiseVerdict(stage, level, correlation, impulsive, notes, others)
 
 
-def _is_removed(smooth: SmoothNoise, stage: Stage, clean: str) -> bool:
+def _is_removed(smooth: SmoothNoise | FaceNoise, stage: Stage, clean: str) -> bool:
     """Whether smooth noise is to be removed; models, which repeat triangles, have none."""
     if clean == "denoise":
         return smooth.may_be_noise

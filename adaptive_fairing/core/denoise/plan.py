@@ -9,6 +9,7 @@ import numpy as np
 from ..runtime.arrays import FloatArray
 from .filter_family import Filter
 from .mixture import Mixture
+from .noise.correlation import WHITE, NoiseCorrelation
 
 # Strengths that every run computes, as factors of the estimated noise.
 STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)
@@ -34,6 +35,8 @@ class DenoisePlan:
         Fraction of their way by which vertices that stand out are put back before the filters.
     has_creases : bool
         Whether the last round was run, which is for creases.
+    correlation : NoiseCorrelation
+        Of the noise at neighbours.
     """
 
     filters: tuple[Filter, ...]
@@ -43,6 +46,7 @@ class DenoisePlan:
     kept: FloatArray
     impulsive: FloatArray
     has_creases: bool = False
+    correlation: NoiseCorrelation = WHITE
 
     @classmethod
     def idle(cls, noise: FloatArray, impulsive: FloatArray) -> DenoisePlan:

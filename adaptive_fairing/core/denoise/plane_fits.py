@@ -68,8 +68,12 @@ class PlaneFits:
         height: FloatArray = np.einsum("pd,pd->p", points - self.centres[face], self.normals[face])
         return height
 
-    def are_bent(self) -> BoolArray:
-        """Which faces a quadric fits significantly better than a plane, by the F test, (k,)."""
+    def are_bent(self, own_part: float = 1.0) -> BoolArray:
+        """Which faces a quadric fits significantly better than a plane, by the F test, (k,).
+
+        With smooth noise as many vertices as there are tell as much as `own_part` of them, each
+        with noise of its own.
+        """
         offset = self._points - self.centres[self.face]
         sizes = np.sqrt(np.maximum(self._spread[:, :0:-1], np.finfo(float).tiny))
         u, v = (
@@ -95,7 +99,7 @@ class PlaneFits:
         left = self._sums(weights * self._residuals**2) - by_quadric
         gain = (by_quadric - explained(3)) / 3
         freedom = np.maximum(self._count - 6, 1)
-        bent: BoolArray = gain * freedom > parameters().most_bend * np.maximum(left, 0)
+        bent: BoolArray = own_part * gain * freedom > parameters().most_bend * np.maximum(left, 0)
         return bent
 
     def onto(self, surface: FloatArray, spacing: FloatArray) -> FloatArray:

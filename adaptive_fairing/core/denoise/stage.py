@@ -14,6 +14,8 @@ from .filter_family import Filter
 from .filter_rounds import Round, rounds_for
 from .mesh_parts import MeshParts
 from .mixture import Mixture
+from .noise.correlation import NoiseCorrelation
+from .noise.face_noise import FaceNoise, face_noise
 from .noise.level import beyond_clean
 from .noise.noisy_surface import NoisySurface
 from .noise.spikes import without_spikes
@@ -61,7 +63,7 @@ class Track:
         # Without creases there was no last round.
         pilots = (None, *plan.pilots)
         for number, (families, pilot) in enumerate(
-            zip(rounds_for(plan.noise), pilots, strict=False), start=1
+            zip(rounds_for(plan.noise, plan.correlation), pilots, strict=False), start=1
         ):
             progress.begin("filter", number)
             self.filter(families, pilot)
@@ -115,6 +117,13 @@ class Stage:
         calm = without_spikes(self.noisy, self.parts.is_counted, self.parts.may_move)
         start = positions + impulsive[:, None] * (calm - positions)
         return Stage(self.frame.topology, start, self._is_still, self._on_solve)
+
+    def face_noise(self, noisy: NoisySurface) -> FaceNoise:
+        """Measure the smooth noise on flat faces, in the surface's units."""
+        tuned = parameters()
+        assumed = NoiseCorrelation(deviation=tuned.assumed_deviation, passes=tuned.assumed_passes)
+        faces = self.bank.flat_faces(self.track.start, self.frame, assumed)
+        return face_noise(noisy, faces, self.parts.is_counted)
 
     def undented(self, level: FloatArray, impulsive: FloatArray) -> FloatArray | None:
         """Make flat faces flat, where low spikes left dents, by a part (n,) of the way.

@@ -30,6 +30,13 @@ class TriangleSurface:
     def __init__(self, topology: TriangleTopology, positions: FloatArray) -> None:
         self.topology, self.positions = topology, positions
 
+    def with_frame(self, **measured: FloatArray | sparse.csr_array) -> TriangleSurface:
+        """Return this surface with another `spacing`, other `normals`, or another `mean`."""
+        other = TriangleSurface(self.topology, self.positions)
+        own = {name: getattr(self, name) for name in ("spacing", "normals", "mean")}
+        vars(other).update(own | measured)  # as if they had been computed already
+        return other
+
     @cached_property
     def spacing(self) -> FloatArray:
         """Local edge length h, the mean distance to the neighbours, (n,); 1 at loose vertices.

@@ -50,6 +50,10 @@ class NoiseCorrelation(NamedTuple):
         return (1 - self.coefficient) * values + self.coefficient * mean
 
 
+WHITE = NoiseCorrelation()
+"""Noise that neighbours have nothing of in common."""
+
+
 def noise_correlation(surface: NoisySurface, is_counted: BoolArray) -> NoiseCorrelation:
     """Find the correlation with which noise fades as the mesh does.
 
@@ -62,7 +66,7 @@ def noise_correlation(surface: NoisySurface, is_counted: BoolArray) -> NoiseCorr
     tuned, fading = parameters(), surface.fading
     rough, kept = fading.of_mesh(is_counted)
     if rough < tuned.least_roughness or not fading.fades(is_counted):
-        return NoiseCorrelation()
+        return WHITE
     coefficients = np.linspace(0, tuned.most_correlation, N_TRIED)
     rows = [(1.0, 1.0, np.std(fading.white[is_counted]))]
     for coefficient in coefficients[1:]:

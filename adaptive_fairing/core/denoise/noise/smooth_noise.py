@@ -21,7 +21,7 @@ import numpy as np
 from ...runtime.arrays import BoolArray, FloatArray
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
-from .correlation import NoiseCorrelation
+from .correlation import WHITE, NoiseCorrelation
 from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
 
@@ -63,7 +63,7 @@ class SmoothNoise(NamedTuple):
 
     evenness: float
     level: float = 0.0
-    correlation: NoiseCorrelation = NoiseCorrelation()
+    correlation: NoiseCorrelation = WHITE
     misfit: float = np.inf
     excess: float = np.inf
     outliers: float = np.inf
@@ -113,10 +113,10 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     """
     tuned, frame, own = parameters(), surface.frame, surface.fading.white
     n_counted = int(np.count_nonzero(is_counted))
-    heights, white = (_bands(each, frame) for each in (surface.positions, frame.raised(own)))
-    strength = _strengths(heights, frame, is_counted)
-    quiet, evenness = _quiet(strength)
-    white_quiet, white_evenness = _quiet(_strengths(white, frame, is_counted))
+    heights, white = (band_heights(each, frame) for each in (surface.positions, frame.raised(own)))
+    strength = local_strengths(heights, frame, is_counted)
+    quiet, evenness = quiet_part(strength)
+    white_quiet, white_evenness = quiet_part(local_strengths(white, frame, is_counted))
     even = float((evenness / white_evenness)[:N_NARROW].min())
     if even < min(tuned.least_evenness, tuned.told_evenness):
         return SmoothNoise(even, n_counted=n_counted)
@@ -124,13 +124,13 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     for passes in PASSES:
         noise = frame.spread(own * frame.spacing, passes) / frame.spacing
         deviations.append(float(np.std(noise[is_counted])))
-        ratios.append(_sizes(_bands(frame.raised(noise), frame)[:, is_counted]))
-    ratios = np.log(quiet / white_quiet * _sizes(white[:, is_counted]) / ratios)
+        ratios.append(typical_sizes(band_heights(frame.raised(noise), frame)[:, is_counted]))
+    ratios = np.log(quiet / white_quiet * typical_sizes(white[:, is_counted]) / ratios)
     best, level, misfit = _fit(ratios, WEIGHTS)
     if misfit > tuned.least_misfit_of_edges:
         best, level, _ = _fit(ratios, np.where(np.arange(N_NARROW) > 0, WEIGHTS, 0.0))
     relative = heights[:2, is_counted] / strength[:2]
-    relative /= np.maximum(_sizes(relative), 1e-9)[:, None]
+    relative /= np.maximum(typical_sizes(relative), 1e-9)[:, None]
     return SmoothNoise(
         even,
         float(np.exp(level)) * deviations[best],
@@ -156,19 +156,19 @@ def _fit(ratios: FloatArray, weights: FloatArray) -> tuple[int, float, float]:
     return best, float(levels[best]), float(misfits[best])
 
 
-def _quiet(strength: FloatArray) -> tuple[FloatArray, FloatArray]:
+def quiet_part(strength: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Strength of the bands in the quietest part of the surface, and that over the median, (k,)."""
     quiet, typical = np.quantile(strength, (parameters().quiet_fraction, 0.5), axis=1)
     return quiet, quiet / typical
 
 
-def _sizes(heights: FloatArray) -> FloatArray:
+def typical_sizes(heights: FloatArray) -> FloatArray:
     """Median magnitude of every band, (k,)."""
     sizes: FloatArray = np.median(np.abs(heights), axis=1)
     return sizes
 
 
-def _bands(positions: FloatArray, frame: TriangleSurface) -> FloatArray:
+def band_heights(positions: FloatArray, frame: TriangleSurface) -> FloatArray:
     """Heights of the bands along the normals, (k, n)."""
     found, near, done = [], positions, 0
     for low, high in BANDS:
@@ -179,7 +179,9 @@ def _bands(positions: FloatArray, frame: TriangleSurface) -> FloatArray:
     return np.stack(found)
 
 
-def _strengths(heights: FloatArray, frame: TriangleSurface, is_counted: BoolArray) -> FloatArray:
+def local_strengths(
+    heights: FloatArray, frame: TriangleSurface, is_counted: BoolArray
+) -> FloatArray:
     """Local strength of the bands' heights (k, n) at the counted vertices, (k, m)."""
     passes = parameters().band_passes
     weight = np.maximum(frame.spread(is_counted.astype(float), passes), 1e-9)

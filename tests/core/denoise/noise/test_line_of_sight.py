@@ -1,0 +1,84 @@
+"""A depth camera's line of sight is found from its mesh alone."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import TriangleTopology, denoise
+from adaptive_fairing.core.denoise.noise.line_of_sight import along_sight, line_of_sight
+from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
+from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
+
+GRID, FACES = meshes.flat_grid(70, 70)
+TOPOLOGY = TriangleTopology(FACES, len(GRID))
+TURN = np.linalg.qr(np.random.default_rng(3).normal(size=(3, 3)))[0]
+SIGHT = TURN[2]
+
+
+def depths():
+    """Two planes, steep and facing, that meet at a crease, seen along z."""
+    return np.maximum(1.5 * (GRID[:, 0] - 35), 0) + 0.2 * GRID[:, 1]
+
+
+def smooth(passes=4, seed=0):
+    surface = TriangleSurface(TOPOLOGY, GRID)
+    heights = surface.spread(np.random.default_rng(seed).normal(size=len(GRID)), passes)
+    return heights / heights.std()
+
+
+def seen(depth):
+    """The image of a depth camera, turned."""
+    return np.column_stack([GRID[:, :2], depth]) @ TURN
+
+
+@pytest.mark.parametrize("noise", [0, 0.3])
+def test_it_is_the_direction_along_which_depths_vary(noise):
+    found = line_of_sight(TOPOLOGY, seen(depths() + noise * smooth()))
+    assert abs(found @ SIGHT) == pytest.approx(1, abs=1e-9)
+
+
+def test_a_near_camera_has_about_the_middle_one():
+    """Rays from a point at twice the half width of the picture: up to 27 degrees apart."""
+    across = GRID[:, :2] - GRID[:, :2].mean(axis=0)
+    away = 2 * np.linalg.norm(across, axis=1).max()
+    rays = np.column_stack([across, np.full(len(GRID), away)]) / away
+    points = rays * (away + 0.3 * smooth())[:, None]
+    assert abs(line_of_sight(TOPOLOGY, points)[2]) > np.cos(np.radians(2))
+
+
+def test_other_meshes_have_none():
+    for points, faces in (meshes.icosphere(4), meshes.torus(40, 20), meshes.noisy_ball()):
+        assert line_of_sight(TriangleTopology(faces, len(points)), points) is None
+    # Noise along the normals of a grid is not along one line.
+    bowl = np.column_stack([GRID[:, :2], 0.01 * np.square(GRID[:, :2] - 35).sum(axis=1)])
+    surface = TriangleSurface(TOPOLOGY, bowl)
+    assert line_of_sight(TOPOLOGY, bowl + surface.raised(0.3 * smooth())) is None
+
+
+def test_depth_noise_is_even_in_its_unit():
+    """In local edge lengths it is less on the steep plane."""
+    points = seen(depths() + 0.2 * smooth())
+    frame = TriangleSurface(TOPOLOGY, seen(depths()))
+    surface = NoisySurface(points, frame)
+    in_unit = along_sight(surface)
+    is_steep = GRID[:, 0] > 36
+    ratios = []
+    for each in (surface, in_unit):
+        heights = each.frame.along_normal(points - frame.positions)
+        ratios.append(heights[is_steep].std() / heights[~is_steep].std())
+    samples = np.array([smooth(seed=seed)[is_steep].std() for seed in range(20)])
+    assert ratios[0] < 0.5
+    assert ratios[1] == pytest.approx(1, abs=4 * samples.std())
+    assert np.median(in_unit.frame.spacing) == pytest.approx(np.median(frame.spacing))
+
+
+def test_the_level_follows_the_angle_at_which_the_surface_is_seen():
+    """σ |n · v| / h, of noise σ along the line of sight v."""
+    result = denoise(seen(depths() + 0.3 * smooth()), FACES)
+    assert "removed" in result.notes[0]
+    clean = TriangleSurface(TOPOLOGY, seen(depths()))
+    expected = 0.3 * np.abs(clean.normals @ SIGHT) / clean.spacing
+    is_inner = (result.noise > 0) & (np.abs(GRID[:, 0] - 35) > 3)
+    ratio = result.noise[is_inner] / expected[is_inner]
+    assert np.median(ratio) == pytest.approx(1, abs=0.15)
+    assert np.std(np.log(ratio)) < 0.2
