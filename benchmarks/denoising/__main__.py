@@ -6,7 +6,7 @@
     python -m benchmarks.denoising --noise all --peers research   by kind of noise
     python -m benchmarks.denoising --group none --cases --peers research --output FOLDER --pictures
 
-Prints tables in Markdown. What auto may be tuned on is the group "tuning" alone.
+Prints tables in Markdown. What Denoise may be tuned on is the group "tuning" alone.
 """
 
 from __future__ import annotations

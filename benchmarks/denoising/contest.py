@@ -94,7 +94,7 @@ class Entry:
         The mesh.
     noisy
         Score of the noisy mesh as it is.
-    auto
+    ours
         Score of `denoise`.
     peers
         By name, the scores at all parameters.
@@ -102,12 +102,12 @@ class Entry:
 
     pair: Pair
     noisy: Score
-    auto: Score
+    ours: Score
     peers: Mapping[str, Scores]
 
 
 def contest(pair: Pair, peers: Sequence[Peer], cache: Path | None) -> Entry:
-    """Score the noisy mesh, auto and all peers on one pair."""
+    """Score the noisy mesh, Denoise and all peers on one pair."""
     reference = Reference(pair.clean, pair.faces)
     score = peer_scores(pair, OURS, cache)[OURS.parameter("", 1.0)]
     found = {peer.name: peer_scores(pair, peer, cache) for peer in peers}

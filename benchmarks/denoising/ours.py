@@ -15,8 +15,8 @@ from tools.samples.triangles import Faces, FloatArray
 from .peers import Peer, Values
 
 
-def auto(vertices: FloatArray, faces: Faces) -> FloatArray:
-    """Denoise with method "auto"; the rim of an open mesh moves, as it does with the peers."""
+def denoised(vertices: FloatArray, faces: Faces) -> FloatArray:
+    """Denoise; the rim of an open mesh moves, as it does with the peers."""
     return denoise(vertices, faces, DenoiseSettings(boundary="free")).positions
 
 
@@ -39,10 +39,10 @@ def core_digest() -> str:
     return content.hexdigest()[:12]
 
 
-def _run_auto(vertices: FloatArray, faces: Faces, sweep: Values) -> Iterator[FloatArray]:
+def _run(vertices: FloatArray, faces: Faces, sweep: Values) -> Iterator[FloatArray]:
     for _ in sweep:
-        yield auto(vertices, faces)
+        yield denoised(vertices, faces)
 
 
-OURS = OwnScheme("ours, auto", (), "strength", (1.0,), _run_auto)
-"""Method "auto" as a peer with a grid of one point."""
+OURS = OwnScheme("Denoise", (), "strength", (1.0,), _run)
+"""Denoise as a peer with a grid of one point."""

@@ -12,7 +12,7 @@ from tools.samples.triangles import FloatArray, local_edge_lengths, vertex_norma
 
 from .contest import Entry
 from .measures import Reference, Score
-from .ours import auto
+from .ours import denoised
 from .peers import Peer
 from .verdict import best_peer
 
@@ -49,7 +49,7 @@ def picture(entry: Entry, peers: Sequence[Peer], folder: Path) -> Path:
         if name in by_name
     ] or [best_peer(entry, peers)]
     theirs = [by_name[name].result(pair.noisy, pair.faces, value) for name, value, _ in shown]
-    ours = auto(pair.noisy, pair.faces)
+    ours = denoised(pair.noisy, pair.faces)
     vertex = _most_different(Reference(pair.clean, pair.faces), ours, theirs[0])
     normal = vertex_normals(pair.clean, pair.faces)[vertex]
     reach = CLOSE * local_edge_lengths(pair.clean, pair.faces)[vertex]
@@ -59,12 +59,12 @@ def picture(entry: Entry, peers: Sequence[Peer], folder: Path) -> Path:
     shots = [[Shot(View(whole), WHOLE_SIZE), Shot(close, CLOSE_SIZE)]]
     panels = [
         Panel(pair.noisy, f"{pair.label}: noisy", _text(entry.noisy)),
-        Panel(ours, "ours", _text(entry.auto)),
+        Panel(ours, "Denoise", _text(entry.ours)),
         *(
             Panel(positions, name, f"{value}; {_text(score)}")
             for positions, (name, value, score) in zip(theirs, shown, strict=True)
         ),
-        Panel(pair.clean, "clean", "below: where ours and the first peer differ most"),
+        Panel(pair.clean, "clean", "below: where Denoise and the first peer differ most"),
     ]
     path = folder / f"{pair.label.replace(':', '_')}.png"
     figure(path, [panels], pair.faces, shots, SAMPLES)

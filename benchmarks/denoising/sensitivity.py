@@ -22,7 +22,7 @@ from adaptive_fairing.core.denoise.parameters import PARAMETERS, DenoiseParamete
 
 from ..measuring import table
 from .measures import Reference
-from .ours import auto
+from .ours import denoised
 from .pairs import MAIN_NOISE, Pair, made, noise_name
 from .verdict import geometric_mean
 
@@ -105,7 +105,7 @@ def _moved_number(value: float, factor: float) -> float:
 
 def _scores(pairs: Sequence[Pair], references: Sequence[Reference]) -> list[tuple[float, ...]]:
     scores = [
-        reference.score(auto(pair.noisy, pair.faces))
+        reference.score(denoised(pair.noisy, pair.faces))
         for pair, reference in zip(pairs, references, strict=True)
     ]
     return [tuple(score[measure] for measure in MEASURES) for score in scores]

@@ -20,7 +20,7 @@ def in_short(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
 
     Peers are at their published parameter; those that have none, at the best for each mesh.
     """
-    seconds = [entry.auto["seconds"] for entry in entries]
+    seconds = [entry.ours["seconds"] for entry in entries]
     rows = [_means("noisy", "", [entry.noisy for entry in entries], seconds)]
     for peer in peers:
         if peer.published is None:
@@ -29,20 +29,20 @@ def in_short(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
             how = f"published: {peer.published}"
             found = [entry.peers[peer.name][peer.published] for entry in entries]
         rows.append(_means(peer.name, how, found, seconds))
-    rows.append(_means("Denoise", "none", [entry.auto for entry in entries], seconds))
+    rows.append(_means("Denoise", "none", [entry.ours for entry in entries], seconds))
     return table(("method", "parameters", "error", "angle", "time, Denoise = 1"), rows)
 
 
 def by_mesh(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
     """Auto against the best peer at its best parameter, mesh by mesh."""
     header = (
-        "mesh", "vertices", "noisy", "auto", "best peer", "ratio", "worst class", "ratio",
+        "mesh", "vertices", "noisy", "Denoise", "best peer", "ratio", "worst class", "ratio",
         "angle", "volume", "flips", "seconds", "which peer",
     )  # fmt: skip
     rows: Rows = []
     for entry in entries:
         best, worst = best_peer(entry, peers), best_peer(entry, peers, "worst")
-        own = entry.auto
+        own = entry.ours
         rows.append(
             [
                 entry.pair.label,
@@ -67,16 +67,17 @@ def by_peer(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
     """Every peer at its best parameter per mesh and at its one parameter, geometric means."""
     header = (
         "method", "mean, best parameters", "worst class", "mean, one parameter", "worst class",
-        "auto is below on", "auto over it: mean", "largest", "the one parameter", "grid too narrow",
+        "Denoise is below on", "Denoise over it: mean", "largest", "the one parameter",
+        "grid too narrow",
     )  # fmt: skip
-    autos = [entry.auto for entry in entries]
-    mean, worst = (geometric_mean([s[key] for s in autos]) for key in ("mean", "worst"))
-    rows: Rows = [["auto", *[f"{mean:.4f}", f"{worst:.4f}"] * 2, *["–"] * 5]]
+    ours = [entry.ours for entry in entries]
+    mean, worst = (geometric_mean([s[key] for s in ours]) for key in ("mean", "worst"))
+    rows: Rows = [["Denoise", *[f"{mean:.4f}", f"{worst:.4f}"] * 2, *["–"] * 5]]
     for peer in peers:
         best = [best_of(entry, peer.name) for entry in entries]
         single = one_parameter(entries, peer)
         narrow = sum(peer.at_edge(point.parameter) for point in best)
-        both = zip(autos, single.scores, strict=True)
+        both = zip(ours, single.scores, strict=True)
         ratios = [own["mean"] / other["mean"] for own, other in both]
         rows.append(
             [
@@ -120,7 +121,7 @@ def by_noise(standings: dict[str, tuple[int, Standing]]) -> str:
 def of_clean(entries: Sequence[Entry]) -> str:
     """How far `denoise` moves meshes without noise."""
     rows = [
-        [entry.pair.name, f"{entry.auto['moved']:.4f}", f"{entry.auto['mean']:.4f}"]
+        [entry.pair.name, f"{entry.ours['moved']:.4f}", f"{entry.ours['mean']:.4f}"]
         for entry in entries
     ]
     return table(("clean mesh", "moved, in edges", "distance to the surface"), rows)
@@ -137,7 +138,7 @@ def as_data(entries: Sequence[Entry], peers: Sequence[Peer]) -> list[dict]:
             "vertices": len(entry.pair.clean),
             "triangles": len(entry.pair.faces),
             "noisy": entry.noisy,
-            "auto": entry.auto,
+            "denoise": entry.ours,
             "peers": {
                 peer.name: {
                     key: _point(entry, peer, measure)

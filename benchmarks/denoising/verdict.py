@@ -100,8 +100,8 @@ def one_parameter(entries: Sequence[Entry], peer: Peer) -> OneParameter:
 
 
 def standing(entries: Sequence[Entry], peers: Sequence[Peer]) -> Standing:
-    """Compare auto with peers."""
-    ours = [entry.auto for entry in entries]
+    """Compare Denoise with peers."""
+    ours = [entry.ours for entry in entries]
     fixed = list(zip(*(one_parameter(entries, peer).scores for peer in peers), strict=True))
     grids = [
         [score for peer in peers for score in entry.peers[peer.name].values()] for entry in entries

@@ -12,7 +12,7 @@ def entry(noisy, own, scores):
 
     return SimpleNamespace(
         noisy={"mean": noisy, "angle": 30.0},
-        auto=score(*own),
+        ours=score(*own),
         peers={name: {key: score(*each) for key, each in found.items()} for name, found in scores},
     )
 

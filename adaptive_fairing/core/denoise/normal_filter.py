@@ -28,8 +28,8 @@ from .triangle_surface import TriangleSurface
 
 TRIANGLES_PER_CHUNK = 16384
 
-# Relative: noise that varies by no more than rounding is the same everywhere.
-LEAST_RANGE = 1e-9
+# Relative: for noise that varies by less, weights are not worth their time.
+LEAST_RANGE = 0.01
 
 
 class Smoothing(NamedTuple):

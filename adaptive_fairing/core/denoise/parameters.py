@@ -192,8 +192,8 @@ class DenoiseParameters:
     # An upright triangle is turned over if its cosine becomes less than this. By hand.
     turned_cosine: float = 0.1
     # Where the noise is more than this many local edges, vertices go all of their way. With one
-    # amplitude of 0.5 the error was 0.42 of that with limits everywhere on four shapes with specks
-    # of tiny triangles, 0.97 on five other uneven ones; 0.7 or 1.5 for it changed that by 1 %.
+    # amplitude of 0.5 the error was 0.76 of that with limits everywhere on four shapes with specks
+    # of tiny triangles; 0.7 or 1.5 gave the same.
     most_noise_told: float = 1.0
     # Passes of averaging until noise and folds hardly disturb the normals. By hand.
     normal_passes: int = 5
