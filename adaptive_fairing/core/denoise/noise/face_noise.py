@@ -85,6 +85,7 @@ class FaceNoise(NamedTuple):
         tuned = parameters()
         return (
             self.may_be_noise
+            and self.level <= tuned.most_level_on_faces
             and self.misfit <= tuned.most_misfit_on_faces
             and self.evenness >= tuned.least_evenness_on_faces
             and self.outliers <= tuned.most_outliers_on_faces

@@ -128,6 +128,7 @@ TOLD = FaceNoise(
         {"part": 0.1},
         {"n_counted": 300},
         {"level": 0.03},
+        {"level": 0.4},
         {"correlation": NoiseCorrelation(passes=2)},
         {"misfit": 0.2},
         {"evenness": 0.5},
