@@ -61,8 +61,8 @@ def picture(entry: Entry, peers: Sequence[Peer], folder: Path) -> Path:
         Panel(pair.noisy, f"{pair.label}: noisy", _text(entry.noisy)),
         Panel(ours, "Denoise", _text(entry.ours)),
         *(
-            Panel(positions, name, f"{value}; {_text(score)}")
-            for positions, (name, value, score) in zip(theirs, shown, strict=True)
+            Panel(positions, name, _text(score))
+            for positions, (name, _, score) in zip(theirs, shown, strict=True)
         ),
         Panel(pair.clean, "clean", "below: where Denoise and the first peer differ most"),
     ]
