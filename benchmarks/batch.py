@@ -29,7 +29,7 @@ from adaptive_fairing.batch.plan import RECORDS
 from adaptive_fairing.files.formats import SUFFIXES
 
 from . import meshes as made
-from .measuring import describe, load, machine, table
+from .measuring import load, machine, table
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -83,7 +83,7 @@ def main() -> int:
     parser.add_argument("--memory", default="3G", help="limit (default: %(default)s)")
     parser.add_argument("--work", type=Path, help="where to work (default: a temporary folder)")
     options = parser.parse_args()
-    print(f"{describe(machine())}; {load()}\n")
+    print(f"{machine()}; {load()}\n")
     with tempfile.TemporaryDirectory() as temporary:
         work = options.work or Path(temporary)
         given = work / "given"

@@ -24,7 +24,7 @@ import numpy as np
 from tools.samples.ply import read_ply, write_ply
 from tools.samples.triangles import Faces, FloatArray, local_edge_lengths, vertex_normals
 
-from .measuring import describe, load, machine, table
+from .measuring import load, machine, table
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -75,7 +75,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--frames", type=int, default=50)
     options = parser.parse_args()
-    print(f"{describe(machine())}; {load()}\n")
+    print(f"{machine()}; {load()}\n")
     sequence = bending(*read_ply(ROOT / "assets" / "foot.ply"), options.frames)
     rows = []
     with tempfile.TemporaryDirectory() as folder:

@@ -21,7 +21,7 @@ from adaptive_fairing.blender.data import refinements
 from adaptive_fairing.blender.data.refined_object import RefineOptions, refine_object
 from tools.samples.triangles import grid_faces
 
-from .measuring import describe, load, machine, table
+from .measuring import load, machine, table
 
 GOAL = 1.5
 """Times of the modifier's time that ours may take."""
@@ -101,7 +101,7 @@ def main() -> None:
     parser.add_argument("--levels", type=int, default=2)
     parser.add_argument("--repeats", type=int, default=7)
     arguments = parser.parse_args()
-    print(f"{describe(machine())}, Blender {bpy.app.version_string}, {load()}")
+    print(f"{machine()}, Blender {bpy.app.version_string}, {load()}")
     for has_uv in (False, True):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         triangles = bumpy_torus(arguments.faces, True, has_uv)
