@@ -104,17 +104,11 @@ def by_noise(standings: dict[str, tuple[int, Standing]]) -> str:
     )  # fmt: skip
     rows = [
         [
-            noise,
-            str(count),
-            slashed(found.fixed),
-            slashed(found.best),
-            f"{found.worst:.2f}",
-            f"{found.largest:.2f}",
-            f"{found.flips:.0%}",
-            f"{found.seconds:.2g}",
+            noise, str(count), slashed(found.fixed), slashed(found.best), f"{found.worst:.2f}",
+            f"{found.largest:.2f}", f"{found.flips:.0%}", f"{found.seconds:.2g}",
         ]
         for noise, (count, found) in standings.items()
-    ]
+    ]  # fmt: skip
     return table(header, rows)
 
 

@@ -21,17 +21,8 @@ class Point(NamedTuple):
     score: Score
 
 
-@dataclass(frozen=True)
-class OneParameter:
-    """A peer at one parameter for all meshes.
-
-    Attributes
-    ----------
-    peer, parameter
-        Names.
-    scores
-        On every mesh, in their order.
-    """
+class OneParameter(NamedTuple):
+    """A peer at one parameter for all meshes, and its scores on every mesh, in their order."""
 
     peer: str
     parameter: str
