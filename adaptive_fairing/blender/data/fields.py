@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...core import FairingSettings, InputError, LimitSurface, mesh_density
 from ...core.mesh.solver_mesh import SolverFrame, solvable_surface
+from ...core.runtime.arrays import FloatArray
 from ...core.surface.refined_net import RefinedNet
 from .attributes import COMPARED_FIELDS
 from .color_map import CURVATURE_FIELDS
@@ -16,8 +17,6 @@ from .control_mesh import LEVELS, control_read, is_refined
 from .mesh_arrays import read_positions, read_triangles
 from .refined_object import control_surface
 from .results import original_positions, shown_positions
-
-FloatArray = NDArray[np.float64]
 
 
 def field_values(
