@@ -104,7 +104,7 @@ class WorkerProcess:
         for stream in (self._requests, self._answers, self._errors):
             try:
                 stream.close()
-            except OSError:  # what was to be sent to a process that is gone
+            except OSError:  # a request was still waiting, and the process has ended
                 pass
 
 

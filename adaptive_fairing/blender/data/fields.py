@@ -62,7 +62,7 @@ def field_values(
     if not len(triangles):
         raise InputError("the mesh has no faces: there is no surface to look at")
     if field == "REMOVED":
-        # Of the shown surface: the normals of the one before are as noisy as what was removed.
+        # Normals of the shown surface, because those of the original are as noisy as it is.
         normals = _vertex_normals(shown, triangles)
         removed = np.einsum("id,id->i", original - shown, normals)
         return np.where(normals.any(axis=1), removed, np.nan)

@@ -82,7 +82,7 @@ def write_stored(mesh: bpy.types.Mesh, stored: StoredResult, *, with_original: b
     stored
         What to keep.
     with_original
-        Whether the coordinates of the mesh are about to become others.
+        Whether to keep the coordinates before the first run, too.
     """
     remove_stored(mesh)
     if with_original:
