@@ -72,7 +72,7 @@ def field_values(
 
 
 def _curvatures(obj: bpy.types.Object) -> FloatArray:
-    """Compute both curvatures of the limit surface, (2, n); of refined results the control mesh's.
+    """Compute both curvatures of the limit surface, (2, n), which the control mesh defines.
 
     NaN at loose vertices.
     """
@@ -98,7 +98,7 @@ def shown_density(
 
 
 def _vertex_normals(positions: FloatArray, triangles: NDArray[np.int32]) -> FloatArray:
-    """Compute unit normals, (n, 3), weighted by area; 0 without a triangle. A slider waits."""
+    """Compute unit normals, (n, 3), weighted by area; 0 without a triangle. Fast, for a slider."""
     a, b, c = (positions[triangles[:, corner]] for corner in range(3))
     of_triangles = np.cross(b - a, c - a)
     corners = triangles.ravel()

@@ -161,7 +161,7 @@ def control_written(obj: bpy.types.Object) -> Iterator[str | None]:
 
 
 def _print_of(mesh: bpy.types.Mesh) -> str:
-    """Tell a refined mesh from one that was changed; what goes back to the control mesh aside."""
+    """Tell a refined mesh from a changed one. What goes back to the control mesh does not count."""
     crc = 0
     for array in read_attributes(mesh, RENEWED):
         if not array.name.startswith(OWN_PREFIXES):

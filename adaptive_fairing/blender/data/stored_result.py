@@ -165,7 +165,7 @@ def write_shown(obj: bpy.types.Object, positions: SingleArray) -> None:
 
 
 def paint_group(obj: bpy.types.Object) -> bpy.types.VertexGroup:
-    """Give the vertex group `PAINT_GROUP`, made with all of the result seen, and heed it."""
+    """Give the vertex group `PAINT_GROUP` and let it count; a new one shows the whole result."""
     group = obj.vertex_groups.get(PAINT_GROUP)
     if group is None:
         group = obj.vertex_groups.new(name=PAINT_GROUP)

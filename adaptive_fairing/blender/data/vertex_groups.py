@@ -31,7 +31,7 @@ class GroupWeights:
     is_member: SingleArray
 
     def with_weights(self, refined: Callable[[SingleArray], SingleArray]) -> GroupWeights:
-        """Take the group to another mesh; what has a part of a member is one."""
+        """Take the group to another mesh, where every vertex made from a member is a member."""
         return replace(self, weights=refined(self.weights), is_member=refined(self.is_member))
 
 
