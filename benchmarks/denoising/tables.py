@@ -133,5 +133,5 @@ def _means(name: str, how: str, scores: Sequence[Score], seconds: Sequence[float
     ]
 
 
-def _percent(share: float | None) -> str:
-    return "–" if share is None else f"{100 * share:+.2f} %"
+def _percent(change: float | None) -> str:
+    return "–" if change is None else f"{100 * change:+.2f} %"

@@ -43,7 +43,7 @@ class Standing:
     largest
         Of the errors over the best, on one mesh.
     flips
-        Share of the meshes without more flipped faces than the peer with the least error at its
+        Fraction of the meshes without more flipped faces than the peer with the least error at its
         one parameter.
     seconds
         Processor time over that peer's, geometric mean.
