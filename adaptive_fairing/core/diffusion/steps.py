@@ -36,7 +36,18 @@ def fair(
     weights: ArrayLike | None = None,
     prepared: PreparedMesh | None = None,
 ) -> FairingResult:
-    """Run all steps of `fair_steps`, which has the parameters and errors."""
+    """Run all steps of `fair_steps`, which has the parameters and errors.
+
+    Examples
+    --------
+    >>> from adaptive_fairing.core import FairingSettings, fair
+    >>> corners = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    >>> upper = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4)]
+    >>> lower = [(b, a, 5) for a, b, _ in upper]
+    >>> result = fair(corners, upper + lower, FairingSettings(steps=2))
+    >>> bool(result.steps[1].volume < result.steps[0].volume)  # diffusion shrinks
+    True
+    """
     settings = settings or FairingSettings()
     steps = tuple(fair_steps(vertices, faces, settings, weights=weights, prepared=prepared))
     last = steps[-1]
