@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import SolverError
+from ..fem.blocks import Block
 from ..fem.differential_geometry import SurfaceMeasures, energy_ratio
 from ..fem.loop_space import LoopSpace, StepSystem
 from ..linalg.conjugate_gradients import SolveReport, conjugate_gradients
@@ -169,7 +170,7 @@ def _system(
     settings: FairingSettings,
     weights: FloatArray,
     in_single: bool,
-    in_double: frozenset[int] = frozenset(),
+    in_double: frozenset[Block] = frozenset(),
 ) -> tuple[FloatArray, StepSystem]:
     """Density of the current surface, and the linear system (3.3) of the chosen scheme."""
     density = mesh_density(space.topology, current, settings.density, settings.density_passes)
