@@ -19,7 +19,7 @@ from scipy.special import binom
 
 from ..mesh.normals import unit_vectors
 from ..runtime.arrays import FloatArray
-from .noise.level import NORMAL_MEDIAN
+from .noise.level import NORMAL_MEDIAN, beyond_clean
 from .noise.line_of_sight import line_of_sight
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
@@ -53,10 +53,9 @@ class Rims:
         self._next = place[topology.ring[topology.ring_start[self.vertices]]]
         self._previous = place[topology.ring[topology.ring_start[self.vertices + 1] - 1]]
         self._points = start.positions[self.vertices]
-        beside = start.mean[self.vertices] @ np.stack([noise, noise > 0], axis=1)
-        typical = float(np.median(noise[noise > 0])) if noise.any() else 0.0
-        level = np.where(beside[:, 1] > 0, beside[:, 0] / np.maximum(beside[:, 1], 1e-9), typical)
-        self._noise = level * start.spacing[self.vertices]
+        self._spacing = start.spacing[self.vertices]
+        self._noise, self._beside = noise, start.mean[self.vertices]
+        self._part_judged = self._beside @ (noise > 0).astype(float)
         # A depth camera's noise is along its rays, and the steps of its rims are none.
         self._has_own = line_of_sight(topology, start.positions) is None
 
@@ -66,13 +65,14 @@ class Rims:
         Parameters
         ----------
         filtered : (r, 3)
-            How far the filters take them.
+            How far the filters take them; where that is 0 there is no noise to remove.
         normals : (r, 3)
             Unit normals of the surface.
         strength : float
             Factor of the noise.
         """
-        noise = strength * self._noise
+        noise = self._beside_rims(beyond_clean(strength * self._noise))
+        noise[~filtered.any(axis=1)] = 0
         sideways = unit_vectors(
             np.cross(normals, self._points[self._next] - self._points[self._previous])
         )
@@ -86,6 +86,13 @@ class Rims:
         )
         return sum((way[:, None] * axis for way, axis in parts), np.zeros((len(noise), 3)))
 
+    def _beside_rims(self, noise: FloatArray) -> FloatArray:
+        """Average noise (n,) of the neighbours judged, or else take a typical one; lengths (r,)."""
+        judged = self._part_judged > 0
+        typical = float(np.median(noise[self._noise > 0])) if self._noise.any() else 0.0
+        mean = self._beside @ noise / np.where(judged, self._part_judged, 1)
+        return np.where(judged, mean, typical) * self._spacing
+
     def _part_sideways(self, sideways: FloatArray) -> FloatArray:
         """Measure the noise sideways as a part of that across, at most 1, (r,).
 
@@ -98,7 +105,8 @@ class Rims:
         n_rims, rim = csgraph.connected_components(links, directed=False)
         bend = self._mean(self._points) - self._points
         rough = np.abs(_dot(bend - self._mean(bend), sideways)) / DIFFERENCE_OF_WHITE
-        ratio = rough / np.where(self._noise > 0, self._noise, np.inf)
+        noise = self._beside_rims(self._noise)
+        ratio = rough / np.where(noise > 0, noise, np.inf)
         part = np.minimum(ndimage.median(ratio, rim, np.arange(n_rims)) / NORMAL_MEDIAN, 1)
         part[np.bincount(rim) < parameters().fewest_on_rim] = 0
         of_vertex: FloatArray = part[rim]

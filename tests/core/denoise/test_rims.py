@@ -65,7 +65,7 @@ def test_a_rim_loses_noise_and_the_area_is_kept(noisy_sheets, directions, most):
     before, after = (rim_errors(each, clean, rim) for each in (noisy, result))
     assert np.sqrt(np.mean(after**2)) < most * np.sqrt(np.mean(before**2))
     # Drawn inwards by half an edge it would be 5 % less.
-    assert area(result, faces) == pytest.approx(area(clean, faces), rel=0.005)
+    assert area(result, faces) == pytest.approx(area(clean, faces), rel=0.01)
 
 
 def test_corners_are_not_rounded_more_than_the_noise(noisy_sheets):
@@ -97,11 +97,20 @@ def test_a_closed_mesh_has_no_rims_and_a_small_hole_does_not_move_sideways():
     start = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices + noise)
     rims = Rims(start, np.where(start.topology.on_boundary, 0, NOISE))
     normals = np.tile([0.0, 0, 1], (len(rims.vertices), 1))
-    moves = rims.moves(np.zeros_like(normals), normals, 1.0)
+    moves = rims.moves(0.01 * normals, normals, 1.0)
     is_hole = np.abs(vertices[rims.vertices, :2] - SIDE / 2).max(axis=1) < 2
     assert np.count_nonzero(is_hole) == 8
     assert np.abs(moves[is_hole, :2]).max() == 0
     assert np.abs(moves[~is_hole, :2]).max() > 0.1
+
+
+def test_where_the_filters_remove_nothing_a_rim_stays():
+    vertices, faces = sheet()
+    noise = NOISE * np.random.default_rng(0).normal(size=vertices.shape)
+    start = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices + noise)
+    rims = Rims(start, np.where(start.topology.on_boundary, 0, NOISE))
+    normals = np.tile([0.0, 0, 1], (len(rims.vertices), 1))
+    assert np.abs(rims.moves(0 * normals, normals, 1.0)).max() == 0
 
 
 def test_averages_keep_the_part_of_white_noise_that_is_said():
