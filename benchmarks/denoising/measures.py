@@ -1,4 +1,4 @@
-"""How far a result is from the clean mesh: distances by density class, normals, volume, flips."""
+"""How far a result is from the clean mesh: distances by density class, normals, flips, rims."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from functools import cached_property
 
 import igl
 import numpy as np
+from numpy.typing import NDArray
 
 from tools.samples.triangles import (
     Faces,
@@ -13,7 +14,9 @@ from tools.samples.triangles import (
     is_closed,
     local_edge_lengths,
     normals,
+    rim_edges,
     signed_volume,
+    triangle_areas,
 )
 
 N_CLASSES = 5
@@ -55,11 +58,36 @@ class Reference:
     def _volume(self) -> float | None:
         return signed_volume(self.vertices, self.faces) if is_closed(self.faces) else None
 
+    @cached_property
+    def _rims(self) -> NDArray[np.int64]:
+        return rim_edges(self.faces)
+
     def distances(self, result: FloatArray) -> FloatArray:
         """Distance of every result vertex to the clean surface, over the local edge length."""
         points = np.ascontiguousarray(result[self._used], dtype=np.float64)
         squares = igl.point_mesh_squared_distance(points, self.vertices, self.faces)[0]
         return np.sqrt(squares) / self.local_edges
+
+    def rim_error(self, result: FloatArray) -> float | None:
+        """Measure how far the rims are from the clean ones, in local edges; None if closed.
+
+        Root mean square of two distances together: of the result's vertices to the clean rims, and
+        of the clean vertices to the result's rims.
+        """
+        if not len(self._rims):
+            return None
+        vertices = np.unique(self._rims)
+        edges = local_edge_lengths(self.vertices, self.faces)[vertices]
+        squares = [
+            igl.point_mesh_squared_distance(np.ascontiguousarray(a[vertices]), b, self._rims)[0]
+            for a, b in ((result, self.vertices), (self.vertices, result))
+        ]
+        return float(np.sqrt(np.mean(squares / np.square(edges))))
+
+    def area_error(self, result: FloatArray) -> float:
+        """Return the relative error of the area."""
+        areas = (triangle_areas(each, self.faces).sum() for each in (result, self.vertices))
+        return float(next(areas) / next(areas) - 1)
 
     def score(self, result: FloatArray) -> Score:
         """Measure a result (n, 3).
@@ -72,6 +100,8 @@ class Reference:
             vertex to its own clean place, over the local edge. angle: mean angle to the clean
             faces' normals in degrees, as the literature has it. volume: relative error of the
             volume, None for open meshes. flips: faces whose normal points against the clean one.
+            rim: `rim_error`, and area: `area_error`; None for closed meshes. A vertex that moved
+            along the surface is still on it, so "mean" does not see a rim that was drawn inwards.
         """
         squares = np.square(self.distances(result))
         counts = np.maximum(np.bincount(self.density_class, minlength=N_CLASSES), 1)
@@ -88,4 +118,6 @@ class Reference:
             if self._volume
             else None,
             "flips": int(np.count_nonzero(cosines < 0)),
+            "rim": self.rim_error(result),
+            "area": self.area_error(result) if len(self._rims) else None,
         }

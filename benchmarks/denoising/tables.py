@@ -37,7 +37,7 @@ def by_mesh(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
     """Auto against the best peer at its best parameter, mesh by mesh."""
     header = (
         "mesh", "vertices", "noisy", "Denoise", "best peer", "ratio", "worst class", "ratio",
-        "angle", "volume", "flips", "seconds", "which peer",
+        "angle", "volume", "rim", "area", "flips", "seconds", "which peer",
     )  # fmt: skip
     rows: Rows = []
     for entry in entries:
@@ -55,6 +55,8 @@ def by_mesh(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
                 f"{own['worst'] / worst.score['worst']:.2f}",
                 f"{own['angle']:.1f}° / {best.score['angle']:.1f}°",
                 f"{_percent(own['volume'])} / {_percent(best.score['volume'])}",
+                f"{_edges(own['rim'])} / {_edges(best.score['rim'])}",
+                f"{_percent(own['area'])} / {_percent(best.score['area'])}",
                 f"{own['flips']} / {best.score['flips']}",
                 f"{own['seconds']:.1f}",
                 f"{best.peer}, {best.parameter}",
@@ -135,3 +137,7 @@ def _means(name: str, how: str, scores: Sequence[Score], seconds: Sequence[float
 
 def _percent(change: float | None) -> str:
     return "–" if change is None else f"{100 * change:+.2f} %"
+
+
+def _edges(length: float | None) -> str:
+    return "–" if length is None else f"{length:.3f}"

@@ -20,6 +20,12 @@ def is_closed(triangles: Faces) -> bool:
     return bool(np.all(np.unique(_sides(triangles), axis=0, return_counts=True)[1] == 2))
 
 
+def rim_edges(triangles: Faces) -> NDArray[np.int64]:
+    """Return the edges (k, 2) that have one triangle, smaller index first."""
+    edges, counts = np.unique(_sides(triangles), axis=0, return_counts=True)
+    return edges[counts == 1]
+
+
 def inner_edges(triangles: Faces) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the edges that have two triangles, with the corners of both, and the triangles.
 

@@ -114,8 +114,12 @@ def mixed_surfaces(
         results = [start.positions]
     else:
         progress.begin("mix")
-        sliding = Sliding(start, stage.frame, plan.has_creases, plan.noise)
-        results = [sliding.limited(stage.track.mixed(mixture)) for mixture in plan.mixtures]
+        rims_move = settings.boundary == "free"
+        sliding = Sliding(start, stage.frame, plan.has_creases, plan.noise, rims_move)
+        results = [
+            sliding.limited(stage.track.mixed(mixture), factor * settings.strength)
+            for factor, mixture in zip(STRENGTHS, plan.mixtures, strict=True)
+        ]
     results = [unfolded(each, before, stage.parts.is_counted) for each in results]
     if len(results) < len(STRENGTHS):
         results *= len(STRENGTHS)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ..mesh.normals import triangle_normals, unit_vectors, vertex_normals
 from ..runtime.arrays import BoolArray, FloatArray
 from .parameters import parameters
+from .rims import Rims
 from .triangle_surface import TriangleSurface
 
 
@@ -34,6 +35,8 @@ class Sliding:
         noisy one do, which slivers and rims do not disturb.
     noise : (n,)
         Standard deviation in local edge lengths.
+    rims_move : bool
+        Whether rims are denoised as curves.
     """
 
     def __init__(
@@ -42,6 +45,7 @@ class Sliding:
         frame: TriangleSurface,
         has_creases: bool,
         noise: FloatArray,
+        rims_move: bool = False,
     ) -> None:
         tuned = parameters()
         self._topology, self._triangles = start.topology, start.topology.triangles
@@ -50,6 +54,7 @@ class Sliding:
         for _ in range(tuned.normal_passes):
             normals = unit_vectors(frame.spread(normals, 1))
         self._normals = normals
+        self._rims = Rims(start, noise) if rims_move and start.topology.on_boundary.any() else None
         self._upwards = unit_vectors(normals[self._triangles].sum(axis=1))
         self._before = unit_vectors(start.triangle_normals())
         cosines = np.einsum("fd,fd->f", self._before, self._upwards)
@@ -58,13 +63,21 @@ class Sliding:
         is_told = ~self._is_free[self._triangles].any(axis=1)
         self._may_turn = is_told & (cosines > -tuned.upright_cosine)
 
-    def limited(self, faired: FloatArray) -> FloatArray:
-        """Return faired positions (n, 3) with less sliding, and no triangle turned if possible."""
+    def limited(self, faired: FloatArray, strength: float = 1.0) -> FloatArray:
+        """Return faired positions (n, 3) with less sliding, and no triangle turned if possible.
+
+        Rims are denoised from the noise times `strength`.
+        """
         tuned = parameters()
         move = faired - self._positions
         normals = vertex_normals(self._topology, faired) if self._has_creases else self._normals
         along = move - np.einsum("nd,nd->n", move, normals)[:, None] * normals
         along_kept, kept = np.full(len(faired), tuned.sliding_fraction), np.ones(len(faired))
+        if self._rims is not None:
+            rim = self._rims.vertices
+            way = self._rims.moves(move[rim], normals[rim], strength)
+            along[rim] = way - np.einsum("nd,nd->n", way, normals[rim])[:, None] * normals[rim]
+            move[rim], along_kept[rim] = way, 1
         judged = np.flatnonzero(self._may_turn)
         for done in range(tuned.most_sliding_rounds):
             slower = move - (1 - along_kept)[:, None] * along

@@ -12,7 +12,7 @@ from pathlib import Path
 from tools.samples.crocodile import detail
 from tools.samples.ply import read_ply
 
-from . import implicit, machined, new, parametric, turned
+from . import implicit, machined, new, parametric, patches, turned
 from .meshing import MeshArrays, speckled, uneven
 
 ASSETS = Path(__file__).resolve().parents[3] / "assets"
@@ -118,6 +118,15 @@ NEW: Mapping[str, Shape] = {
 }
 """What is looked at once, when all parameters stand. Nothing is tuned on it."""
 
-GROUPS = {"tuning": TUNING, "held-out": HELD_OUT, "new": NEW}
+OPEN: Mapping[str, Shape] = {
+    "square": Shape("open, flat", patches.square, 0),
+    "ell": Shape("open, corners", patches.ell, 0),
+    "sieve": Shape("open, holes", patches.sieve, 0),
+    "half_pipe": Shape("open, bent", patches.half_pipe, 0),
+    "cap": Shape("open, bent, uneven", patches.cap, 0),
+}
+"""What the treatment of free rims may be tuned on, besides the open shapes among `TUNING`."""
 
-SHAPES = {**TUNING, **HELD_OUT, **NEW}
+GROUPS = {"tuning": TUNING, "held-out": HELD_OUT, "new": NEW, "open": OPEN}
+
+SHAPES = {name: shape for group in GROUPS.values() for name, shape in group.items()}

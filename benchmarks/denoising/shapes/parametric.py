@@ -30,7 +30,7 @@ def terrain(seed: int, n_points: int, ridged: bool) -> MeshArrays:
     share[inside] += generator.uniform(-0.6, 0.6, (inside.sum(), 2)) / n
     # Squeezed towards the point (0.3, -0.2), with the square's sides kept.
     place = share - 0.28 * np.sin(np.pi * share) - 0.06 * (1 - share**2)
-    faces = _triangulated(place)
+    faces = triangulated(place)
     height = np.zeros(len(place))
     for octave in range(5):
         frequency = 1.7 * 1.9**octave
@@ -53,7 +53,7 @@ def crater(n_points: int = 9_500) -> MeshArrays:
     turn = 2 * np.pi * np.arange(n_rim) / n_rim
     inner = disc[np.linalg.norm(disc, axis=1) < 1 - 1.2 / n_points**0.5]
     disc = np.concatenate([inner, np.stack([np.cos(turn), np.sin(turn)], axis=1)])
-    faces = _triangulated(disc)
+    faces = triangulated(disc)
     radius, angle = np.linalg.norm(disc, axis=1), np.arctan2(disc[:, 1], disc[:, 0])
     coast = 1 + 0.12 * np.sin(3 * angle + 1) + 0.06 * np.sin(8 * angle) + 0.03 * np.sin(17 * angle)
     # Drawn towards the middle, and out to the coast near the rim.
@@ -67,7 +67,7 @@ def crater(n_points: int = 9_500) -> MeshArrays:
     return np.column_stack([place, height]), faces
 
 
-def _triangulated(points: FloatArray) -> Faces:
+def triangulated(points: FloatArray) -> Faces:
     """Return Delaunay's triangles of points (n, 2), counter-clockwise, none without an area."""
     faces = Delaunay(points).simplices
     corner = points[faces]

@@ -1,0 +1,174 @@
+"""The rims of an open surface, denoised as curves.
+
+Filters draw rims inwards, because nothing outside holds them.  So a rim's vertices go where the
+filters take them only along the rim, and no further than their noise.  Across the surface and
+sideways every rim is denoised by itself, as a closed curve: a vertex goes to an average over the
+rim around it.  The average is as wide as the rim allows: it may leave no narrower one's confidence
+interval.  At a corner that happens at once, so corners stay.
+
+Source: intersection of confidence intervals, A. Goldenshluger and A. Nemirovski, On spatially
+adaptive estimation of nonparametric regression, 1997.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy import ndimage, sparse
+from scipy.sparse import csgraph
+from scipy.special import binom
+
+from ..mesh.normals import unit_vectors
+from ..runtime.arrays import FloatArray
+from .noise.level import NORMAL_MEDIAN, beyond_clean
+from .noise.line_of_sight import line_of_sight
+from .parameters import parameters
+from .triangle_surface import TriangleSurface
+
+# Standard deviation that (1, -4, 6, -4, 1) / 4 makes of white noise.
+DIFFERENCE_OF_WHITE = 70**0.5 / 4
+
+
+class Rims:
+    """The rims of a surface, of r vertices.
+
+    Parameters
+    ----------
+    start : TriangleSurface
+        Before denoising.
+    noise : (n,)
+        Standard deviation across the surface in local edge lengths; 0 where it was not judged, as
+        at rims.
+
+    Attributes
+    ----------
+    vertices : (r,)
+    """
+
+    def __init__(self, start: TriangleSurface, noise: FloatArray) -> None:
+        topology = start.topology
+        self.vertices = topology.boundary_vertices
+        place = np.full(topology.n_vertices, -1)
+        place[self.vertices] = np.arange(len(self.vertices))
+        # A rim goes on to the first neighbour of its vertices and comes from the last.
+        self._next = place[topology.ring[topology.ring_start[self.vertices]]]
+        self._previous = place[topology.ring[topology.ring_start[self.vertices + 1] - 1]]
+        self._points = start.positions[self.vertices]
+        self._spacing = start.spacing[self.vertices]
+        self._noise, self._beside = noise, start.mean[self.vertices]
+        self._part_judged = self._beside @ (noise > 0).astype(float)
+        # A depth camera's noise is along its rays, and the steps of its rims are none.
+        self._has_own = line_of_sight(topology, start.positions) is None
+
+    def moves(self, filtered: FloatArray, normals: FloatArray, strength: float) -> FloatArray:
+        """Return how far the rims' vertices go, (r, 3).
+
+        Parameters
+        ----------
+        filtered : (r, 3)
+            How far the filters take them; where that is 0 there is no noise to remove.
+        normals : (r, 3)
+            Unit normals of the surface.
+        strength : float
+            Factor of the noise.
+        """
+        noise = self._beside_rims(beyond_clean(strength * self._noise))
+        noise[~filtered.any(axis=1)] = 0
+        sideways = unit_vectors(
+            np.cross(normals, self._points[self._next] - self._points[self._previous])
+        )
+        along = np.cross(sideways, normals)
+        across = _dot(filtered, normals)
+        slide = parameters().sliding_fraction * _dot(filtered, along)
+        parts = (
+            (self._across(across, noise), normals),
+            (self._sideways(sideways, self._part_sideways(sideways) * noise), sideways),
+            (np.clip(slide, -noise, noise), along),
+        )
+        return sum((way[:, None] * axis for way, axis in parts), np.zeros((len(noise), 3)))
+
+    def _beside_rims(self, noise: FloatArray) -> FloatArray:
+        """Average noise (n,) of the neighbours judged, or else take a typical one; lengths (r,)."""
+        judged = self._part_judged > 0
+        typical = float(np.median(noise[self._noise > 0])) if self._noise.any() else 0.0
+        mean = self._beside @ noise / np.where(judged, self._part_judged, 1)
+        return np.where(judged, mean, typical) * self._spacing
+
+    def _part_sideways(self, sideways: FloatArray) -> FloatArray:
+        """Measure the noise sideways as a part of that across, at most 1, (r,).
+
+        From fourth differences along each rim, of which medians do not see the corners.
+        """
+        r = len(self.vertices)
+        if not self._has_own:
+            return np.zeros(r)
+        links = sparse.coo_array((np.ones(r), (np.arange(r), self._next)), shape=(r, r))
+        n_rims, rim = csgraph.connected_components(links, directed=False)
+        bend = self._mean(self._points) - self._points
+        rough = np.abs(_dot(bend - self._mean(bend), sideways)) / DIFFERENCE_OF_WHITE
+        noise = self._beside_rims(self._noise)
+        ratio = rough / np.where(noise > 0, noise, np.inf)
+        part = np.minimum(ndimage.median(ratio, rim, np.arange(n_rims)) / NORMAL_MEDIAN, 1)
+        part[np.bincount(rim) < parameters().fewest_on_rim] = 0
+        of_vertex: FloatArray = part[rim]
+        return of_vertex
+
+    def _across(self, filtered: FloatArray, noise: FloatArray) -> FloatArray:
+        """Let the filters take the rim across the surface, (r,), less what they do along it all.
+
+        They are right about its shape, but wrong about its place, as they have drawn it inwards.
+        """
+        smooth, done, ways = filtered, 0, []
+        for passes in parameters().rim_passes:
+            for _ in range(passes - done):
+                smooth = self._smoothed(smooth)
+            done = passes
+            ways.append((filtered - smooth, middle(2 * passes) ** 0.5))
+        return widest(ways, noise)
+
+    def _sideways(self, direction: FloatArray, noise: FloatArray) -> FloatArray:
+        """Move the rim sideways to averages 2 Kᵖ - K²ᵖ, which keep a bend, (r,)."""
+        smooth, ways = [self._points], []
+        for passes in parameters().rim_passes:
+            while len(smooth) <= 2 * passes:
+                smooth.append(self._smoothed(smooth[-1]))
+            average = 2 * smooth[passes] - smooth[2 * passes]
+            kept = 4 * middle(2 * passes) - 4 * middle(3 * passes) + middle(4 * passes)
+            ways.append((_dot(average - self._points, direction), kept**0.5))
+        return widest(ways, noise)
+
+    def _mean(self, values: FloatArray) -> FloatArray:
+        return (values[self._next] + values[self._previous]) / 2
+
+    def _smoothed(self, values: FloatArray) -> FloatArray:
+        """Average with K = (1, 2, 1) / 4."""
+        return (values + self._mean(values)) / 2
+
+
+def widest(ways: list[tuple[FloatArray, float]], noise: FloatArray) -> FloatArray:
+    """Choose of the ways to averages, (r,) each, the last that all before it allow.
+
+    Parameters
+    ----------
+    ways : list of (r,) and float
+        From narrow to wide averages; and the part of white noise that they keep.
+    noise : (r,)
+        Standard deviation.
+    """
+    reach = parameters().rim_certainty * noise
+    low, high, chosen = -reach, reach, np.zeros(len(noise))
+    goes_on = noise > 0
+    for way, kept in ways:
+        low, high = np.maximum(low, way - kept * reach), np.minimum(high, way + kept * reach)
+        goes_on = goes_on & (low <= high)
+        chosen = np.where(goes_on, way, chosen)
+    return chosen
+
+
+def middle(passes: int) -> float:
+    """Entry in the middle of Kᵖ with K = (1, 2, 1) / 4; of K²ᵖ the sum of the squares of Kᵖ."""
+    return float(binom(2 * passes, passes)) / 4.0**passes
+
+
+def _dot(first: FloatArray, second: FloatArray) -> FloatArray:
+    products: FloatArray = np.einsum("rd,rd->r", first, second)
+    return products
