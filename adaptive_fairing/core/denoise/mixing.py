@@ -116,7 +116,8 @@ def mixed_surfaces(
         progress.begin("mix")
         sliding = Sliding(start, stage.frame, plan.has_creases, plan.noise)
         results = [sliding.limited(stage.track.mixed(mixture)) for mixture in plan.mixtures]
-    results = [unfolded(each, before, stage.parts.is_counted) for each in results]
+    counted, noise = stage.parts.is_counted, plan.noise
+    results = [unfolded(each, before, counted, noise) for each in results]
     if len(results) < len(STRENGTHS):
         results *= len(STRENGTHS)
     return MixedSurfaces(results, plan, solves.report(), notes, other_readings)
