@@ -15,7 +15,7 @@ import argparse
 import json
 import random
 import re
-import subprocess
+import shutil
 import sys
 import tempfile
 from collections import Counter, defaultdict
@@ -23,31 +23,17 @@ from pathlib import Path
 
 import numpy as np
 
+from adaptive_fairing.blender.files.mesh_files import empty_scene, export_mesh, save_blend
+from tests.support.objects import add_rich_object
+
 from .corpus import read_mesh_file
 from .measuring import table
+from .program import problems_of_run, run_program
 
-ROOT = Path(__file__).resolve().parents[1]
-PROGRAM = [sys.executable, "-m", "adaptive_fairing"]
 SUFFIXES = (
     ".obj", ".ply", ".stl", ".glb", ".gltf", ".fbx", ".usda", ".usdc", ".usdz", ".abc", ".blend",
 )  # fmt: skip
 FAIRED, REFUSED, DIED = "faired", "refused", "worker died"
-
-MAKE = """
-import sys
-from pathlib import Path
-sys.path.insert(0, {tests!r})
-from support.objects import add_rich_object
-from adaptive_fairing.blender.files.mesh_files import empty_scene, export_mesh, save_blend
-empty_scene()
-obj = add_rich_object()
-for suffix in {suffixes!r}:
-    path = Path({folder!r}) / f"mesh{{suffix}}"
-    if suffix == ".blend":
-        save_blend(path)
-    else:
-        export_mesh(obj, path, alone=False)
-"""
 
 
 def main() -> int:
@@ -56,16 +42,15 @@ def main() -> int:
     parser.add_argument("--count", type=int, default=500)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--alone", type=int, default=40, help="how many to run alone as well")
-    parser.add_argument("--minutes", type=float, default=60, help="longer is taken for a hang")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         given = make_files(Path(folder), options.count, random.Random(options.seed))
-        outcomes, problems = run_batch(given, Path(folder), 60 * options.minutes)
+        outcomes, problems = run_batch(given, Path(folder))
         died = [path for path in given if outcomes.get(path.name) == DIED]
         rest = [path for path in given if path not in died]
         chosen = died + random.Random(options.seed).sample(rest, min(options.alone, len(rest)))
         for path in chosen:
-            problems += run_alone(path, Path(folder), 60 * options.minutes)
+            problems += run_alone(path, Path(folder))
         print_table(outcomes)
     print(f"\n{len(given)} files, {len(chosen)} of them alone as well; {len(problems)} problems")
     print("\n".join(problems))
@@ -74,25 +59,26 @@ def main() -> int:
 
 def make_files(folder: Path, count: int, chance: random.Random) -> list[Path]:
     """Make malformed files, as many of each format."""
-    (folder / "sound").mkdir()
-    code = MAKE.format(tests=str(ROOT / "tests"), suffixes=SUFFIXES, folder=str(folder / "sound"))
-    subprocess.run(
-        [sys.executable, "-c", code], cwd=ROOT, check=True, stdout=subprocess.DEVNULL,
-        stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    (folder / "given").mkdir()
+    sound, given = folder / "sound", folder / "given"
+    sound.mkdir()
+    given.mkdir()
+    empty_scene()
+    item = add_rich_object()
+    for suffix in SUFFIXES:
+        path = sound / f"mesh{suffix}"
+        if suffix == ".blend":
+            save_blend(path)
+        else:
+            export_mesh(item, path, alone=False)
+    shutil.copy(sound / "mesh.bin", given)  # the binary buffer of .gltf is found by its name
     files = []
     for number in range(count):
         suffix = SUFFIXES[number % len(SUFFIXES)]
-        data = bytearray((folder / "sound" / f"mesh{suffix}").read_bytes())
+        data = bytearray((sound / f"mesh{suffix}").read_bytes())
         for _ in range(chance.choice([1, 1, 2, 4])):
             chance.choice(ATTACKS)(data, chance)
-        path = folder / "given" / f"{number:04d}{suffix}"
+        path = given / f"{number:04d}{suffix}"
         path.write_bytes(data)
-        if suffix == ".gltf":  # its binary buffer is found by name
-            (folder / "given" / "mesh.bin").write_bytes(
-                (folder / "sound" / "mesh.bin").read_bytes()
-            )
         files.append(path)
     return files
 
@@ -144,58 +130,47 @@ def _zero(data: bytearray, chance: random.Random) -> None:
 ATTACKS = (_cut, _flip_bits, _change_head, _lie, _lie, _take_out, _double, _zero)
 
 
-def run_batch(given: list[Path], folder: Path, seconds: float) -> tuple[dict[str, str], list[str]]:
+def run_batch(given: list[Path], folder: Path) -> tuple[dict[str, str], list[str]]:
     """Run all files as a batch; give what became of each, and what was wrong."""
     out, report = folder / "out", folder / "report.json"
-    result = subprocess.run(
-        [*PROGRAM, *given, "--out-dir", out, "--format", "ply", "--jobs", "2", "--report", report,
-         "--memory", "8G"],
-        cwd=ROOT, capture_output=True, text=True, timeout=seconds, check=False,
-    )  # fmt: skip
-    meshes = json.loads(report.read_text())["meshes"]
+    options = ["--format", "ply", "--jobs", "2", "--memory", "8G"]
+    run = run_program(*given, "--out-dir", out, "--report", report, *options)
     outcomes, problems = {}, []
-    for mesh in meshes:
-        name = Path(mesh["input"]).name
-        error = mesh["error"] or ""
-        outcomes[name] = (
-            FAIRED if mesh["status"] == "done" else DIED if "was ended" in error else REFUSED
-        )
-        problems += problems_of(name, out / mesh["output"], mesh["status"] == "done")
+    for mesh in json.loads(report.read_text())["meshes"]:
+        name, error = Path(mesh["input"]).name, mesh["error"] or ""
+        is_done = mesh["status"] == "done"
+        outcomes[name] = FAIRED if is_done else DIED if "was ended" in error else REFUSED
+        problems += [f"{name}: {each}" for each in problems_of(out / mesh["output"], is_done)]
     n_failed = sum(outcome != FAIRED for outcome in outcomes.values())
-    lines = result.stderr.splitlines()
-    if result.returncode != (1 if n_failed else 0) or result.stdout:
-        problems.append(f"batch: status {result.returncode}")
-    if len(lines) != n_failed + 1 + (n_failed > 0):
-        problems.append(f"batch: {len(lines)} lines for {n_failed} failures")
+    if run.status != (n_failed > 0):
+        problems.append(f"batch: status {run.status}")
+    if len(run.messages) != n_failed + 1 + (n_failed > 0):
+        problems.append(f"batch: {len(run.messages)} lines for {n_failed} failures")
     return outcomes, problems + drafts_in(out)
 
 
-def run_alone(path: Path, folder: Path, seconds: float) -> list[str]:
+def run_alone(path: Path, folder: Path) -> list[str]:
     """Run a file alone; give what was wrong."""
     place = folder / "alone"
     place.mkdir(exist_ok=True)
     output = place / f"{path.name}.ply"
-    result = subprocess.run(
-        [*PROGRAM, path, "-o", output, "--quiet"],
-        cwd=ROOT, capture_output=True, text=True, timeout=seconds, check=False,
-    )  # fmt: skip
-    problems = problems_of(path.name, output, result.returncode == 0)
-    if result.returncode not in (0, 1) or result.stdout:
-        problems.append(f"{path.name} alone: status {result.returncode}")
-    if result.stderr.count("\n") != result.returncode:
-        problems.append(f"{path.name} alone: {result.stderr!r}")
-    return problems + drafts_in(place)
+    run = run_program(path, "-o", output, "--quiet")
+    problems = problems_of_run(run)
+    if len(run.messages) != run.status:
+        problems.append(f"{len(run.messages)} lines")
+    problems += problems_of(output, run.status == 0)
+    return [f"{path.name} alone: {each}" for each in problems] + drafts_in(place)
 
 
-def problems_of(name: str, output: Path, is_done: bool) -> list[str]:
+def problems_of(output: Path, is_done: bool) -> list[str]:
     """Check that an output is there if it should be, whole and finite."""
     if not is_done:
-        return [f"{name}: output in spite of an error"] if output.exists() else []
+        return ["output in spite of an error"] if output.exists() else []
     try:
         mesh = read_mesh_file(output)
     except Exception as error:  # whatever it is, the file is not whole
-        return [f"{name}: {error}"]
-    return [] if np.isfinite(mesh.vertices).all() else [f"{name}: not finite"]
+        return [str(error)]
+    return [] if np.isfinite(mesh.vertices).all() else ["not finite"]
 
 
 def drafts_in(folder: Path) -> list[str]:

@@ -11,14 +11,11 @@ them by four under the limit. The outputs of all runs are compared byte by byte.
 from __future__ import annotations
 
 import argparse
+import filecmp
 import json
-import os
 import shutil
-import subprocess
 import sys
 import tempfile
-import threading
-import time
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -29,9 +26,8 @@ from adaptive_fairing.batch.plan import RECORDS
 from adaptive_fairing.files.formats import SUFFIXES
 
 from . import meshes as made
-from .measuring import describe, load, machine, table
-
-ROOT = Path(__file__).resolve().parents[1]
+from .measuring import load, machine, table
+from .program import run_program
 
 SIZES = (200, 500, 1000, 2000, 5000, 10000, 20000)
 """Triangles of the made meshes."""
@@ -56,11 +52,9 @@ class Run:
     Attributes
     ----------
     status
-        Exit status; None if it was killed.
-    seconds
-        By the wall clock.
-    processor_seconds
-        Of all its processes, as far as they have ended by themselves.
+        Exit status, below 0 if it was killed.
+    seconds, processor_seconds
+        By the wall clock, and of all its processes, as far as they have ended by themselves.
     largest_bytes
         Most memory that the worker processes held together, sampled; pages that they share are
         counted in each.
@@ -68,7 +62,7 @@ class Run:
         What it wrote.
     """
 
-    status: int | None
+    status: int
     seconds: float
     processor_seconds: float
     largest_bytes: int
@@ -83,13 +77,13 @@ def main() -> int:
     parser.add_argument("--memory", default="3G", help="limit (default: %(default)s)")
     parser.add_argument("--work", type=Path, help="where to work (default: a temporary folder)")
     options = parser.parse_args()
-    print(f"{describe(machine())}; {load()}\n")
+    print(f"{machine()}; {load()}\n")
     with tempfile.TemporaryDirectory() as temporary:
         work = options.work or Path(temporary)
         given = work / "given"
         collect(given, options.count, options.meshes)
         one, whole = in_turns(given, work / "one", work / "whole")
-        print_outcomes(one)
+        print_failures(one)
         killed = run_batch(
             given, work / "two", "--jobs", "2", kill_at=one.summary["counts"]["done"] // 2
         )
@@ -131,7 +125,9 @@ def collect(folder: Path, count: int, more: Path | None) -> None:
 
 def in_turns(given: Path, one: Path, two: Path) -> tuple[Run, Run]:
     """Run the batch with one worker and with two, shard by shard in turns."""
-    totals = {one: Run(0, 0.0, 0.0, 0, {}), two: Run(0, 0.0, 0.0, 0, {})}
+    totals = {
+        folder: Run(0, 0.0, 0.0, 0, {"meshes": [], "counts": Counter()}) for folder in (one, two)
+    }
     for shard in range(1, N_SHARDS + 1):
         turns = [(one, "1"), (two, "2")]
         for folder, jobs in turns if shard % 2 else turns[::-1]:
@@ -141,12 +137,8 @@ def in_turns(given: Path, one: Path, two: Path) -> tuple[Run, Run]:
             total.seconds += run.seconds
             total.processor_seconds += run.processor_seconds
             total.largest_bytes = max(total.largest_bytes, run.largest_bytes)
-    for folder, total in totals.items():
-        total.summary = run_batch(given, folder, "--merge").summary
-        for mesh in total.summary["meshes"]:
-            mesh["status"] = mesh["status"].replace("skipped", "done")
-        counts = total.summary["counts"]
-        counts["done"], counts["skipped"] = counts["skipped"], 0
+            total.summary["meshes"] += run.summary["meshes"]
+            total.summary["counts"].update(run.summary["counts"])
     return totals[one], totals[two]
 
 
@@ -154,86 +146,24 @@ def run_batch(given: Path, output: Path, *options: str, kill_at: int | None = No
     """Run the command line on all meshes; kill it when so many are done."""
     report = output.with_suffix(".json")
     report.unlink(missing_ok=True)
-    command = [
-        sys.executable, "-m", "adaptive_fairing", str(given), "--out-dir", str(output),
-        "--report", str(report), *options,
-    ]  # fmt: skip
-    started, before = time.perf_counter(), os.times()
-    with tempfile.TemporaryFile() as errors:
-        process = subprocess.Popen(command, cwd=ROOT, stderr=errors)
-        sampler = Sampler(process.pid)
-        if kill_at is not None:
-            while len(list(output.glob(f"{RECORDS}/*"))) < kill_at and process.poll() is None:
-                time.sleep(0.05)
+    largest = 0
+
+    def look(process: psutil.Process) -> None:
+        nonlocal largest
+        largest = max(largest, sum(child.memory_info().rss for child in process.children()))
+        if kill_at is not None and len(list(output.glob(f"{RECORDS}/*"))) >= kill_at:
             process.kill()
-        status = process.wait()
-    seconds = time.perf_counter() - started
-    sampler.stop()
-    after = os.times()
-    used = sum(after[2:4]) - sum(before[2:4])
+
+    run = run_program(given, "--out-dir", output, "--report", report, *options, look=look)
     summary = json.loads(report.read_text()) if report.exists() else {}
-    return Run(None if kill_at else status, seconds, used, sampler.largest, summary)
+    return Run(run.status, run.seconds, run.processor_seconds, largest, summary)
 
 
-class Sampler:
-    """Looks again and again at how much memory the child processes of a process hold."""
-
-    def __init__(self, process_id: int) -> None:
-        self.largest = 0
-        self._parent = psutil.Process(process_id)
-        self._is_stopped = threading.Event()
-        self._thread = threading.Thread(target=self._look, daemon=True)
-        self._thread.start()
-
-    def stop(self) -> None:
-        """Look no more."""
-        self._is_stopped.set()
-        self._thread.join()
-
-    def _look(self) -> None:
-        while not self._is_stopped.wait(0.02):
-            held = 0
-            try:
-                for child in self._parent.children():
-                    held += child.memory_info().rss
-            except psutil.Error:  # one has just ended
-                continue
-            self.largest = max(self.largest, held)
-
-
-def print_outcomes(run: Run) -> None:
-    """Print what the meshes came to, by kind, and every reason to fail."""
-    groups: dict[str, list[dict]] = {}
-    for mesh in run.summary["meshes"]:
-        groups.setdefault(kind_of(mesh), []).append(mesh)
-    rows = []
-    for kind, members in groups.items():
-        done = [mesh for mesh in members if mesh["status"] == "done"]
-        row = [kind, str(len(members)), str(len(done)), str(len(members) - len(done))]
-        if done:
-            row += [
-                f"{min(m['triangles'] for m in done)} to {max(m['triangles'] for m in done)}",
-                f"{sum(m['seconds'] for m in done):.1f}",
-                f"{max(m['needed_bytes'] for m in done) / 1e6:.0f}",
-                f"{max(m['peak_bytes'] for m in done) / 1e6:.0f}",
-            ]
-        rows.append(row + [""] * (8 - len(row)))
-    header = ("kind", "meshes", "faired", "failed", "triangles", "s", "needs MB", "peak MB")
-    print(table(header, rows))
-    failed = Counter(
-        reason_of(mesh) for mesh in run.summary["meshes"] if mesh["status"] == "failed"
-    )
-    print("\n" + table(("failed", "because"), [[str(n), text] for text, n in failed.items()]))
-
-
-def kind_of(mesh: dict) -> str:
-    """Name the group of a mesh by its file."""
-    name = mesh["output"]
-    if name.startswith("broken_"):
-        return "broken on purpose"
-    if name.startswith("made_"):
-        return "made, up to 10,000 triangles" if _size(name) <= 10000 else "made, larger"
-    return "from the folder"
+def print_failures(run: Run) -> None:
+    """Print every reason to fail, and how many meshes had it."""
+    failed = [mesh for mesh in run.summary["meshes"] if mesh["status"] == "failed"]
+    reasons = Counter(map(reason_of, failed))
+    print(table(("failed", "because"), [[str(n), text] for text, n in reasons.items()]))
 
 
 def reason_of(mesh: dict) -> str:
@@ -250,7 +180,7 @@ def print_runs(runs: dict[str, Run]) -> None:
         counts = run.summary.get("counts", {})
         rows.append([
             name, *(str(counts.get(key, "")) for key in ("done", "skipped", "failed")),
-            "killed" if run.status is None else str(run.status),
+            "killed" if run.status < 0 else str(run.status),
             f"{run.seconds:.1f}", f"{run.processor_seconds:.1f}", f"{run.largest_bytes / 1e6:.0f}",
         ])  # fmt: skip
     header = ("run", "faired", "skipped", "failed", "exit", "s", "processor s", "held MB")
@@ -259,16 +189,9 @@ def print_runs(runs: dict[str, Run]) -> None:
 
 def differences(folder: Path, reference: Path) -> list[str]:
     """Names of the outputs that are not the same, byte by byte, as those of a reference."""
-    names = sorted(path.name for path in folder.iterdir() if path.is_file())
-    return [name for name in names if _bytes(folder / name) != _bytes(reference / name)]
-
-
-def _bytes(path: Path) -> bytes | None:
-    return path.read_bytes() if path.exists() else None
-
-
-def _size(name: str) -> int:
-    return int(Path(name).stem.rpartition("_")[2])
+    names = [path.name for path in folder.iterdir() if path.is_file()]
+    _, other, missing = filecmp.cmpfiles(folder, reference, names, shallow=False)
+    return other + missing
 
 
 if __name__ == "__main__":

@@ -12,11 +12,8 @@ from __future__ import annotations
 import argparse
 import io
 import json
-import os
-import subprocess
 import sys
 import tempfile
-import time
 from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,12 +22,9 @@ import meshio
 import numpy as np
 
 from .measuring import table
+from .program import PREFIX, problems_of_run, run_program
 
-ROOT = Path(__file__).resolve().parents[1]
-PREFIX = "adaptive-fairing: "
 COLUMNS = ("file", "outcome", "s", "MB", "vertices", "faces", "moved", "check", "messages")
-
-
 READ = {".obj", ".ply"}
 
 
@@ -55,16 +49,6 @@ def read_mesh_file(path: Path) -> RawMesh:
     return RawMesh(mesh.points, [tuple(row) for row in rows])
 
 
-@dataclass
-class Run:
-    """One run of the command line: exit status, standard error, seconds, peak memory in MB."""
-
-    status: int
-    messages: list[str]
-    seconds: float
-    megabytes: float
-
-
 def main() -> int:
     """Run the folder and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -87,9 +71,9 @@ def examine(file: Path, arguments: list[str]) -> tuple[list[str], bool]:
     """Run one file; give its row of the table, and whether something looks wrong."""
     with tempfile.TemporaryDirectory() as folder:
         output, report = Path(folder) / f"out{file.suffix}", Path(folder) / "report.json"
-        run = run_command([str(file), "-o", str(output), "--report", str(report), *arguments])
+        run = run_program(file, "-o", output, "--report", report, *arguments)
         texts = [line.removeprefix(PREFIX) for line in run.messages]
-        problems = stream_problems(run)
+        problems = problems_of_run(run)
         counts = ["", "", ""]
         if run.status == 0:
             json.loads(report.read_text(encoding="utf-8"), parse_constant=_no_constant)
@@ -104,36 +88,6 @@ def examine(file: Path, arguments: list[str]) -> tuple[list[str], bool]:
     texts = [text for text in texts if "; wrote " not in text]
     numbers = [f"{run.seconds:.1f}", f"{run.megabytes:.0f}"]
     return [file.name, outcome, *numbers, *counts, check, "; ".join(texts)], bool(problems)
-
-
-def run_command(arguments: list[str]) -> Run:
-    """Run the command line in a process of its own and wait for its resources."""
-    started = time.perf_counter()
-    with tempfile.TemporaryFile("w+") as stream:
-        process = subprocess.Popen(
-            [sys.executable, "-m", "adaptive_fairing", *arguments], cwd=ROOT, stderr=stream
-        )
-        _, status, usage = os.wait4(process.pid, 0)
-        stream.seek(0)
-        messages = stream.read().splitlines()
-    seconds = time.perf_counter() - started
-    unit = 1 if sys.platform == "darwin" else 1024
-    code = os.waitstatus_to_exitcode(status)
-    process.returncode = code
-    return Run(code, messages, seconds, usage.ru_maxrss * unit / 1e6)
-
-
-def stream_problems(run: Run) -> list[str]:
-    """Tell whether the exit status and the messages are as promised."""
-    problems = []
-    if run.status not in (0, 1):
-        problems.append(f"exit status {run.status}")
-    if any(not line.startswith(PREFIX) for line in run.messages):
-        problems.append("output that is no message")
-    n_errors = sum(line.startswith(f"{PREFIX}error: ") for line in run.messages)
-    if n_errors != run.status:
-        problems.append(f"{n_errors} errors with status {run.status}")
-    return problems
 
 
 def differences(given: RawMesh, result: RawMesh, *, told: bool) -> list[str]:

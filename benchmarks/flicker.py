@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import json
-import subprocess
 import sys
 import tempfile
 from dataclasses import dataclass
@@ -24,9 +23,8 @@ import numpy as np
 from tools.samples.ply import read_ply, write_ply
 from tools.samples.triangles import Faces, FloatArray, local_edge_lengths, vertex_normals
 
-from .measuring import describe, load, machine, table
-
-ROOT = Path(__file__).resolve().parents[1]
+from .measuring import load, machine, table
+from .program import ROOT, run_program
 
 NOISE = 0.15  # standard deviation in local edge lengths
 BEND = 1.0  # of one end against the other, in radians
@@ -38,7 +36,6 @@ CASES = {
     "until 60 % of the curvature is left": [
         *PAPER, "0.001", "--steps", "12", "--stop-curvature", "0.6",
     ],
-    "automatic": ["--method", "auto"],
 }  # fmt: skip
 WAYS = {"each its own": [], "same strength": ["--same-strength"]}
 
@@ -75,7 +72,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--frames", type=int, default=50)
     options = parser.parse_args()
-    print(f"{describe(machine())}; {load()}\n")
+    print(f"{machine()}; {load()}\n")
     sequence = bending(*read_ply(ROOT / "assets" / "foot.ply"), options.frames)
     rows = []
     with tempfile.TemporaryDirectory() as folder:
@@ -129,11 +126,7 @@ def write_frames(sequence: Sequence, folder: Path) -> None:
 def fair_frames(given: Path, output: Path, arguments: list[str]) -> list[int]:
     """Fair all frames with the command line; give the number of steps of each."""
     report = output.with_suffix(".json")
-    command = [
-        sys.executable, "-m", "adaptive_fairing", str(given), "--sequence", "--out-dir",
-        str(output), "--report", str(report), *arguments,
-    ]  # fmt: skip
-    subprocess.run(command, cwd=ROOT, check=True, stderr=subprocess.DEVNULL)
+    run_program(given, "--sequence", "--out-dir", output, "--report", report, *arguments)
     return [mesh["steps"] for mesh in json.loads(report.read_text())["meshes"]]
 
 

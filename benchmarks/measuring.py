@@ -35,26 +35,13 @@ def resident_memory() -> int:
     return int(psutil.Process().memory_info().rss)
 
 
-def machine() -> dict[str, str | int]:
-    """Describe what the figures depend on: processor, cores, versions; no names of hosts."""
-    return {
-        "processor": _processor(),
-        "cores": n_threads(),
-        "memory_gb": round(psutil.virtual_memory().total / 1e9),
-        "system": platform.system(),
-        "python": ".".join(platform.python_version_tuple()[:2]),
-        "numpy": np.__version__,
-        "scipy": scipy.__version__,
-        "blas": _blas(),
-    }
-
-
-def describe(details: dict[str, str | int]) -> str:
-    """One line about the machine, for above a table."""
+def machine() -> str:
+    """One line about what the figures depend on, for above a table; no names of hosts."""
+    memory = psutil.virtual_memory().total / 1e9
     return (
-        f"{details['processor']}, {details['cores']} cores, {details['memory_gb']} GB, "
-        f"{details['system']}; Python {details['python']}, numpy {details['numpy']} "
-        f"({details['blas']}), scipy {details['scipy']}"
+        f"{_processor()}, {n_threads()} cores, {memory:.0f} GB, {platform.system()}; "
+        f"Python {platform.python_version()}, numpy {np.__version__} ({_blas()}), "
+        f"scipy {scipy.__version__}"
     )
 
 

@@ -1,4 +1,4 @@
-"""The meshes that the benchmarks run on: made here, read from a file, or from Debian's CGAL data.
+"""The meshes that the benchmarks run on: made here, or read from a file.
 
 All of them are moved into the box [-3, 3]³, the frame of the paper, so that one diffusion time
 means the same to every program.
@@ -7,8 +7,6 @@ means the same to every program.
 from __future__ import annotations
 
 import argparse
-import tarfile
-import tempfile
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -23,15 +21,8 @@ from tools.samples import ply
 from tools.samples.noise import add_noise
 from tools.samples.triangles import Faces, FloatArray, convex_hull, icosahedron, spiral, unit
 
-CGAL_DATA = Path("/usr/share/doc/libcgal-dev/data.tar.gz")
-"""Meshes in Debian's package libcgal-demo."""
-
-CGAL_MESHES = ("refined_elephant", "bunny00", "armadillo", "diplodocus")
-"""The large ones that are clean triangle meshes."""
-
 NOISE = 0.15
 """Standard deviation of the noise along the normals, over the local edge length."""
-
 
 N_CLASSES = 300
 """Patch classes of the shape "classes"."""
@@ -142,17 +133,6 @@ def from_file(path: Path) -> Mesh:
     return _framed(path.stem, mesh.vertex_matrix(), mesh.face_matrix())
 
 
-def from_cgal_data() -> Iterator[Mesh]:
-    """Read `CGAL_MESHES`, where Debian's package libcgal-demo is installed."""
-    if not CGAL_DATA.is_file():
-        print("CGAL's meshes are left out, the package libcgal-demo is not installed")
-        return
-    with tarfile.open(CGAL_DATA) as archive, tempfile.TemporaryDirectory() as folder:
-        for name in CGAL_MESHES:
-            archive.extract(f"data/meshes/{name}.off", folder, filter="data")
-            yield from_file(Path(folder, "data", "meshes", f"{name}.off"))
-
-
 def _sorted_hull(points: FloatArray) -> tuple[FloatArray, Faces]:
     points, triangles = convex_hull(points)
     return points, triangles[np.argsort(triangles.min(axis=1), kind="stable")]
@@ -198,9 +178,6 @@ def add_arguments(parser: argparse.ArgumentParser, sizes: list[int]) -> None:
     parser.add_argument(
         "--radius", type=float, default=2.0, help="smoothing radius of four steps, in edges"
     )
-    parser.add_argument(
-        "--cgal-data", action="store_true", help="large meshes of Debian's libcgal-demo as well"
-    )
 
 
 def chosen(arguments: argparse.Namespace) -> Iterator[Mesh]:
@@ -209,5 +186,3 @@ def chosen(arguments: argparse.Namespace) -> Iterator[Mesh]:
         for size in arguments.sizes:
             yield SHAPES[shape](size)
     yield from map(from_file, arguments.mesh)
-    if arguments.cgal_data:
-        yield from from_cgal_data()

@@ -15,7 +15,7 @@ It has neither the arithmetic between the products nor the irregular access of t
 takes the matrix as it is stored, read once per iteration for all three coordinates. All counts as
 in double precision, although large meshes are solved in single.
 
-    python -m benchmarks.profile_step [--sizes 328000] [--mesh FILE] [--repeats 5] [--record]
+    python -m benchmarks.profile_step [--sizes 328000] [--mesh FILE] [--repeats 5]
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ from adaptive_fairing.core.loop.patches import PatchSet
 from adaptive_fairing.core.loop.quadrature import quadrature_choice
 from adaptive_fairing.core.runtime.threads import n_threads
 
-from . import history, meshes
-from .measuring import best_time, describe, load, machine, seconds_text, table
+from . import meshes
+from .measuring import best_time, load, machine, seconds_text, table
 
 CORE = Path(adaptive_fairing.core.__file__).parent
 
@@ -176,8 +176,8 @@ def unavoidable_work(mesh: meshes.Mesh, settings: FairingSettings, iterations: i
     return Work(float(operations), float(assembly + (iterations + 1) * iteration))
 
 
-def report(mesh: meshes.Mesh, settings: FairingSettings, repeats: int) -> dict[str, float]:
-    """Print the tables for one mesh; return the ratios to be recorded."""
+def report(mesh: meshes.Mesh, settings: FairingSettings, repeats: int) -> None:
+    """Print the tables for one mesh."""
     rates = measured_rates()
     runs = [profiles(mesh, settings) for _ in range(repeats)]
     by_action = [list(found) for found in zip(*(found for found, _ in runs), strict=True)]
@@ -207,7 +207,6 @@ def report(mesh: meshes.Mesh, settings: FairingSettings, repeats: int) -> dict[s
     )
     for name, ratio in ratios.items():
         print(f"{name}: {ratio:.2f}")
-    return {f"{mesh.name} {len(mesh.triangles)}: {name}": r for name, r in ratios.items()}
 
 
 def main() -> None:
@@ -215,15 +214,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     meshes.add_arguments(parser, sizes=[328_000])
     parser.add_argument("--repeats", type=int, default=5, help="the fastest run counts")
-    history.add_arguments(parser)
     arguments = parser.parse_args()
-    details = machine()
-    print(describe(details))
-    ratios: dict[str, float] = {}
+    print(machine())
     for mesh in meshes.chosen(arguments):
         settings = meshes.comparable_settings(mesh, arguments.radius)
-        ratios |= report(mesh, settings, arguments.repeats)
-    history.finish(arguments, "profile", details, ratios)
+        report(mesh, settings, arguments.repeats)
 
 
 if __name__ == "__main__":

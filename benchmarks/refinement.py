@@ -19,9 +19,9 @@ import numpy as np
 
 from adaptive_fairing.blender.data import refinements
 from adaptive_fairing.blender.data.refined_object import RefineOptions, refine_object
-from tools.samples.triangles import grid_faces
+from tools.samples.triangles import torus
 
-from .measuring import describe, load, machine, table
+from .measuring import load, machine, table
 
 GOAL = 1.5
 """Times of the modifier's time that ours may take."""
@@ -34,20 +34,17 @@ def bumpy_torus(n_faces: int, is_triangulated: bool, has_uv: bool) -> bpy.types.
     n_quads = n_faces // 2 if is_triangulated else n_faces
     rows = int(np.sqrt(n_quads))
     columns = n_quads // rows
-    u, v = np.meshgrid(np.arange(rows), np.arange(columns), indexing="ij")
-    first, second = 2 * np.pi * u / rows, 2 * np.pi * v / columns
-    radius = 1 + 0.05 * np.sin(9 * first) * np.cos(7 * second)
-    out = 3 + radius * np.cos(second)
-    places = np.stack([out * np.cos(first), out * np.sin(first), radius * np.sin(second)], axis=-1)
-    halves = np.split(grid_faces(rows, columns, (True, True)), 2)
+    places, faces = torus(3, 1, (rows, columns))
+    places *= 1 + 0.05 * np.sin(5 * places[:, :1]) * np.cos(4 * places[:, 1:2])
+    halves = np.split(faces, 2)
     faces = np.concatenate([halves[0], halves[1][:, 2:]], axis=1)
     if is_triangulated:
         faces = faces[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
     mesh = bpy.data.meshes.new("torus")
-    mesh.from_pydata(places.reshape(-1, 3), [], faces.tolist(), shade_flat=False)
+    mesh.from_pydata(places, [], faces.tolist(), shade_flat=False)
     if has_uv:
         layer = mesh.uv_layers.new(name="UV")
-        values = places.reshape(-1, 3)[faces.reshape(-1), :2].astype(np.float32)
+        values = places[faces.reshape(-1), :2].astype(np.float32)
         layer.uv.foreach_set("vector", values.reshape(-1))
     obj = bpy.data.objects.new("torus", mesh)
     bpy.context.scene.collection.objects.link(obj)
@@ -101,7 +98,7 @@ def main() -> None:
     parser.add_argument("--levels", type=int, default=2)
     parser.add_argument("--repeats", type=int, default=7)
     arguments = parser.parse_args()
-    print(f"{describe(machine())}, Blender {bpy.app.version_string}, {load()}")
+    print(f"{machine()}, Blender {bpy.app.version_string}, {load()}")
     for has_uv in (False, True):
         bpy.ops.wm.read_factory_settings(use_empty=True)
         triangles = bumpy_torus(arguments.faces, True, has_uv)

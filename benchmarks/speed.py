@@ -25,9 +25,9 @@ from typing import NamedTuple
 from adaptive_fairing.core.diffusion.smoothing_radius import equivalent_uniform_tau
 from tools.samples.triangles import edge_lengths
 
-from . import cgal_program, history, meshes
+from . import cgal_program, meshes
 from .competitors import KEPT, OURS, PROGRAMS
-from .measuring import MEGABYTE, describe, load, log_slope, machine, seconds_text, table
+from .measuring import MEGABYTE, load, log_slope, machine, seconds_text, table
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -225,7 +225,7 @@ def print_results(mesh: meshes.Mesh, results: dict[str, Result]) -> None:
 
 
 def ratios_of(results: dict[str, Result]) -> dict[str, float]:
-    """Ratios of one mesh that are worth recording; less is better."""
+    """Ratios of one mesh; less is better."""
     ours = results.get(OURS)
     if ours is None or ours.four is None or ours.step is None:
         return {}
@@ -242,9 +242,8 @@ def ratios_of(results: dict[str, Result]) -> dict[str, float]:
     return ratios
 
 
-def print_slopes(sizes: dict[str, list[tuple[int, dict[str, Result]]]]) -> dict[str, float]:
-    """Print how cost grows with size on each kind of mesh; return our own exponents."""
-    ratios = {}
+def print_slopes(sizes: dict[str, list[tuple[int, dict[str, Result]]]]) -> None:
+    """Print how cost grows with size on each kind of mesh."""
     kinds = ("one", "step", "growth")
     for shape, series in sizes.items():
         if len(series) < 2:
@@ -259,11 +258,8 @@ def print_slopes(sizes: dict[str, list[tuple[int, dict[str, Result]]]]) -> dict[
                 if len(known) > 1:
                     slopes[kind] = log_slope(*zip(*known, strict=True))
             rows.append([name, *(f"{slopes[k]:.2f}" if k in slopes else "–" for k in kinds)])
-            if name == OURS:
-                ratios |= {f"{shape}: exponent of {kind}": s for kind, s in slopes.items()}
         print(f"\n## {shape}: cost grows with the power … of the number of triangles\n")
         print(table(["", "one step", "step", "memory"], rows))
-    return ratios
 
 
 def main() -> None:
@@ -274,28 +270,22 @@ def main() -> None:
     parser.add_argument("--patience", type=float, default=160, help="seconds for a step, at most")
     parser.add_argument("--programs", nargs="*", default=[*PROGRAMS, *CGAL_TIMES], metavar="NAME")
     parser.add_argument("--plot", type=Path, default=Path("speed.png"), help="picture to write")
-    history.add_arguments(parser)
     arguments = parser.parse_args()
-    details = machine()
-    print(describe(details))
-    ratios: dict[str, float] = {}
+    print(machine())
     sizes: dict[str, list[tuple[int, dict[str, Result]]]] = {}
     with tempfile.TemporaryDirectory() as folder:
         contest = Contest(Path(folder), arguments.programs, arguments.patience)
         for mesh in meshes.chosen(arguments):
             results = contest.run(mesh, arguments.radius, arguments.repeats)
             print_results(mesh, results)
-            n = len(mesh.triangles)
-            ratios |= {f"{mesh.name} {n}: {k}": ratio for k, ratio in ratios_of(results).items()}
-            sizes.setdefault(mesh.name, []).append((n, results))
+            sizes.setdefault(mesh.name, []).append((len(mesh.triangles), results))
     print(NOTES)
-    ratios |= print_slopes(sizes)
+    print_slopes(sizes)
     if any(len(series) > 1 for series in sizes.values()):
         from .speed_plot import draw  # matplotlib is wanted for this alone
 
         draw({name: series for name, series in sizes.items() if len(series) > 1}, arguments.plot)
         print(f"\ndrawn in {arguments.plot}")
-    history.finish(arguments, "speed", details, ratios)
 
 
 if __name__ == "__main__":

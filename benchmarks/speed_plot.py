@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import matplotlib
 
@@ -13,18 +13,13 @@ from matplotlib import pyplot
 
 from .measuring import MEGABYTE
 
+if TYPE_CHECKING:
+    from .speed import Result
+
 MARKERS = "osD^v<>PX*hp"
 
 
-class Measured(Protocol):
-    """What is drawn of a program's result."""
-
-    step: float | None
-    one: float
-    peak: float
-
-
-def draw(series: Mapping[str, Sequence[tuple[int, Mapping[str, Measured]]]], path: Path) -> None:
+def draw(series: Mapping[str, Sequence[tuple[int, Mapping[str, Result]]]], path: Path) -> None:
     """Draw all kinds of meshes into one picture, a row each.
 
     Parameters

@@ -42,22 +42,10 @@ MODULE = "bl_ext.user_default.adaptive_fairing"
 PATIENCE = 900  # seconds for one process, so that one that hangs is a failure of its row alone
 # Named as the checks are, apart from the last three.
 COLUMNS = (
-    "python",
-    "numpy",
-    "install",
-    "first enable",
-    "cold enable",
-    "operator",
-    "scipy origin",
-    "command",
-    "disable",
-    "enable again",
-    "example script",
-    "uninstall",
-    "same bytes",
-    "without scipy",
-    "tests",
-)
+    "python", "numpy", "install", "first enable", "cold enable", "operator", "scipy origin",
+    "command", "disable", "enable again", "example script", "uninstall", "same bytes",
+    "without scipy", "tests",
+)  # fmt: skip
 
 
 @dataclass

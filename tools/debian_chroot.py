@@ -22,15 +22,9 @@ CACHE_VARIABLE = "REAL_BLENDER_CACHE"
 TIMED_OUT = 124  # the exit code of coreutils' timeout
 
 PACKAGES = (
-    "blender",
-    "python3-scipy",
-    "xvfb",
-    "libgl1-mesa-dri",
-    "libegl1",
-    "x11-utils",
-    "xdotool",
+    "blender", "python3-scipy", "xvfb", "libgl1-mesa-dri", "libegl1", "x11-utils", "xdotool",
     "imagemagick",
-)
+)  # fmt: skip
 # Modules that sid's Blender imports at its start without depending on their packages.
 EXTRA_PACKAGES = {"sid": ("python3-cattr", "python3-requests", "python3-zstandard")}
 
@@ -109,7 +103,10 @@ def set_up(chroot: Chroot) -> None:
     with locked(chroot.root.with_name(chroot.root.name + ".lock")):
         if chroot.is_ready():  # another process did it while this one waited
             return
-        install_on_host("debootstrap", "debian-archive-keyring")
+        tools = ["debootstrap", "debian-archive-keyring"]
+        check(["apt-get", "update", "-q"], "apt-get update failed")
+        command = ["apt-get", "install", "-y", "-q", "--no-install-recommends", *tools]
+        check(command, f"apt-get could not install {' and '.join(tools)}")
         if not chroot.base_mark.exists():
             bootstrap(chroot)
         install_packages(chroot)
@@ -130,22 +127,6 @@ def locked(path: Path) -> Iterator[None]:
     with path.open("w") as lock:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
-
-
-def install_on_host(*packages: str) -> None:
-    """Install those of `packages` that dpkg does not report as installed."""
-    missing = [name for name in packages if not is_installed(name)]
-    if missing:
-        check(["apt-get", "update", "-q"], "apt-get update failed")
-        command = ["apt-get", "install", "-y", "-q", "--no-install-recommends", *missing]
-        check(command, f"apt-get could not install {' '.join(missing)}")
-
-
-def is_installed(package: str) -> bool:
-    """Tell whether dpkg has `package` installed on the host."""
-    query = ["dpkg-query", "-W", "-f", "${Status}", package]
-    answer = subprocess.run(query, capture_output=True, text=True, check=False)
-    return answer.stdout == "install ok installed"
 
 
 def bootstrap(chroot: Chroot) -> None:

@@ -3,13 +3,10 @@
 Official Blenders run on Python 3.11 (4.2 to 5.0) or 3.13 (5.1 and later) and bring numpy but not
 scipy, so one package holds one wheel for each. The wheels are pinned by file name and SHA-256,
 fetched with pip, and never committed.
-
-Usage: python tools/fetch_wheels.py [--directory wheels] [PLATFORM ...]
 """
 
 from __future__ import annotations
 
-import argparse
 import hashlib
 import subprocess
 import sys
@@ -150,26 +147,3 @@ def _download(wheel: Wheel, directory: Path) -> None:
         done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise WheelError(f"{wheel.filename}: pip download failed\n{done.stderr.strip()}")
-
-
-def main(arguments: list[str] | None = None) -> int:
-    """Fetch the wheels of the platforms named, or of all of them; print what is there."""
-    parser = argparse.ArgumentParser(description="Download the pinned scipy wheels.")
-    parser.add_argument("platforms", nargs="*", metavar="PLATFORM", help=", ".join(WHEELS))
-    parser.add_argument("--directory", type=Path, default=DEFAULT_DIRECTORY)
-    options = parser.parse_args(arguments)
-    if unknown := set(options.platforms) - set(WHEELS):
-        parser.error(f"unknown platform {', '.join(sorted(unknown))}; known: {', '.join(WHEELS)}")
-    for platform in options.platforms or WHEELS:
-        try:
-            paths = fetch_platform(platform, options.directory)
-        except WheelError as error:
-            print(f"error: {error}", file=sys.stderr)
-            return 1
-        for path in paths:
-            print(f"{platform:14} {path.stat().st_size / 1e6:6.1f} MB  {path.name}")
-    return 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,12 +1,13 @@
 """Render triangle meshes as clay with Blender's Cycles on the CPU.
 
-A small helper for the sample meshes and the figures: `render(path, vertices, triangles, ...)`
-makes one PNG. Flat shading shows every triangle, which is what a picture of fairing is about.
+A small helper for the sample meshes and the figures: `render(vertices, triangles, ...)` makes one
+picture. Flat shading shows every triangle, which is what a picture of fairing is about.
 """
 
 from __future__ import annotations
 
 import math
+import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 from numpy.typing import NDArray
+from PIL import Image
 
 from samples.blender_meshes import new_object
 
@@ -56,19 +58,16 @@ class Look:
 
 
 def render(
-    path: Path,
     vertices: NDArray[np.float64],
     triangles: NDArray[np.int32],
     view: View,
     look: Look | None = None,
     vertex_colors: NDArray[np.float64] | None = None,
-) -> None:
-    """Render one mesh to a PNG file.
+) -> Image.Image:
+    """Render one mesh to a picture with a transparent background.
 
     Parameters
     ----------
-    path
-        File to write. The background is transparent.
     vertices, triangles
         (n, 3) positions and (m, 3) vertex indices.
     view, look
@@ -79,31 +78,32 @@ def render(
     look = look or Look()
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    mesh = add_mesh(vertices, triangles, look, vertex_colors).data
+    mesh = _add_mesh(vertices, triangles, look, vertex_colors)
     # Lights are cast for the part in view, so that a close-up is lit like the whole.
     corners = np.array(view.box) if view.box else np.array([vertices.min(0), vertices.max(0)])
-    add_camera(scene, corners, vertices, view, look)
-    add_lights(scene, view)
-    mesh.materials.append(clay(look, vertex_colors is not None))
-    set_up(scene, look)
-    scene.render.filepath = str(path)
-    bpy.ops.render.render(write_still=True)
+    _add_camera(scene, corners, vertices, view, look)
+    _add_lights(scene, view)
+    mesh.materials.append(_clay(look, vertex_colors is not None))
+    _set_up(scene, look)
+    with tempfile.TemporaryDirectory() as folder:
+        scene.render.filepath = str(Path(folder, "picture.png"))
+        bpy.ops.render.render(write_still=True)
+        return Image.open(scene.render.filepath).convert("RGBA")
 
 
-def add_mesh(vertices, triangles, look, vertex_colors=None):
-    """Return a new object of the scene."""
-    item = new_object(vertices, triangles)
-    mesh = item.data
+def _add_mesh(vertices, triangles, look, vertex_colors=None):
+    """Return the mesh of a new object of the scene."""
+    mesh = new_object(vertices, triangles).data
     mesh.polygons.foreach_set("use_smooth", np.full(len(triangles), look.smooth))
     if vertex_colors is not None:
         # Not "color": Cycles takes that name for the colour of the object.
         attribute = mesh.attributes.new("field", "FLOAT_COLOR", "POINT")
         rgba = np.column_stack([vertex_colors, np.ones(len(vertices))]).astype(np.float32)
         attribute.data.foreach_set("color", rgba.ravel())
-    return item
+    return mesh
 
 
-def add_camera(scene, corners, vertices, view, look):
+def _add_camera(scene, corners, vertices, view, look):
     """Place the camera so that it sees the box of `corners`, or all `vertices` if it is theirs."""
     direction = Vector(view.direction).normalized()
     turn = direction.to_track_quat("Z", "Y")
@@ -138,7 +138,7 @@ def _box_corners(corners):
     return np.array(np.meshgrid(*corners.T)).reshape(3, -1).T
 
 
-def add_lights(scene, view):
+def _add_lights(scene, view):
     """Add three suns that turn with the camera: key, upper left; fill, right; rim, behind."""
     turn = Vector(view.direction).normalized().to_track_quat("Z", "Y")
     for name, offset, strength, angle in (
@@ -153,7 +153,7 @@ def add_lights(scene, view):
         scene.collection.objects.link(item)
 
 
-def clay(look, colored=False):
+def _clay(look, colored=False):
     """Return the material of all meshes; `colored` takes the colours of the vertices."""
     material = bpy.data.materials.new("clay")
     material.use_nodes = True
@@ -168,7 +168,7 @@ def clay(look, colored=False):
     return material
 
 
-def set_up(scene, look):
+def _set_up(scene, look):
     """Choose Cycles on the CPU, a picture that is the same on every run, and even light."""
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"

@@ -134,7 +134,7 @@ def _sources_of(text: str, output_folder: Path) -> list[Source]:
         return [Source(file, Path(file.name)) for file in files]
     if not is_supported(path):
         raise ArgumentsError(f"{path}: unknown kind of file; use one of {' '.join(SUFFIXES)}")
-    # A file that does not exist is a failure like that of any other mesh, told with its reason.
+    # A file that does not exist is reported like every mesh that fails, with its reason.
     return [Source(_absolute(path), Path(path.name))]
 
 
@@ -163,6 +163,6 @@ def _is_wanted(file: Path, root: Path, output_folder: Path) -> bool:
     """Whether to take a file that was not named itself; hidden ones are drafts and the like."""
     inner = file.relative_to(root).parts if file.is_relative_to(root) else (file.name,)
     is_hidden = any(part.startswith(".") for part in inner)
-    # Of an output folder in the input folder. One around it holds inputs as well.
+    # An output folder inside the input folder holds results alone. One around it holds inputs too.
     is_result = output_folder in file.parents and root in output_folder.parents
     return file.is_file() and is_supported(file) and not is_hidden and not is_result

@@ -127,7 +127,7 @@ def plan_animation(source: Path, frames: Sequence[int], folder: Path, suffix: st
 
 
 def shard_of(items: Sequence[Item], shard: tuple[int, int]) -> list[Item]:
-    """Take every n-th item, from the i-th on, of shard (i, n): neighbours are alike in size."""
+    """Take every n-th item from the i-th on, for shard (i, n): neighbours have similar sizes."""
     index, count = shard
     return list(items[index - 1 :: count])
 

@@ -58,7 +58,7 @@ class WorkerProcess:
         return resident_bytes(self._process.pid) or 0
 
     def send(self, message: dict[str, Any]) -> None:
-        """Send a message; one that a dying process cannot take is lost, its end is told anyway."""
+        """Send a message. A dying process may lose it; its end is reported in any case."""
         try:
             self._requests.write(encode(message))
             self._requests.flush()
@@ -66,7 +66,7 @@ class WorkerProcess:
             pass
 
     def end(self) -> None:
-        """Let the process end now; an output it is writing does not come to be."""
+        """Let the process end now. An output that it is writing is not finished."""
         try:
             self._requests.close()  # which tells a worker to leave
         except OSError:
@@ -104,7 +104,7 @@ class WorkerProcess:
         for stream in (self._requests, self._answers, self._errors):
             try:
                 stream.close()
-            except OSError:  # what was to be sent to a process that is gone
+            except OSError:  # a request was still waiting, and the process has ended
                 pass
 
 

@@ -47,7 +47,7 @@ def read_record(path: Path) -> Json | None:
 
 
 def is_finished(record: Json | None, made_with: Mapping[str, Any], output: Path) -> bool:
-    """Whether an output is there and was made from this, with this.
+    """Whether an output is there and was made from these inputs with these settings.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def is_finished(record: Json | None, made_with: Mapping[str, Any], output: Path)
 
 
 def has_failed(record: Json | None, made_with: Mapping[str, Any]) -> bool:
-    """Whether an output was tried from this, with this, and could not be made."""
+    """Whether an output could not be made from these inputs with these settings."""
     return _says(record, FAILED, made_with)
 
 

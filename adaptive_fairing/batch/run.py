@@ -70,7 +70,7 @@ class Batch:
             "version": program_version(),
             "settings": settings_record(self.settings),
             "object": self.object_name,
-            # Of an input that its result replaces nothing is left to compare with.
+            # If the result replaces its input, nothing is left to compare with.
             "input_files": None if _replaces_input(item) else input_stamp(item.input),
             "frame": item.frame,
             "output": item.name,
@@ -146,7 +146,7 @@ def _outcomes(batch: Batch, items: Sequence[Item]) -> Iterator[Outcome]:
     if batch.reference is not None and batch.same_strength:
         measured = _measure(batch, batch.reference, schedule)
         if measured.error is not None:
-            # No fault of the process: another one could do none of the frames either.
+            # Every frame needs the first one, so no process could do any of them.
             reason = f"first frame, {batch.reference.input.name}: {measured.error}"
             yield from (Outcome(item, reason, {}) for item in items)
             return

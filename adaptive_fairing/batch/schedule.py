@@ -113,7 +113,7 @@ class Schedule:
                     self._hand_out()
                     continue
                 worker = self._workers.get(process)
-                if worker is not None:  # otherwise it was sent away
+                if worker is not None:  # otherwise it was dismissed meanwhile
                     yield from self._handle(worker, message)
                     self._hand_out()
         finally:
@@ -131,7 +131,7 @@ class Schedule:
             how = worker.process.how_it_ended()
             if task is not None:
                 yield Outcome(task.item, how, {})
-        elif task is None:  # sent away while the message was on its way
+        elif task is None:  # its mesh was taken away while the message was under way
             return
         elif event == "needs":
             yield from self._admit(worker, task, int(message["bytes"]))
@@ -186,7 +186,7 @@ class Schedule:
             worker = idle[0] if idle else None
             task = next((task for task in self._waiting if self._fits(task, worker)), None)
             if task is None and idle:
-                # What an idle process still holds may be what is missing.
+                # Without the memory that an idle process still holds, a mesh may fit.
                 self._dismiss(idle[0])
                 continue
             if task is None:

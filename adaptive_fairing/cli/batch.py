@@ -78,7 +78,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
         help="memory that the workers may hold together, such as 8G (default: what is free)",
     )
     batch.add_argument(
-        "--shard", metavar="I/N", help="do the I-th of N shares only, on one of N machines"
+        "--shard", metavar="I/N", help="do the I-th of N parts only, on one of N machines"
     )
     batch.add_argument(
         "--merge",

@@ -76,7 +76,7 @@ def part_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
         "bar_format": "{l_bar}{bar}| {elapsed}<{remaining}",
     }
     with tqdm(total=1.0, file=sys.stderr, **options) as bar:
-        # Solves run side by side: their news may come in another order.
+        # Solves run side by side, so their messages may arrive in another order.
         yield lambda part: bar.update(max(part - bar.n, 0))
 
 

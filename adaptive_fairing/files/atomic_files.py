@@ -43,7 +43,7 @@ def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
             _require_whole(draft)
             _move(draft, final)
     finally:
-        # What cannot be removed now, as a scanner for viruses has it open, `remove_drafts` will.
+        # A virus scanner may have a draft open. Then `remove_drafts` removes it later.
         with contextlib.suppress(PermissionError):
             for left in (draft, draft.with_name(f"{draft.name}@")):
                 left.unlink(missing_ok=True)
@@ -169,7 +169,7 @@ def _require_whole(file: Path) -> None:
     os.truncate(file, size)
 
 
-# More than the block of a file system: the last block of a file that was cut off may have room.
+# More than a block of any file system, because the last block of a file may have room left.
 _PROBE_SIZE = 1 << 16
 
 

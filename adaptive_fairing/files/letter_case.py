@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 def folded(path: Path) -> str:
-    """Write a path so that two of one file are equal where case does not count.
+    """Write a path so that all names of one file are equal where case does not count.
 
     Nor does it count there whether an accent is a character of its own.
     """

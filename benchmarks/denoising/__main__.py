@@ -4,7 +4,6 @@
     python -m benchmarks.denoising --shapes gear foot --noise normal:0.1 correlated:0.2
     python -m benchmarks.denoising --pairs FOLDER --output FOLDER --pictures
     python -m benchmarks.denoising --noise all --peers research   by kind of noise
-    python -m benchmarks.denoising --group none --cases --peers research --output FOLDER --pictures
 
 Prints tables in Markdown. What Denoise may be tuned on is the group "tuning" alone.
 """
@@ -12,7 +11,6 @@ Prints tables in Markdown. What Denoise may be tuned on is the group "tuning" al
 from __future__ import annotations
 
 import argparse
-import json
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -20,8 +18,7 @@ from tqdm import tqdm
 
 from . import shapes, tables
 from .contest import Entry, contest
-from .ours import core_digest
-from .pairs import ALL_NOISE, CASES, CLEAN, MAIN_NOISE, Pair, in_folder, made, noise_name
+from .pairs import ALL_NOISE, CLEAN, MAIN_NOISE, Pair, in_folder, made, noise_name
 from .peers import IN_USE, PEERS, RESEARCH, Peer
 from .pictures import picture
 from .verdict import grouped, standing
@@ -47,8 +44,6 @@ def main(arguments: Sequence[str] | None = None) -> None:
     if options.output:
         options.output.mkdir(parents=True, exist_ok=True)
         (options.output / "tables.md").write_text(text + "\n", encoding="utf-8")
-        data = {"core": core_digest(), "pairs": tables.as_data(entries, peers)}
-        (options.output / "scores.json").write_text(json.dumps(data, indent=1), encoding="utf-8")
         if options.pictures:
             for entry in tqdm(_noisy(entries), unit="picture"):
                 picture(entry, peers, options.output)
@@ -94,9 +89,6 @@ def _noisy(entries: Sequence[Entry]) -> list[Entry]:
 
 
 def _chosen(options: argparse.Namespace) -> Iterator[Pair]:
-    if options.cases:
-        for name, noise in CASES:
-            yield from made([name], [noise])
     names = options.shapes if options.shapes is not None else GROUPS[options.group]
     yield from made(names, ALL_NOISE if "all" in options.noise else options.noise)
     for folder in options.pairs:
@@ -127,9 +119,6 @@ def _parser() -> argparse.ArgumentParser:
         help=f"in edges: {', '.join(ALL_NOISE)}, or all of them (default {MAIN_NOISE} {CLEAN})",
     )
     parser.add_argument(
-        "--cases", action="store_true", help="eight pairs of new shapes as well, for pictures"
-    )
-    parser.add_argument(
         "--pairs",
         nargs="+",
         type=Path,
@@ -156,7 +145,7 @@ def _parser() -> argparse.ArgumentParser:
         help="keep scores from run to run: what an interrupted run has done is not done again",
     )
     parser.add_argument(
-        "--output", type=Path, metavar="FOLDER", help="write tables.md, scores.json and pictures"
+        "--output", type=Path, metavar="FOLDER", help="write tables.md and pictures"
     )
     parser.add_argument("--pictures", action="store_true", help="a picture per mesh, into --output")
     return parser

@@ -23,7 +23,7 @@ from adaptive_fairing.core import denoise
 from tools.samples.triangles import Faces, FloatArray, local_edge_lengths, vertex_normals
 
 from ..measuring import table
-from .false_alarms import interval
+from .false_alarms import rate_row
 from .pairs import CLEAN, made
 
 TUNED = ("head", "pawn", "lens", "hills", "coral")
@@ -120,11 +120,7 @@ def with_detail(name: str, kind: str) -> tuple[FloatArray, Faces]:
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print the table."""
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.denoising.detail_alarms",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--tuned", action="store_true", help="the shapes that were tuned on")
     names = list(TUNED if parser.parse_args(arguments).tuned else CHECKED)
     taken = [
@@ -133,17 +129,12 @@ def main(arguments: Sequence[str] | None = None) -> None:
         for kind in DETAIL
         if _takes_for_noise(*with_detail(name, kind))
     ]
-    rows = [_row("detail taken for smooth noise", taken, len(names) * len(DETAIL))]
+    rows = [rate_row("detail taken for smooth noise", taken, len(names) * len(DETAIL))]
     for noise in NOISES:
         pairs = list(made(names, [noise]))
         told = [pair.name for pair in pairs if _takes_for_noise(pair.noisy, pair.faces)]
-        rows.append(_row(f"{noise}, told", told, len(pairs)))
+        rows.append(rate_row(f"{noise}, told", told, len(pairs)))
     print(table(("", "meshes", "95 % interval of the rate", "which"), rows))
-
-
-def _row(what: str, found: list[str], n: int) -> list[str]:
-    low, high = interval(len(found), n)
-    return [what, f"{len(found)} of {n}", f"{low:.1%} to {high:.1%}", "; ".join(found)]
 
 
 def _takes_for_noise(vertices: FloatArray, faces: Faces) -> bool:

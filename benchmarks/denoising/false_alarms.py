@@ -63,30 +63,24 @@ MODIFIERS: dict[str, Callable[[np.random.Generator], dict]] = {
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Print both tables."""
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.denoising.false_alarms",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--models", type=int, default=200, help="how many (default %(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="of the first (default %(default)s)")
     options = parser.parse_args(arguments)
     print(table(("primitive", "vertices", "moved"), [*_of_primitives()]))
-    changed, missed = [], []
+    changed, missed, n_noisy = [], [], 0
     for number in tqdm(range(options.seed, options.seed + options.models), unit="model"):
         name, (vertices, faces) = random_model(np.random.default_rng(number))
         if _is_changed(vertices, faces):
             changed.append(f"{number} ({name})")
         if len(vertices) >= FEWEST:
-            noisy = add_noise(vertices, faces, "normal", NOISE, number)
-            missed.append("" if _is_changed(noisy, faces) else f"{number} ({name})")
-    rows = []
-    for what, found, n in (
-        ("clean models that were changed", changed, options.models),
-        ("noisy ones that were not", [each for each in missed if each], len(missed)),
-    ):
-        low, high = interval(len(found), n)
-        rows.append([what, f"{len(found)} of {n}", f"{low:.1%} to {high:.1%}", ", ".join(found)])
+            n_noisy += 1
+            if not _is_changed(add_noise(vertices, faces, "normal", NOISE, number), faces):
+                missed.append(f"{number} ({name})")
+    rows = [
+        rate_row("clean models that were changed", changed, options.models),
+        rate_row("noisy ones that were not", missed, n_noisy),
+    ]
     print(f"\n{table(('', 'models', '95 % interval of the rate', 'which'), rows)}")
 
 
@@ -96,6 +90,12 @@ def interval(n_found: int, n: int, confidence: float = 0.95) -> tuple[float, flo
     low = beta.ppf(tail, n_found, n - n_found + 1) if n_found else 0.0
     high = beta.ppf(1 - tail, n_found + 1, n - n_found) if n_found < n else 1.0
     return float(low), float(high)
+
+
+def rate_row(what: str, found: list[str], n: int) -> list[str]:
+    """Return a row of a table: how many of n meshes were found, the interval, and which."""
+    low, high = interval(len(found), n)
+    return [what, f"{len(found)} of {n}", f"{low:.1%} to {high:.1%}", "; ".join(found)]
 
 
 def random_model(random: np.random.Generator) -> tuple[str, Mesh]:

@@ -80,7 +80,7 @@ def edge_weights(corner: FloatArray) -> FloatArray:
     w2, w4 = area_4 / both, area_2 / both
     square = np.maximum(np.einsum("kd,kd->k", along, along), np.finfo(float).tiny)
 
-    # Share of the edge at which the feet of the heights of p2 and p4 lie, from p1 on.
+    # Where on the edge the feet of the heights of p2 and p4 lie: 0 at p1, 1 at p3.
     foot_2, foot_4 = (np.einsum("kd,kd->k", p - p1, along) / square for p in (p2, p4))
     w3 = -(w2 * foot_2 + w4 * foot_4)
     return np.stack([-(w2 + w3 + w4), w2, w3, w4], axis=1)

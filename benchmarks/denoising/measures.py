@@ -17,7 +17,7 @@ from tools.samples.triangles import (
 )
 
 N_CLASSES = 5
-"""Density classes: equal shares of the vertices by local edge length, densest first."""
+"""Density classes: equal parts of the vertices by local edge length, densest first."""
 
 Score = dict[str, float | int | list[float] | None]
 

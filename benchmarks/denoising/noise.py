@@ -15,7 +15,7 @@ from scipy.sparse import csr_array
 from tools.samples.triangles import Faces, FloatArray, edges_of, local_edge_lengths, vertex_normals
 
 SPIKES = 0.2
-"""Share of the vertices that impulsive noise moves."""
+"""Fraction of the vertices that impulsive noise moves."""
 
 OUTLIERS, OUTLIER_SCALE = 0.1, 3.0
 """Heavy-tailed noise is Tukey's contaminated normal distribution: one vertex in ten has three times
@@ -34,12 +34,12 @@ def gaussian(generator: np.random.Generator, faces: Faces, n: int) -> FloatArray
 
 
 def impulsive(generator: np.random.Generator, faces: Faces, n: int) -> FloatArray:
-    """Move a share `SPIKES` of the vertices and leave the others where they are."""
+    """Move a fraction `SPIKES` of the vertices and leave the others where they are."""
     return np.where(generator.random(n) < SPIKES, generator.normal(size=n), 0.0) / SPIKES**0.5
 
 
 def heavy_tailed(generator: np.random.Generator, faces: Faces, n: int) -> FloatArray:
-    """Independent heights, a share `OUTLIERS` of them `OUTLIER_SCALE` times as large."""
+    """Independent heights, a fraction `OUTLIERS` of them `OUTLIER_SCALE` times as large."""
     scale = np.where(generator.random(n) < OUTLIERS, OUTLIER_SCALE, 1.0)
     variance = 1 + OUTLIERS * (OUTLIER_SCALE**2 - 1)
     return scale * generator.normal(size=n) / variance**0.5

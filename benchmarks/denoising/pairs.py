@@ -42,18 +42,6 @@ ALL_NOISE = tuple(
 
 MAIN_NOISE = "normal:0.2"
 
-CASES = (
-    ("block", "uniform:0.3"),
-    ("heat_sink", "uniform:0.2"),
-    ("die", "impulsive:0.3"),
-    ("hand", "heavy-tailed:0.3"),
-    ("wall", "camera:2"),
-    ("fish", "scanner:0.3"),
-    ("brain", "correlated-4:0.3"),
-    ("mushroom", "normal:0.2"),
-)
-"""Eight pictures of the new shapes."""
-
 
 @dataclass(frozen=True)
 class Pair:

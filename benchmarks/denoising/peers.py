@@ -169,56 +169,44 @@ def spread(first: float, last: float, count: int) -> Values:
     return tuple(float(f"{value:.3g}") for value in np.geomspace(first, last, count))
 
 
+def meshlab_peer(
+    name: str, sweep: Values, variants: Mapping[str, dict], filter_name: str, **options: bool
+) -> Peer:
+    """Return a filter of MeshLab as a peer, by the variants of its other parameters."""
+    named = {key: {"filter_name": filter_name, **each, **options} for key, each in variants.items()}
+    return Peer(name, ("pymeshlab",), "iterations", sweep, meshlab, named)
+
+
+ONE_STEP = {"starts_at_least": False, "goes_on": False}
+"""For peers whose sweep is no count of iterations."""
+
 IN_USE: Sequence[Peer] = (
-    Peer(
+    meshlab_peer(
         "MeshLab Laplacian",
-        ("pymeshlab",),
-        "iterations",
         ITERATIONS[:20],
-        meshlab,
         {
-            "uniform weights": {
-                "filter_name": "apply_coord_laplacian_smoothing",
-                "cotangentweight": False,
-            },
-            "cotangent weights": {
-                "filter_name": "apply_coord_laplacian_smoothing",
-                "cotangentweight": True,
-            },
+            f"{weights} weights": {"cotangentweight": weights == "cotangent"}
+            for weights in ("uniform", "cotangent")
         },
+        "apply_coord_laplacian_smoothing",
     ),
-    Peer(
+    meshlab_peer(
         "MeshLab Taubin",
-        ("pymeshlab",),
-        "iterations",
         ITERATIONS,
-        meshlab,
         {
-            f"λ {forth:g}, μ {back:g}": {
-                "filter_name": "apply_coord_taubin_smoothing",
-                "lambda_": forth,
-                "mu": back,
-            }
+            f"λ {forth:g}, μ {back:g}": {"lambda_": forth, "mu": back}
             for forth, back in ((0.5, -0.53), (0.33, -0.34), (0.5, -0.6))
         },
+        "apply_coord_taubin_smoothing",
     ),
-    Peer(
-        "MeshLab HC",
-        ("pymeshlab",),
-        "iterations",
-        ITERATIONS,
-        meshlab,
-        {"": {"filter_name": "apply_coord_hc_laplacian_smoothing", "counted": False}},
+    meshlab_peer(
+        "MeshLab HC", ITERATIONS, {"": {}}, "apply_coord_hc_laplacian_smoothing", counted=False
     ),
-    Peer(
+    meshlab_peer(
         "MeshLab two-step",
-        ("pymeshlab",),
-        "iterations",
         ITERATIONS[:22],
-        meshlab,
         {
             f"normals within {angle:g}°, {normal_steps} + {fit_steps} inner": {
-                "filter_name": "apply_coord_two_steps_smoothing",
                 "normalthr": float(angle),
                 "stepnormalnum": normal_steps,
                 "stepfitnum": fit_steps,
@@ -226,6 +214,7 @@ IN_USE: Sequence[Peer] = (
             for angle in (30, 60)
             for normal_steps, fit_steps in ((20, 20), (2, 3), (1, 2), (1, 1))
         },
+        "apply_coord_two_steps_smoothing",
     ),
     Peer(
         "VTK windowed sinc",
@@ -234,8 +223,7 @@ IN_USE: Sequence[Peer] = (
         spread(0.6, 2000, 32),
         windowed_sinc,
         {f"{count} iterations": {"iterations": count} for count in (10, 15, 20, 30, 50, 100)},
-        starts_at_least=False,
-        goes_on=False,
+        **ONE_STEP,
     ),
     Peer(
         "cotangent flow (libigl)",
@@ -244,8 +232,7 @@ IN_USE: Sequence[Peer] = (
         spread(0.03, 8, 29),
         cotangent_flow,
         {"1 step": {"steps": 1}, "4 steps": {"steps": 4}},
-        starts_at_least=False,
-        goes_on=False,
+        **ONE_STEP,
     ),
     Peer("Blender Smooth", ("bpy",), "iterations", ITERATIONS[:20], blender_modifiers.smooth),
     Peer(
@@ -255,8 +242,7 @@ IN_USE: Sequence[Peer] = (
         spread(0.003, 30, 24),
         blender_modifiers.laplacian_smooth,
         {f"{count} iterations": {"iterations": count} for count in (1, 4)},
-        starts_at_least=False,
-        goes_on=False,
+        **ONE_STEP,
     ),
     Peer(
         "Blender Corrective Smooth",

@@ -125,11 +125,7 @@ def _factor(text: str) -> float:
 def _parser() -> argparse.ArgumentParser:
     from .shapes import TUNING  # takes seconds: Blender and pymeshlab
 
-    parser = argparse.ArgumentParser(
-        prog="python -m benchmarks.denoising.sensitivity",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument(
         "--shapes",
         nargs="+",

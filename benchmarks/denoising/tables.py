@@ -1,4 +1,4 @@
-"""Tables in Markdown, and the same as data for JSON."""
+"""Tables in Markdown."""
 
 from __future__ import annotations
 
@@ -104,17 +104,11 @@ def by_noise(standings: dict[str, tuple[int, Standing]]) -> str:
     )  # fmt: skip
     rows = [
         [
-            noise,
-            str(count),
-            slashed(found.fixed),
-            slashed(found.best),
-            f"{found.worst:.2f}",
-            f"{found.largest:.2f}",
-            f"{found.flips:.0%}",
-            f"{found.seconds:.2g}",
+            noise, str(count), slashed(found.fixed), slashed(found.best), f"{found.worst:.2f}",
+            f"{found.largest:.2f}", f"{found.flips:.0%}", f"{found.seconds:.2g}",
         ]
         for noise, (count, found) in standings.items()
-    ]
+    ]  # fmt: skip
     return table(header, rows)
 
 
@@ -125,31 +119,6 @@ def of_clean(entries: Sequence[Entry]) -> str:
         for entry in entries
     ]
     return table(("clean mesh", "moved, in edges", "distance to the surface"), rows)
-
-
-def as_data(entries: Sequence[Entry], peers: Sequence[Peer]) -> list[dict]:
-    """Return all of it for a JSON file: per pair the scores at every peer's best parameter."""
-    return [
-        {
-            "name": entry.pair.name,
-            "kind": entry.pair.kind,
-            "group": entry.pair.group,
-            "noise": entry.pair.noise,
-            "vertices": len(entry.pair.clean),
-            "triangles": len(entry.pair.faces),
-            "noisy": entry.noisy,
-            "denoise": entry.ours,
-            "peers": {
-                peer.name: {
-                    key: _point(entry, peer, measure)
-                    for key, measure in (("best_mean", "mean"), ("best_worst", "worst"))
-                }
-                for peer in peers
-                if entry.peers.get(peer.name)
-            },
-        }
-        for entry in entries
-    ]
 
 
 def _means(name: str, how: str, scores: Sequence[Score], seconds: Sequence[float]) -> list[str]:
@@ -164,15 +133,5 @@ def _means(name: str, how: str, scores: Sequence[Score], seconds: Sequence[float
     ]
 
 
-def _percent(share: float | None) -> str:
-    return "–" if share is None else f"{100 * share:+.2f} %"
-
-
-def _point(entry: Entry, peer: Peer, measure: str) -> dict[str, str | bool | Score]:
-    point = best_of(entry, peer.name, measure)
-    return {
-        "version": peer.version,
-        "parameter": point.parameter,
-        "at_edge_of_grid": peer.at_edge(point.parameter),
-        "score": point.score,
-    }
+def _percent(change: float | None) -> str:
+    return "–" if change is None else f"{100 * change:+.2f} %"

@@ -21,17 +21,8 @@ class Point(NamedTuple):
     score: Score
 
 
-@dataclass(frozen=True)
-class OneParameter:
-    """A peer at one parameter for all meshes.
-
-    Attributes
-    ----------
-    peer, parameter
-        Names.
-    scores
-        On every mesh, in their order.
-    """
+class OneParameter(NamedTuple):
+    """A peer at one parameter for all meshes, and its scores on every mesh, in their order."""
 
     peer: str
     parameter: str
@@ -52,7 +43,7 @@ class Standing:
     largest
         Of the errors over the best, on one mesh.
     flips
-        Share of the meshes without more flipped faces than the peer with the least error at its
+        Fraction of the meshes without more flipped faces than the peer with the least error at its
         one parameter.
     seconds
         Processor time over that peer's, geometric mean.

@@ -1,4 +1,4 @@
-"""The benchmarks: their meshes, profile and history. No test looks at how long things take."""
+"""The benchmarks: their meshes and the profile. No test looks at how long things take."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from adaptive_fairing.core import FairingSettings, TriangleTopology, mesh_density
-from benchmarks import history, meshes, profile_step
+from benchmarks import meshes, profile_step
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -73,21 +73,6 @@ def test_the_profile_of_a_step_finds_the_solver_and_the_elements():
     assert {"linalg", "denoise"} <= {name.partition(".")[0] for name in denoised.looks}
     assert iterations > 0
     assert profile_step.unavoidable_work(mesh, FairingSettings(), iterations).operations > 0
-
-
-def test_history_warns_of_a_ratio_above_the_median_of_comparable_runs(tmp_path):
-    path = tmp_path / "history.jsonl"
-    here, elsewhere = {"processor": "A", "cores": 2}, {"processor": "B", "cores": 2}
-    for ratio in (9.0, 1.0, 1.1, 0.9, 1.0, 7.0):  # the last five have the median 1
-        history.append(path, "speed", here, {"step": ratio})
-    history.append(path, "speed", elsewhere, {"step": 0.1})
-    history.append(path, "small", here, {"step": 0.1})
-    runs = history.read(path)
-    assert len(runs) == 8
-    assert runs[0]["ratios"] == {"step": 9.0}
-    assert history.regressions(runs, "speed", here, {"step": 1.19, "new": 5.0}) == []
-    (warning,) = history.regressions(runs, "speed", here, {"step": 1.21})
-    assert warning.startswith("step: 1.21, was 1 ")
 
 
 @pytest.mark.parametrize(

@@ -8,15 +8,9 @@ from support.reference import linear_mass_matrix, linear_stiffness_matrix
 from support.symbols import linear_symbols, loop_symbols
 
 from adaptive_fairing.core import TriangleTopology, mesh_density
-from claims.bandwidth import (
-    ACROSS_EDGES,
-    RADIUS,
-    plane_damping,
-    sphere_damping,
-)
+from claims.bandwidth import ACROSS_EDGES, RADIUS, plane_damping, sphere_damping, wave_vector
 from claims.linear_elements import fair_linear, mass_matrix, stiffness_matrix
 from claims.shapes import flat_hexagon
-from claims.symbols import wave_vector
 from samples.triangles import icosphere
 
 LENGTHS = np.array([1.75, 2.0, 3.0, 5.0, 17.0])

@@ -7,7 +7,7 @@ import pytest
 
 import adaptive_fairing.core
 
-PUBLIC = ["TriangleTopology", "LoopSpace", "mesh_density"]
+PUBLIC = ["denoise", "fair", "LimitSurface", "LoopSpace", "TriangleTopology", "mesh_density"]
 
 
 @pytest.mark.parametrize("name", PUBLIC)

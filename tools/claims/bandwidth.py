@@ -3,6 +3,10 @@
 Section 3.1.1 of the paper: "the reduction speed of high frequency noise in our approach is not that
 drastic, but still fast, while the reduction speed of lower frequency noise is not slow. Hence, the
 bandwidth of affected frequencies is wider."
+
+On the plane's grid of equilateral triangles every row of a matrix is the same stencil. On the wave
+exp(i k·x) it acts as a number, its symbol: m(k) for M, l(k) for L. One semi-implicit step with a
+uniform T damps the wave by m / (m + T l).
 """
 
 from __future__ import annotations
@@ -12,6 +16,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from scipy import sparse
 from scipy.sparse.linalg import splu
 from scipy.special import eval_legendre
 
@@ -22,7 +27,6 @@ from .linear_elements import fair_linear, mass_matrix, stiffness_matrix
 from .measures import TIMESTEP, DensityClasses, root_mean_square
 from .pairs import MeshPair
 from .shapes import flat_hexagon
-from .symbols import measured_symbol, wave_vector
 from .tables import Cell, Findings, Table
 
 RADIUS = 1.0
@@ -75,6 +79,21 @@ def plane_damping(wavelengths: FloatArray) -> Damping:
         factors.append(m / (m + time * s))
     exact = 1 / (1 + time * np.sum(waves**2, axis=1))
     return Damping(wavelengths, exact, *factors)
+
+
+def wave_vector(wavelength: FloatArray, angle: float) -> FloatArray:
+    """Return k (n, 2) of waves of given lengths that run at an angle to an edge direction."""
+    size = 2 * np.pi / np.asarray(wavelength, dtype=float)
+    return size[:, None] * np.array([np.cos(angle), np.sin(angle)])
+
+
+def measured_symbol(
+    matrix: sparse.csr_array, positions: FloatArray, centre: int, waves: FloatArray
+) -> FloatArray:
+    """Return the symbol of a matrix from the row of one vertex that is far from the boundary."""
+    row = matrix[[centre], :].tocoo()
+    offset = positions[row.col, :2] - positions[centre, :2]
+    return np.cos(waves @ offset.T) @ row.data
 
 
 def sphere_damping(degrees: Sequence[int]) -> Damping:
@@ -132,13 +151,8 @@ def _meshes(pairs: Sequence[MeshPair]) -> Table:
                 ]
             )
     columns = (
-        "mesh",
-        "mean error, Loop",
-        "linear",
-        "worst error, Loop",
-        "linear",
-        "difference / move",
-    )
+        "mesh", "mean error, Loop", "linear", "worst error, Loop", "linear", "difference / move",
+    )  # fmt: skip
     return Table("Adaptive timestep, edge density, with either kind of element", columns, rows)
 
 

@@ -65,16 +65,8 @@ def _eigen_errors(mass, stiffness) -> list[float]:
     degree = np.repeat(np.arange(4), 2 * np.arange(4) + 1)
     # Eigenvalues come in groups of equal ones, of which a small Krylov space can miss some.
     start = np.random.default_rng(0).standard_normal(mass.shape[0])
-    found = eigsh(
-        stiffness,
-        k=len(degree),
-        M=mass,
-        sigma=-0.1,
-        v0=start,
-        ncv=KRYLOV_VECTORS,
-        return_eigenvectors=False,
-    )
-    values = np.sort(found)
+    options = {"sigma": -0.1, "v0": start, "ncv": KRYLOV_VECTORS, "return_eigenvectors": False}
+    values = np.sort(eigsh(stiffness, len(degree), mass, **options))
     exact = degree * (degree + 1)
     return [
         float(np.abs(values[degree == k] / exact[degree == k] - 1).max()) for k in EIGEN_DEGREES
@@ -120,17 +112,11 @@ def _in_space(sizes, loop, linear, radius, energy) -> Table:
             sizes, zip(*series, strict=True), zip(*map(orders, series), strict=True), strict=True
         )
     ]
+    eigenvalue = f"eigenvalue {last * (last + 1)}"
     columns = (
-        "edge length",
-        f"eigenvalue {last * (last + 1)}, Loop",
-        "order",
-        f"eigenvalue {last * (last + 1)}, linear",
-        "order",
-        "radius after a step",
-        "order",
-        "curvature energy",
-        "order",
-    )
+        "edge length", f"{eigenvalue}, Loop", "order", f"{eigenvalue}, linear", "order",
+        "radius after a step", "order", "curvature energy", "order",
+    )  # fmt: skip
     return Table("Errors on the unit sphere", columns, rows)
 
 

@@ -29,14 +29,9 @@ RADII = (0.2, 4.0)
 """Smoothing radii between which the best τ is looked for, in local edge lengths."""
 
 COLUMNS = (
-    "mesh, choice of τ",
-    "τ",
-    "move",
-    "difference",
-    "difference / move",
-    "mean error",
+    "mesh, choice of τ", "τ", "move", "difference", "difference / move", "mean error",
     "worst error",
-)
+)  # fmt: skip
 
 
 def two_schemes(pairs: Sequence[MeshPair]) -> Findings:

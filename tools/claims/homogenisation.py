@@ -15,14 +15,9 @@ from .shapes import graded_hexagon
 from .tables import Cell, Findings, Table
 
 COLUMNS = (
-    "mesh",
-    "smallest angle, 1st percentile",
-    "mean quality",
-    "smallest triangles",
-    "density ratio",
-    "move along the surface",
-    "move along the normals",
-)
+    "mesh", "smallest angle, 1st percentile", "mean quality", "smallest triangles",
+    "density ratio", "move along the surface", "move along the normals",
+)  # fmt: skip
 DISC_RINGS, DISC_RATIO, DISC_TAU = 12, 15.0, 0.01
 DISC_STEPS = (1, 5, 20)
 TIGHT = 1e-6
@@ -41,13 +36,8 @@ def _flat_disc() -> Table:
     smallest = np.argmin(area)
     rows: list[list[Cell]] = []
     for scheme in (UNIFORM, TIMESTEP, TENSOR):
-        settings = scheme.settings(
-            DISC_TAU,
-            max(DISC_STEPS),
-            normalize=False,
-            cg_tolerance=1e-12,
-            quadrature_tolerance=TIGHT,
-        )
+        tight = {"cg_tolerance": 1e-12, "quadrature_tolerance": TIGHT}
+        settings = scheme.settings(DISC_TAU, max(DISC_STEPS), normalize=False, **tight)
         steps = fair(vertices, triangles, settings).steps
         for count in DISC_STEPS:
             positions = steps[count - 1].positions

@@ -17,16 +17,8 @@ from .pairs import MeshPair
 from .tables import Cell, Findings, Table
 
 COLUMNS = (
-    "scheme",
-    "τ",
-    "radius",
-    "coarsest fifth",
-    "2nd",
-    "3rd",
-    "4th",
-    "densest fifth",
-    "worst error",
-)
+    "scheme", "τ", "radius", "coarsest fifth", "2nd", "3rd", "4th", "densest fifth", "worst error",
+)  # fmt: skip
 
 
 def run(pairs: Sequence[MeshPair]) -> Findings:

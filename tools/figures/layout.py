@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,21 +9,18 @@ from pathlib import Path
 import matplotlib
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, ImageDraw, ImageFont
 
 from adaptive_fairing.core import LimitSurface, TriangleTopology
 from render import Look, View, render
-
-matplotlib.use("Agg")
-from matplotlib import pyplot
 
 FOLDER = Path(__file__).resolve().parents[2] / "assets" / "figures"
 
 GAP, HEAD = 10, 42
 """Pixels between panels, and above each for its text."""
 
-DPI = 100
-TITLE_SIZE, TEXT_SIZE = 12, 9
+TITLE_SIZE, TEXT_SIZE = 17, 13
+"""Of the letters, in pixels."""
 
 LEVELS = 72
 """Levels of brightness kept in the file: plenty for clay, and a third of the size."""
@@ -55,12 +51,22 @@ def figure(
     samples: int = 12,
     levels: int | None = None,
 ) -> None:
-    """Render all panels and write them as one PNG.
+    """Render all panels and write them as one PNG; the rest is as in `sheet`."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    _with_levels(sheet(panels, triangles, shots, samples, levels)).save(path, optimize=True)
+
+
+def sheet(
+    panels: Sequence[Sequence[Panel]],
+    triangles: NDArray[np.int32],
+    shots: Sequence[Sequence[Shot]],
+    samples: int = 12,
+    levels: int | None = None,
+) -> Image.Image:
+    """Render all panels into one picture.
 
     Parameters
     ----------
-    path
-        File to write.
     panels
         Rows of panels.
     triangles
@@ -75,55 +81,40 @@ def figure(
     """
     width = sum(max(shot.size[0] for shot in column) for column in shots)
     height = max(sum(shot.size[1] for shot in column) for column in shots)
-    sheet = np.array([max(map(len, panels)) * (width + GAP), len(panels) * (height + HEAD + GAP)])
-    sheet += GAP
-    drawing = pyplot.figure(figsize=sheet / DPI, dpi=DPI)
+    across, down = width + GAP, HEAD + height + GAP
+    size = (max(map(len, panels)) * across + GAP, len(panels) * down + GAP)
+    picture = Image.new("RGB", size, "white")
+    draw = ImageDraw.Draw(picture)
     for i, row in enumerate(panels):
         for k, panel in enumerate(row):
-            left, bottom = GAP + k * (width + GAP), sheet[1] - (i + 1) * (height + HEAD + GAP)
-            axis = drawing.add_axes([*([left, bottom] / sheet), *([width, height] / sheet)])
-            axis.imshow(_rendered(panel, triangles, shots, (height, width), samples, levels))
-            axis.set(xticks=[], yticks=[])
-            axis.spines[:].set_color("#c8c8c8")
-            axis.annotate(
-                panel.title, (0, height + 20), xycoords="axes pixels", fontsize=TITLE_SIZE
-            )
-            axis.annotate(
-                panel.text,
-                (0, height + 5),
-                xycoords="axes pixels",
-                fontsize=TEXT_SIZE,
-                color="#444",
-            )
-    path.parent.mkdir(parents=True, exist_ok=True)
-    drawing.savefig(path, dpi=DPI)
-    pyplot.close(drawing)
-    with Image.open(path) as picture:
-        reduced = _with_levels(picture.convert("RGB"))
-    reduced.save(path, optimize=True)
+            left, top = GAP + k * across, i * down + HEAD
+            draw.text((left, top - 22), panel.title, "black", font(TITLE_SIZE), anchor="ls")
+            draw.text((left, top - 7), panel.text, "#444444", font(TEXT_SIZE), anchor="ls")
+            _render_into(picture, (left, top), panel, triangles, shots, samples, levels)
+            draw.rectangle((left, top, left + width - 1, top + height - 1), outline="#c8c8c8")
+    return picture
 
 
-def _rendered(panel, triangles, shots, size, samples, levels) -> NDArray[np.float64]:
-    """Render the shots of a panel over white."""
-    image = np.ones((*size, 3))
-    left = 0
+def font(size: int) -> ImageFont.FreeTypeFont:
+    """Return a font whose letters are so many pixels high."""
+    return ImageFont.truetype(matplotlib.get_data_path() + "/fonts/ttf/DejaVuSans.ttf", size)
+
+
+def _render_into(picture, place, panel, triangles, shots, samples, levels) -> None:
+    """Render the shots of a panel."""
     positions, is_smooth = panel.positions, levels is not None
     if is_smooth:
         topology = TriangleTopology(triangles, len(positions))
         positions, triangles, _ = LimitSurface(topology, positions).refined(levels)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "shot.png"
-        for column in shots:
-            top = 0
-            for shot in column:
-                look = Look(size=shot.size, samples=samples, smooth=is_smooth)
-                render(path, positions, triangles, shot.view, look)
-                color, alpha = np.split(pyplot.imread(path), [3], axis=2)
-                across, down = shot.size
-                image[top : top + down, left : left + across] = color * alpha + 1 - alpha
-                top += down
-            left += max(shot.size[0] for shot in column)
-    return image
+    left = place[0]
+    for column in shots:
+        top = place[1]
+        for shot in column:
+            look = Look(size=shot.size, samples=samples, smooth=is_smooth)
+            item = render(positions, triangles, shot.view, look)
+            picture.paste(item, (left, top), item)
+            top += shot.size[1]
+        left += max(shot.size[0] for shot in column)
 
 
 def _with_levels(sheet: Image.Image) -> Image.Image:

@@ -5,15 +5,12 @@ Every picture shows a noisy sample mesh and what `denoise` makes of it with its 
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 
-import matplotlib
 import numpy as np
-from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
 from adaptive_fairing.blender.data.color_map import (
     DIVERGING_ANCHORS,
@@ -26,14 +23,13 @@ from claims.pairs import MeshPair, sample_pair
 from render import Look, View, render
 from samples.triangles import vertex_normals
 
+from .layout import font
+
 ROOT = Path(__file__).resolve().parents[2]
-FONT = matplotlib.get_data_path() + "/fonts/ttf/DejaVuSans.ttf"
 LISTING = ROOT / "assets" / "listing"
 README = ROOT / "assets" / "figures" / "denoise.png"
 FULL = (1920, 1080)
 HALF = (960, 1080)
-SAMPLES = 5
-"""Few are enough for clay in even light, because the renderer removes its own noise."""
 
 BACKDROP = (38, 40, 44)
 PAPER = (255, 255, 255)
@@ -64,7 +60,7 @@ class Scene:
     def picture(self, size: tuple[int, int], *, is_noisy: bool) -> Image.Image:
         """Return the mesh before or after, on nothing."""
         positions = self.pair.noisy if is_noisy else denoised(self.name).positions
-        return _rendered(positions, self.pair.triangles, self.view, size)
+        return render(positions, self.pair.triangles, self.view, look(size))
 
 
 def main() -> None:
@@ -82,6 +78,11 @@ def main() -> None:
     }
     for number, scene in previews.items():
         _side_by_side(scene).save(LISTING / f"preview_{number}.png", optimize=True)
+
+
+def look(size: tuple[int, int]) -> Look:
+    """Few samples are enough in even light, because the renderer removes its own noise."""
+    return Look(size=size, samples=5)
 
 
 @cache
@@ -111,7 +112,10 @@ def _removed(scene: Scene) -> Image.Image:
     items = [
         ("Before", scene.picture(size, is_noisy=True)),
         ("After Denoise", scene.picture(size, is_noisy=False)),
-        ("What was removed", _rendered(result.positions, pair.triangles, scene.view, size, colors)),
+        (
+            "What was removed",
+            render(result.positions, pair.triangles, scene.view, look(size), colors),
+        ),
     ]
     for index, (title, item) in enumerate(items):
         sheet.paste(item, (index * size[0], 0), item)
@@ -160,25 +164,12 @@ def _halves(scene: Scene, size: tuple[int, int]) -> Image.Image:
     return sheet
 
 
-def _rendered(
-    positions: NDArray[np.float64],
-    triangles: NDArray[np.int32],
-    view: View,
-    size: tuple[int, int],
-    colors: NDArray[np.float64] | None = None,
-) -> Image.Image:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "picture.png")
-        render(path, positions, triangles, view, Look(size=size, samples=SAMPLES), colors)
-        return Image.open(path).convert("RGBA")
-
-
 def _write(sheet: Image.Image, place: tuple[int, int], text: str, size: int) -> None:
     """Write on a plate, because a mesh may lie behind the text."""
-    draw, font = ImageDraw.Draw(sheet), ImageFont.truetype(FONT, size)
-    left, top, right, bottom = draw.textbbox(place, text, font=font)
+    draw = ImageDraw.Draw(sheet)
+    left, top, right, bottom = draw.textbbox(place, text, font(size))
     draw.rounded_rectangle((left - 16, top - 14, right + 16, bottom + 14), 12, fill=BACKDROP)
-    draw.text(place, text, fill=INK, font=font)
+    draw.text(place, text, INK, font(size))
 
 
 if __name__ == "__main__":

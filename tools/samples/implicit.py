@@ -130,7 +130,7 @@ class Formula:
 
 @dataclass
 class Placed:
-    """A primitive turned by `axes` (columns) and moved to `origin`."""
+    """A primitive turned or mirrored by `axes` (columns) and moved to `origin`."""
 
     primitive: Primitive
     origin: ArrayLike
@@ -147,20 +147,9 @@ class Placed:
         return self.primitive.distance((points - np.asarray(self.origin)) @ self.axes)
 
 
-@dataclass
-class Mirrored:
-    """The mirror image of a primitive in the plane x = 0."""
-
-    primitive: Primitive
-
-    def __post_init__(self) -> None:
-        flip = np.array([-1.0, 1.0, 1.0])
-        self.lower = np.minimum(self.primitive.lower * flip, self.primitive.upper * flip)
-        self.upper = np.maximum(self.primitive.lower * flip, self.primitive.upper * flip)
-
-    def distance(self, points: Array) -> Array:
-        """Return the primitive's field at the mirrored points."""
-        return self.primitive.distance(points * np.array([-1.0, 1.0, 1.0]))
+def mirrored(primitive: Primitive) -> Placed:
+    """Return the mirror image of a primitive in the plane x = 0."""
+    return Placed(primitive, np.zeros(3), np.diag([-1.0, 1.0, 1.0]))
 
 
 @dataclass
@@ -180,12 +169,12 @@ class Solid:
     def add_pair(self, primitive: Primitive, blend: float = 0.0) -> None:
         """Join a primitive and its mirror image in x = 0."""
         self.add(primitive, blend)
-        self.add(Mirrored(primitive), blend)
+        self.add(mirrored(primitive), blend)
 
     def carve_pair(self, primitive: Primitive, blend: float = 0.0) -> None:
         """Cut away a primitive and its mirror image in x = 0."""
         self.carve(primitive, blend)
-        self.carve(Mirrored(primitive), blend)
+        self.carve(mirrored(primitive), blend)
 
     @property
     def lower(self) -> Array:

@@ -10,11 +10,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from .implicit import Array, Primitive, project
+from .triangles import Faces
 
 BLOCK = 8
 """Lattice cells per block; the field is evaluated only in blocks near the surface."""
-
-Faces = NDArray[np.int32]
 
 
 def dense_mesh(solid: Primitive, cell: float) -> tuple[Array, Faces]:

@@ -126,7 +126,7 @@ def normalized(
     high = float(finite.max()) if high is None else float(high)
     if not high > low:
         return np.where(np.isnan(values), np.nan, 0.5)
-    # Halved first: the difference of two huge values of opposite sign must not overflow.
+    # Halved first, because the difference of two huge values of opposite sign would overflow.
     return np.clip((values / 2 - low / 2) / (high / 2 - low / 2), 0.0, 1.0)
 
 

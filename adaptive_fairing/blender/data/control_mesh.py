@@ -45,7 +45,7 @@ def take_control(obj: bpy.types.Object) -> None:
     """Put the control mesh in place of the refined one, which is left as it is."""
     refined, record = obj.data, obj.adaptive_fairing
     groups = read_groups(obj)
-    if is_shared(record.control):  # of a copy of the object
+    if is_shared(record.control):  # a copy of the object has the same one
         record.control = record.control.copy()
     obj.data = control = record.control
     n = len(control.vertices)

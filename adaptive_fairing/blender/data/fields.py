@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...core import FairingSettings, InputError, LimitSurface, mesh_density
 from ...core.mesh.solver_mesh import SolverFrame, solvable_surface
+from ...core.runtime.arrays import FloatArray
 from ...core.surface.refined_net import RefinedNet
 from .attributes import COMPARED_FIELDS
 from .color_map import CURVATURE_FIELDS
@@ -16,8 +17,6 @@ from .control_mesh import LEVELS, control_read, is_refined
 from .mesh_arrays import read_positions, read_triangles
 from .refined_object import control_surface
 from .results import original_positions, shown_positions
-
-FloatArray = NDArray[np.float64]
 
 
 def field_values(
@@ -63,7 +62,7 @@ def field_values(
     if not len(triangles):
         raise InputError("the mesh has no faces: there is no surface to look at")
     if field == "REMOVED":
-        # Of the shown surface: the normals of the one before are as noisy as what was removed.
+        # Normals of the shown surface, because those of the original are as noisy as it is.
         normals = _vertex_normals(shown, triangles)
         removed = np.einsum("id,id->i", original - shown, normals)
         return np.where(normals.any(axis=1), removed, np.nan)
@@ -73,7 +72,7 @@ def field_values(
 
 
 def _curvatures(obj: bpy.types.Object) -> FloatArray:
-    """Compute both curvatures of the limit surface, (2, n); of refined results the control mesh's.
+    """Compute both curvatures of the limit surface, (2, n), which the control mesh defines.
 
     NaN at loose vertices.
     """
@@ -99,7 +98,7 @@ def shown_density(
 
 
 def _vertex_normals(positions: FloatArray, triangles: NDArray[np.int32]) -> FloatArray:
-    """Compute unit normals, (n, 3), weighted by area; 0 without a triangle. A slider waits."""
+    """Compute unit normals, (n, 3), weighted by area; 0 without a triangle. Fast, for a slider."""
     a, b, c = (positions[triangles[:, corner]] for corner in range(3))
     of_triangles = np.cross(b - a, c - a)
     corners = triangles.ravel()

@@ -8,10 +8,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.runtime.arrays import FloatArray, SingleArray
 from ...core.surface.cut_surface import CutSurface, cut_surface
 from ...core.surface.refined_net import RefinedNet
-
-FloatArray = NDArray[np.float64]
 
 LARGEST_KEPT = 2_000_000
 """Triangles of a refined mesh from which on nothing of it is kept: it takes too much memory."""
@@ -20,7 +19,7 @@ LARGEST_KEPT = 2_000_000
 class RefinedShape(NamedTuple):
     """Positions (n, 3) on a net, and normals, see `Refinement.shape`."""
 
-    positions: NDArray[np.float32]
+    positions: SingleArray
     normals: FloatArray | None
 
 

@@ -14,9 +14,9 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
-from numpy.typing import NDArray
 
 from ...core import InputError
+from ...core.runtime.arrays import SingleArray
 from . import modifier, split
 from .attributes import remove_density
 from .mesh_arrays import read_key, read_mesh_coordinates, write_positions
@@ -48,8 +48,6 @@ from .stored_result import (
     write_vectors,
 )
 
-Positions = NDArray[np.float32]
-
 
 def has_result(obj: bpy.types.Object) -> bool:
     """Whether `apply` and `discard` have something to do."""
@@ -64,7 +62,7 @@ def is_stale(obj: bpy.types.Object) -> bool:
     return is_stored and obj.mode != "EDIT" and not is_current(obj)
 
 
-def shown_positions(obj: bpy.types.Object) -> Positions:
+def shown_positions(obj: bpy.types.Object) -> SingleArray:
     """Positions (n, 3) that an object shows, other modifiers aside; not in Edit Mode."""
     if obj.data.shape_keys is not None:
         shown = mixed_keys(obj.data.shape_keys)
@@ -75,7 +73,7 @@ def shown_positions(obj: bpy.types.Object) -> Positions:
     return shown
 
 
-def original_positions(obj: bpy.types.Object) -> Positions | None:
+def original_positions(obj: bpy.types.Object) -> SingleArray | None:
     """Positions (n, 3) before the first run that still counts; None if no result is left."""
     if not has_result(obj):
         return None
@@ -89,8 +87,8 @@ def original_positions(obj: bpy.types.Object) -> Positions | None:
 
 def store_strengths(
     obj: bpy.types.Object,
-    start: Positions,
-    shapes: list[Positions],
+    start: SingleArray,
+    shapes: list[SingleArray],
     strengths: list[float],
     strength: float,
     way: str,
@@ -147,7 +145,7 @@ def store_strengths(
 
 
 def store_steps(
-    obj: bpy.types.Object, start: Positions, shapes: list[Positions], output: str
+    obj: bpy.types.Object, start: SingleArray, shapes: list[SingleArray], output: str
 ) -> None:
     """Store the steps of the paper's methods as shape keys, or move the vertices.
 
@@ -227,7 +225,7 @@ def show_split(obj: bpy.types.Object, normal: Sequence[float], point: Sequence[f
     split.add(obj, original, (original - np.float32(point)) @ np.float32(normal) < 0)
 
 
-def _required_original(obj: bpy.types.Object) -> Positions:
+def _required_original(obj: bpy.types.Object) -> SingleArray:
     """Positions (n, 3) before the first run that still counts; InputError if no result is left."""
     original = original_positions(obj)
     if original is None:

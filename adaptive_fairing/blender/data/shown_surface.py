@@ -149,11 +149,11 @@ def control_written(obj: bpy.types.Object) -> Iterator[str | None]:
         As `show_control` returns.
     """
     record = obj.adaptive_fairing
-    if not is_refined(obj):  # or no longer, because somebody has changed the refined mesh
+    if not is_refined(obj):  # it may have been until somebody changed the refined mesh
         record.surface = CONTROL
     view = record.view
     kept = show_control(obj)
-    record.view = view  # for the body to colour anew
+    record.view = view  # so that the body of the with statement can colour anew
     try:
         yield kept
     finally:
@@ -161,7 +161,7 @@ def control_written(obj: bpy.types.Object) -> Iterator[str | None]:
 
 
 def _print_of(mesh: bpy.types.Mesh) -> str:
-    """Tell a refined mesh from one that was changed; what goes back to the control mesh aside."""
+    """Tell a refined mesh from a changed one. What goes back to the control mesh does not count."""
     crc = 0
     for array in read_attributes(mesh, RENEWED):
         if not array.name.startswith(OWN_PREFIXES):

@@ -18,13 +18,11 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.runtime.arrays import SingleArray
 from . import modifier
 from .attribute_arrays import remove_attributes
 from .mesh_arrays import read_mesh_coordinates, write_positions
-
-FloatArray = NDArray[np.float32]
 
 ORIGINAL = "fairing_original"
 """Vector point attribute: coordinates before the first run."""
@@ -52,16 +50,16 @@ class StoredResult:
         (n, 3) for each strength, from the original.
     """
 
-    original: FloatArray
+    original: SingleArray
     strengths: tuple[float, ...]
-    offsets: tuple[FloatArray, ...]
+    offsets: tuple[SingleArray, ...]
 
-    def offset(self, strength: float) -> FloatArray:
+    def offset(self, strength: float) -> SingleArray:
         """Interpolate between the strengths; beyond the last the offset stays."""
         return interpolated(self.strengths, self.offsets.__getitem__, strength)
 
 
-def interpolated(strengths, offset_at, strength: float) -> FloatArray:
+def interpolated(strengths, offset_at, strength: float) -> SingleArray:
     """Take the offset (n, 3) at a strength; `offset_at` gives those of the two neighbours only."""
     knots = (0.0, *strengths)
     place = float(np.interp(strength, knots, range(len(knots))))
@@ -84,7 +82,7 @@ def write_stored(mesh: bpy.types.Mesh, stored: StoredResult, *, with_original: b
     stored
         What to keep.
     with_original
-        Whether the coordinates of the mesh are about to become others.
+        Whether to keep the coordinates before the first run, too.
     """
     remove_stored(mesh)
     if with_original:
@@ -129,12 +127,12 @@ def is_current(obj: bpy.types.Object) -> bool:
     return checksum(read_mesh_coordinates(mesh)) == record.checksum
 
 
-def checksum(positions: FloatArray) -> str:
+def checksum(positions: SingleArray) -> str:
     """Tell coordinates from any others; text, since properties hold no unsigned numbers."""
     return f"{len(positions)}-{zlib.crc32(np.ascontiguousarray(positions))}"
 
 
-def shown_by(obj: bpy.types.Object) -> FloatArray:
+def shown_by(obj: bpy.types.Object) -> SingleArray:
     """Compute the shape that a stored result shows, (n, 3). It must be current."""
     mesh, record = obj.data, obj.adaptive_fairing
     offset = interpolated(
@@ -160,14 +158,14 @@ def update_shown(obj: bpy.types.Object) -> bool:
     return True
 
 
-def write_shown(obj: bpy.types.Object, positions: FloatArray) -> None:
+def write_shown(obj: bpy.types.Object, positions: SingleArray) -> None:
     """Write coordinates that belong to the stored result."""
     write_positions(obj.data, positions)
     obj.adaptive_fairing.checksum = checksum(read_mesh_coordinates(obj.data))
 
 
 def paint_group(obj: bpy.types.Object) -> bpy.types.VertexGroup:
-    """Give the vertex group `PAINT_GROUP`, made with all of the result seen, and heed it."""
+    """Give the vertex group `PAINT_GROUP` and let it count; a new one shows the whole result."""
     group = obj.vertex_groups.get(PAINT_GROUP)
     if group is None:
         group = obj.vertex_groups.new(name=PAINT_GROUP)
@@ -179,7 +177,7 @@ def paint_group(obj: bpy.types.Object) -> bpy.types.VertexGroup:
     return group
 
 
-def paint_weights(obj: bpy.types.Object) -> FloatArray | None:
+def paint_weights(obj: bpy.types.Object) -> SingleArray | None:
     """Weights of the group `PAINT_GROUP`, (n,), 0 outside of it; None if there is no such group."""
     group = obj.vertex_groups.get(PAINT_GROUP)
     if group is None:
@@ -196,10 +194,10 @@ def forget_weights() -> None:
     _weights.clear()
 
 
-_weights: dict[tuple[int, int], FloatArray] = {}  # of the object that was shown last
+_weights: dict[tuple[int, int], SingleArray] = {}  # of the object that was shown last
 
 
-def group_weights(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> FloatArray:
+def group_weights(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> SingleArray:
     """Weights of a vertex group, (n,), 0 outside of it; Blender has no bulk access to them."""
 
     def weights():
@@ -212,20 +210,20 @@ def group_weights(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> FloatA
     return np.fromiter(weights(), np.float32, len(obj.data.vertices))
 
 
-def _original(obj: bpy.types.Object) -> FloatArray:
+def _original(obj: bpy.types.Object) -> SingleArray:
     if obj.adaptive_fairing.result == "LIVE":
         return read_vectors(obj.data, ORIGINAL)
     return read_mesh_coordinates(obj.data)
 
 
-def read_vectors(mesh: bpy.types.Mesh, name: str) -> FloatArray:
+def read_vectors(mesh: bpy.types.Mesh, name: str) -> SingleArray:
     """Read a vector attribute of the points, (n, 3)."""
     buffer = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     mesh.attributes[name].data.foreach_get("vector", buffer)
     return buffer.reshape(-1, 3)
 
 
-def write_vectors(mesh: bpy.types.Mesh, name: str, vectors: FloatArray) -> None:
+def write_vectors(mesh: bpy.types.Mesh, name: str, vectors: SingleArray) -> None:
     """Write (n, 3) vectors as a new attribute of the points."""
     attribute = mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
     attribute.data.foreach_set("vector", np.ascontiguousarray(vectors, dtype=np.float32).ravel())

@@ -7,9 +7,8 @@ from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float32]
+from ...core.runtime.arrays import SingleArray
 
 
 @dataclass(frozen=True)
@@ -28,11 +27,11 @@ class GroupWeights:
 
     name: str
     is_locked: bool
-    weights: FloatArray
-    is_member: FloatArray
+    weights: SingleArray
+    is_member: SingleArray
 
-    def with_weights(self, refined: Callable[[FloatArray], FloatArray]) -> GroupWeights:
-        """Take the group to another mesh; what has a part of a member is one."""
+    def with_weights(self, refined: Callable[[SingleArray], SingleArray]) -> GroupWeights:
+        """Take the group to another mesh, where every vertex made from a member is a member."""
         return replace(self, weights=refined(self.weights), is_member=refined(self.is_member))
 
 
@@ -53,7 +52,7 @@ def read_groups(obj: bpy.types.Object) -> list[GroupWeights]:
     ]
 
 
-def add_weights(group: bpy.types.VertexGroup, members: Sequence[int], weights: FloatArray) -> None:
+def add_weights(group: bpy.types.VertexGroup, members: Sequence[int], weights: SingleArray) -> None:
     """Put vertices into a group with their weights (k,); Blender takes one weight for many."""
     order = np.argsort(weights, kind="stable")
     members = np.asarray(members)[order]

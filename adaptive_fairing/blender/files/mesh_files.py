@@ -173,10 +173,10 @@ def _import_into_empty_scene(path: Path, *, split: bool, keep_axes: bool) -> Non
     file_format = MESH_FORMATS[suffix_of(path)]
     options = dict(file_format.import_options)
     if split and "use_split_objects" in options:
-        # Whoever names an object of the file wants its objects apart.
+        # An object was named, so the objects of the file must not become one.
         options["use_split_objects"] = True
     if contents.has_faces_before_groups:
-        # Blender 5.0 dies of them.
+        # Blender 5.0 crashes on faces before the first group.
         options["import_vertex_groups"] = False
     if file_format.keeps_axes and keep_axes:
         options |= _AXES_AS_IN_FILE

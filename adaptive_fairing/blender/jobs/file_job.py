@@ -1,4 +1,4 @@
-"""The main job: one file in, its mesh faired, one file out. The command line is a shell of this."""
+"""The main job: one file in, its mesh faired, one file out. The command line calls it."""
 
 from __future__ import annotations
 

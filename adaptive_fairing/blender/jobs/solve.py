@@ -254,7 +254,7 @@ class Solve:
             started = time.perf_counter()
 
     def keep_result_only(self) -> None:
-        """Of a finished solve keep `positions`; let go of everything else that needs memory."""
+        """Keep the `positions` of a finished solve, and free everything else that needs memory."""
         if self.has_result and self.is_over:
             self.kept = self.positions
             self.denoised, self.prepared, self.plan = None, None, None

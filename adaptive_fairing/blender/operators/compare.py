@@ -77,7 +77,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         from ..jobs.store_result import start_positions
 
         settings = solver_settings(self)
-        # Beside `denoise`, which has no τ: the best setting of the adaptive schemes (measured).
+        # `denoise` has no τ to take over: the adaptive schemes are shown at their best setting.
         best = FairingSettings(density="area", tau=0.0107, steps=4)
         beside = best if self.method == AUTO else settings
         if beside.method == "uniform":

@@ -101,7 +101,7 @@ class Progress:
         now, news = time.perf_counter(), self.solve.progress
         if news[:2] != self._phase[:2]:
             self._phase, self._phase_began = news, now
-        # As long as the phases before it, by their parts; in the first nobody knows yet.
+        # A phase is expected to be as slow as those before it. For the first one there is a guess.
         usual = FIRST_PHASE_SECONDS
         if news.done > 0:
             usual = (self._phase_began - self.last_news) * (news.until - news.done) / news.done
@@ -188,7 +188,7 @@ class ModalRun:
         def show(_part: float = 0.0) -> None:
             context.window_manager.progress_update(current.factor)
 
-        # The redo panel has no window to show a bar in: the pointer tells the progress.
+        # A run from the redo panel cannot draw a bar, so the pointer shows the progress.
         context.window_manager.progress_begin(0.0, 1.0)
         try:
             for solve in solves:

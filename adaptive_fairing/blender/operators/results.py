@@ -37,7 +37,7 @@ def result_refusal(context: bpy.types.Context) -> str | None:
         return NO_RESULT
     if obj.library is not None or obj.data.library is not None:
         return "The mesh is linked from another file: it cannot be edited here"
-    # In Edit Mode the attributes cannot be read: the operators find out.
+    # In Edit Mode the attributes cannot be read, so the operators check later.
     if obj.mode == "EDIT" or obj.adaptive_fairing.result == "KEYS" or is_current(obj):
         return None
     return "The mesh was changed since the last run: its stored result does not fit any more"

@@ -95,5 +95,5 @@ def result_text(context: bpy.types.Context, record: bpy.types.PropertyGroup) -> 
     volume = change_text(first.volume, last.volume)
     if volume != "–":
         parts.append(iface_("volume {:s}").format(volume))
-    # A line breaks between the parts only.
+    # Lines break between the parts, not within them.
     return " · ".join(part.replace(" ", "\N{NO-BREAK SPACE}") for part in parts)

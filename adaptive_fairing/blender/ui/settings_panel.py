@@ -134,7 +134,7 @@ def _draw_run(context, layout, settings) -> None:
     if len(objects) > 1:
         text = iface_("{:s} {:d} Objects").format(text, len(objects))
     draw_run_button(row, settings, text=text, icon="MOD_SMOOTH")
-    # Blender turns what it draws next into the progress bar that was under the pointer.
+    # Without this Blender would draw the next line as the progress bar that was under the pointer.
     layout.separator(factor=0.01)
     for hint in hints(objects, settings):
         draw_lines(context, layout, iface_(hint), icon="INFO")
@@ -153,7 +153,7 @@ def _draw_other_reading(context, layout, settings) -> None:
     for clean in reading.others:
         operator = draw_run_button(layout, settings, text=texts[clean])
         operator.clean = clean
-        if clean == "detail":  # what was removed has to come back first
+        if clean == "detail":  # the detail is in the original alone
             operator.from_original = True
 
 

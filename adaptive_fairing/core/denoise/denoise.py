@@ -76,7 +76,7 @@ def denoise(
     >>> plane = np.column_stack([x.ravel(), y.ravel(), height])
     >>> corner = np.arange(870)[np.arange(870) % 30 < 29]
     >>> left = np.column_stack([corner, corner + 1, corner + 30])
-    >>> result = denoise(plane, np.vstack([left, left[:, ::-1] + [1, 30, 1]]))
+    >>> result = denoise(plane, np.vstack([left, left[:, ::-1] + [0, 0, 31]]))
     >>> bool(result.positions[:, 2].std() < height.std())
     True
     """

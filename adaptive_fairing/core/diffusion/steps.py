@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import SolverError
+from ..fem.blocks import Block
 from ..fem.differential_geometry import SurfaceMeasures, energy_ratio
 from ..fem.loop_space import LoopSpace, StepSystem
 from ..linalg.conjugate_gradients import SolveReport, conjugate_gradients
@@ -35,7 +36,18 @@ def fair(
     weights: ArrayLike | None = None,
     prepared: PreparedMesh | None = None,
 ) -> FairingResult:
-    """Run all steps of `fair_steps`, which has the parameters and errors."""
+    """Run all steps of `fair_steps`, which has the parameters and errors.
+
+    Examples
+    --------
+    >>> from adaptive_fairing.core import FairingSettings, fair
+    >>> corners = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]
+    >>> upper = [(0, 2, 4), (2, 1, 4), (1, 3, 4), (3, 0, 4)]
+    >>> lower = [(b, a, 5) for a, b, _ in upper]
+    >>> result = fair(corners, upper + lower, FairingSettings(steps=2))
+    >>> bool(result.steps[1].volume < result.steps[0].volume)  # diffusion shrinks
+    True
+    """
     settings = settings or FairingSettings()
     steps = tuple(fair_steps(vertices, faces, settings, weights=weights, prepared=prepared))
     last = steps[-1]
@@ -158,7 +170,7 @@ def _system(
     settings: FairingSettings,
     weights: FloatArray,
     in_single: bool,
-    in_double: frozenset[int] = frozenset(),
+    in_double: frozenset[Block] = frozenset(),
 ) -> tuple[FloatArray, StepSystem]:
     """Density of the current surface, and the linear system (3.3) of the chosen scheme."""
     density = mesh_density(space.topology, current, settings.density, settings.density_passes)

@@ -70,8 +70,8 @@ def gradient_fluxes(surface: SurfaceBlock, coefficients: RealArray) -> RealArray
     _, c11, c12, c22 = coefficients
     first, second = surface.tangents
     precision = c11.dtype.type
-    fluxes = _workspace.array("fluxes", 3, 2, len(c11), precision=precision)
-    mixed = _workspace.array("mixed", 3, len(c11), precision=precision)
+    fluxes = _workspace.array("fluxes", 3, 2, len(c11), dtype=precision)
+    mixed = _workspace.array("mixed", 3, len(c11), dtype=precision)
     for flux, c1, c2 in ((fluxes[:, 0], c11, c12), (fluxes[:, 1], c12, c22)):
         np.multiply(c1, first, out=flux)
         flux += np.multiply(c2, second, out=mixed)

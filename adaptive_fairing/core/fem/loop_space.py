@@ -22,12 +22,12 @@ from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
 from ..runtime.threads import Workspace, ordered_map
-from .blocks import Chunk
+from .blocks import Block, Chunk
 from .differential_geometry import SurfaceMeasures
 from .forms import Form, ScalarForm, gradient_fluxes
 from .patch_tables import MASS, STIFFNESS, SUM
 from .scatter import ChunkEntries
-from .surface_evaluation import ControlValues, evaluate, integrate_measures
+from .surface_evaluation import evaluate, integrate_measures
 from .table_cache import SpaceTables
 
 _workspace = Workspace()
@@ -45,15 +45,15 @@ class StepSystem(NamedTuple):
     lumped_mass : (n_vertices,)
         Row sums of M.
     measures : SurfaceMeasures
-    in_double : frozenset of int
-        Chunks for which single precision was not enough.
+    in_double : frozenset of Block
+        Those for which single precision was not enough.
     """
 
     matrix: SymmetricMatrix
     load: FloatArray
     lumped_mass: RealArray
     measures: SurfaceMeasures
-    in_double: frozenset[int]
+    in_double: frozenset[Block]
 
 
 class LoopSpace:
@@ -157,7 +157,7 @@ class LoopSpace:
         timestep: ArrayLike | None = None,
         diffusivity: ArrayLike | None = None,
         in_single: bool = False,
-        in_double: frozenset[int] = frozenset(),
+        in_double: frozenset[Block] = frozenset(),
     ) -> StepSystem:
         """Assemble M + L and -L X for one semi-implicit step, and measure the surface meanwhile.
 
@@ -169,8 +169,8 @@ class LoopSpace:
             Either may vary over the surface, not both.
         in_single : bool
             Use single precision as far as it is enough; for positions in [-3, 3]³.
-        in_double : frozenset of int
-            Chunks for which it was not enough a step before: it is not tried again there.
+        in_double : frozenset of Block
+            Those for which it was not enough a step before: it is not tried again there.
 
         Source: (3.3) with (3.4) (`timestep`) or (3.9) (`diffusivity`), less M X(0) on both sides.
         """
@@ -195,19 +195,15 @@ class LoopSpace:
         `in_single` as for `step_system`.
         """
         columns = self._columns(positions, None)
+        precision = np.float32 if in_single else np.float64
 
-        def of_chunk(chunk: Chunk, precision: Precision) -> FloatArray:
-            values = ControlValues.of_chunk(chunk, columns, precision)
-            totals = np.zeros(3)
+        def of_chunk(chunk: Chunk) -> FloatArray:
+            own, totals = columns[:, chunk.low : chunk.high], np.zeros(3)
             for block in chunk.blocks:
-                surface = evaluate(block, values, curved=True)
-                if not values.resolves(surface.metric):
-                    return of_chunk(chunk, np.float64)
-                totals += integrate_measures(block, surface)
+                totals += integrate_measures(block, evaluate(block, own, True, precision))
             return totals
 
-        first_choice = np.float32 if in_single else np.float64
-        totals = ordered_map(lambda chunk: of_chunk(chunk, first_choice), self._chunks)
+        totals = ordered_map(of_chunk, self._chunks)
         return self._as_measures(sum(totals, np.zeros(3)))
 
     def _step_system(
@@ -215,7 +211,7 @@ class LoopSpace:
         form: Form,
         columns: FloatArray,
         precision: Precision,
-        in_double: frozenset[int] = frozenset(),
+        in_double: frozenset[Block] = frozenset(),
     ) -> StepSystem:
         (matrix,), load, measures, in_double = self._assemble(
             form, columns, SUM, precision=precision, in_double=in_double
@@ -230,11 +226,11 @@ class LoopSpace:
         columns: FloatArray,
         *terms: slice,
         precision: Precision = np.float64,
-        in_double: frozenset[int] = frozenset(),
+        in_double: frozenset[Block] = frozenset(),
     ) -> _Assembled:
         """Assemble a matrix for each of the `terms` of a form; MASS, STIFFNESS or SUM.
 
-        Chunks that `precision` does not resolve are integrated in double precision.
+        Blocks that `precision` does not resolve are integrated in double precision.
         """
         # Made here, by all threads, and not by each of them when it needs them.
         all_entries = self._entries
@@ -244,28 +240,29 @@ class LoopSpace:
 
         def contribution(index: int) -> _Contribution:
             chunk, entries = self._chunks[index], all_entries[index]
-            first_choice = np.float64 if index in in_double else precision
-            return _integrate(chunk, entries, columns, form, terms, first_choice)
+            return _integrate(chunk, entries, columns, form, terms, precision, in_double)
 
         contributions = ordered_map(contribution, range(len(self._chunks)))
-        needed_double = set()
+        needed_double: list[Block] = []
         for index, added in enumerate(contributions):
             chunk, entries = self._chunks[index], all_entries[index]
-            if added.entries[0].dtype != precision:
-                needed_double.add(index)
             for upper, own in zip(uppers, added.entries, strict=True):
                 upper[entries.low : entries.high] += own
             if form.measured:
                 load[:, chunk.low : chunk.high] -= added.bending
                 totals += added.totals
+            needed_double += added.in_double
         matrices = [SymmetricMatrix.from_upper(self.pattern, upper) for upper in uppers]
         measures = self._as_measures(totals)
         return _Assembled(matrices, load.T, measures, frozenset(needed_double))
 
     @cached_property
     def _entries(self) -> list[ChunkEntries]:
-        pattern = self.pattern
-        return list(ordered_map(lambda chunk: ChunkEntries(chunk, pattern), self._chunks))
+        # A workspace of its own: its large tables are not needed again.
+        pattern, workspace = self.pattern, Workspace()
+        return list(
+            ordered_map(lambda chunk: ChunkEntries(chunk, pattern, workspace), self._chunks)
+        )
 
     def _columns(self, positions: ArrayLike, field: ArrayLike | None) -> FloatArray:
         """Stack the coordinates and a scalar field as rows, (4, n_vertices)."""
@@ -288,12 +285,12 @@ class LoopSpace:
 
 
 class _Assembled(NamedTuple):
-    """Matrices of several terms of a form, what was integrated meanwhile, chunks in double."""
+    """Matrices of several terms of a form, what was integrated meanwhile, blocks in double."""
 
     matrices: list[SymmetricMatrix]
     load: FloatArray
     measures: SurfaceMeasures
-    in_double: frozenset[int]
+    in_double: frozenset[Block]
 
 
 class _Contribution(NamedTuple):
@@ -302,6 +299,7 @@ class _Contribution(NamedTuple):
     entries: list[RealArray]
     bending: RealArray
     totals: FloatArray
+    in_double: list[Block]
 
 
 def _integrate(
@@ -311,20 +309,23 @@ def _integrate(
     form: Form,
     terms: tuple[slice, ...],
     precision: Precision,
+    in_double: frozenset[Block],
 ) -> _Contribution:
-    values = ControlValues.of_chunk(chunk, columns, precision)
-    local = _workspace.array("local", len(terms), chunk.n_entries, precision=precision)
+    """Integrate over a chunk; store in `precision` what is summed up, whatever blocks need."""
+    own_columns = columns[:, chunk.low : chunk.high]
+    local = _workspace.array("local", len(terms), chunk.n_entries, dtype=precision)
     n_loads = len(chunk.control_points) if form.measured else 0
-    loads = _workspace.array("loads", 3, n_loads, precision=precision)
-    totals = np.zeros(3)
+    loads = _workspace.array("loads", 3, n_loads, dtype=precision)
+    totals, needed_double = np.zeros(3), []
     for block in chunk.blocks:
-        surface = evaluate(block, values, form.curved)
-        if not values.resolves(surface.metric):
-            return _integrate(chunk, entries, columns, form, terms, np.float64)
+        first_choice = np.float64 if block in in_double else precision
+        surface = evaluate(block, own_columns, form.curved, first_choice)
+        if surface.precision is not precision:
+            needed_double.append(block)
         flat_coefficients = form.coefficients(surface)
         coefficients = flat_coefficients.reshape(4, block.n_points, -1)
         for segment in block.segments:
-            tables = segment.tables_in(precision)
+            tables = segment.tables_in(surface.precision)
             for term, entries_of_term in zip(terms, local, strict=True):
                 matrices = segment.of_entries(entries_of_term)
                 tables.local_matrices(coefficients[..., segment.columns], term, matrices)
@@ -334,13 +335,13 @@ def _integrate(
             by_point = fluxes.reshape(3, 2, block.n_points, -1)
             for segment in block.segments:
                 own = segment.of_control(loads[:, block.control])
-                segment.tables_in(precision).flux_sums(by_point[..., segment.columns], out=own)
+                tables = segment.tables_in(surface.precision)
+                tables.flux_sums(by_point[..., segment.columns], out=own)
     local[:, entries.doubled] *= 2
     bending = _summed(chunk, loads) if form.measured else np.zeros((3, 0))
     size = entries.high - entries.low
-    return _Contribution(
-        [scattered(entries.numbers, added, size) for added in local], bending, totals
-    )
+    added = [scattered(entries.numbers, own, size) for own in local]
+    return _Contribution(added, bending, totals, needed_double)
 
 
 def _summed(chunk: Chunk, loads: RealArray) -> RealArray:

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..linalg.symmetric_pattern import Pairs, SymmetricPattern
 from ..runtime.arrays import IndexArray, IntArray
+from ..runtime.threads import Workspace
 from .blocks import Chunk
 
 
@@ -22,10 +23,10 @@ class ChunkEntries:
         Local off-diagonal entries whose two control points are one vertex: they count twice.
     """
 
-    def __init__(self, chunk: Chunk, pattern: SymmetricPattern) -> None:
+    def __init__(self, chunk: Chunk, pattern: SymmetricPattern, workspace: Workspace) -> None:
         self.low, self.high = pattern.row_starts[[chunk.low, chunk.high]].tolist()
         self.numbers = np.empty(chunk.n_entries, dtype=np.int32)
-        places = pattern.places(chunk.low, chunk.high)
+        places = pattern.places(chunk.low, chunk.high, workspace)
         doubled = [np.empty(0, dtype=np.intp)]
         for block in chunk.blocks:
             for group in block.groups:

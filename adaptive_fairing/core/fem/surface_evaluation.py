@@ -9,46 +9,10 @@ import numpy as np
 from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
 from ..runtime.threads import Workspace
-from .blocks import Block, Chunk
+from .blocks import Block
 from .differential_geometry import Metric, mean_curvature, metric_at
 
 _workspace = Workspace()
-
-
-class ControlValues(NamedTuple):
-    """Coordinates and a scalar field of a chunk's vertices.
-
-    Attributes
-    ----------
-    columns : (4, n)
-        From the chunk's lowest vertex on: coordinates minus the origin, and the field.
-    origin : (3,)
-    extent : float
-        Largest side of the box around the vertices.
-    """
-
-    columns: RealArray
-    origin: RealArray
-    extent: float = 0.0
-
-    @classmethod
-    def of_chunk(cls, chunk: Chunk, columns: FloatArray, precision: Precision) -> ControlValues:
-        """Take a chunk's part of the columns (4, n_vertices) of all vertices."""
-        own = columns[:, chunk.low : chunk.high]
-        if precision is np.float64:
-            return cls(own, np.zeros(3))
-        # Subtracting the middle of the chunk before rounding leaves more digits for the shape.
-        low, high = own[:3].min(axis=1), own[:3].max(axis=1)
-        middle = (low + high) / 2
-        shifted = own.astype(precision)
-        np.subtract(own[:3], middle[:, None], out=shifted[:3], casting="same_kind")
-        return cls(shifted, middle.astype(precision), float((high - low).max()))
-
-    def resolves(self, metric: Metric) -> bool:
-        """Whether the precision is enough for a surface with this metric."""
-        if self.columns.dtype == np.float64:
-            return True
-        return SINGLE.serves_metric(metric.g11, metric.g22, metric.area_element, self.extent)
 
 
 class SurfaceBlock(NamedTuple):
@@ -75,38 +39,72 @@ class SurfaceBlock(NamedTuple):
     metric: Metric
     second_derivatives: RealArray | None
 
+    @property
+    def precision(self) -> Precision:
+        """In which all was computed."""
+        return self.field.dtype.type
 
-def evaluate(block: Block, values: ControlValues, curved: bool) -> SurfaceBlock:
+
+def evaluate(
+    block: Block, columns: FloatArray, curved: bool, precision: Precision = np.float64
+) -> SurfaceBlock:
     """Evaluate the surface at the quadrature points of a block.
 
     Parameters
     ----------
     block : Block
-    values : ControlValues
-        Of the block's chunk.
+    columns : (4, n_vertices)
+        Coordinates, and control values of a scalar field, from the chunk's lowest vertex on.
     curved : bool
         Whether second derivatives are wanted.
+    precision : float32 or float64
+        Single precision is tried, and left where it does not resolve the metric.
     """
-    columns, origin, _ = values
-    precision = columns.dtype.type
-    control = _workspace.array("control", 4, len(block.control_points), precision=precision)
+    control = _workspace.array("control", 4, len(block.control_points))
     indices = block.control_points.astype(np.intp)  # once, not for every column
     for column, row in zip(columns, control, strict=True):
         # All indices are in range, and mode "wrap" saves the time of checking them.
         np.take(column, indices, out=row, mode="wrap")
+    origins = np.zeros((3, block.n_triangles))
+    if precision is np.float32:
+        surface = _evaluated(block, *_seen_from_corners(block, control, origins), curved)
+        metric = surface.metric
+        if SINGLE.serves_metric(metric.g11, metric.g22, metric.area_element):
+            return surface
+        origins[:] = 0
+    return _evaluated(block, control, origins, curved)
+
+
+def _seen_from_corners(
+    block: Block, control: FloatArray, origins: FloatArray
+) -> tuple[RealArray, RealArray]:
+    """Round control values (4, n) to single precision as seen from a corner of each triangle.
+
+    Differences in double precision keep all digits of small triangles.  And rounded basis functions
+    do not add up to 1, nor their derivatives to 0: an error that grows with the distance from the
+    origin.  The corners are written to `origins`, (3, n_triangles).
+    """
+    seen = _workspace.array("seen", *control.shape, dtype=np.float32)
+    seen[3] = control[3]
+    for group in block.groups:
+        own = group.of_control(control[:3])
+        origins[:, group.columns] = own[:, 0]
+        np.subtract(own, own[:, :1], out=group.of_control(seen[:3]), casting="same_kind")
+    return seen, origins.astype(np.float32)
+
+
+def _evaluated(block: Block, control: RealArray, origins: RealArray, curved: bool) -> SurfaceBlock:
+    precision = control.dtype.type
     n_derivatives = 6 if curved else 3
     shape = block.n_points, block.n_triangles
-    field = _workspace.array("field", 1, *shape, precision=precision)
-    jets = _workspace.array("jets", 3, n_derivatives, *shape, precision=precision)
+    field = _workspace.array("field", 1, *shape, dtype=precision)
+    jets = _workspace.array("jets", 3, n_derivatives, *shape, dtype=precision)
     rows = jets.reshape(3, -1, block.n_triangles)
-    origins = np.tile(origin[:, None], block.n_triangles)
     for segment in block.segments:
         own, tables = segment.of_control(control), segment.tables_in(precision)
-        if precision is np.float32:
-            _see_from_corners(own[:3], origins[:, segment.columns])
         tables.evaluate(own[:3], n_derivatives, out=rows[..., segment.columns])
         tables.evaluate(own[3:], 1, out=field[..., segment.columns])
-    positions = _workspace.array("positions", 3, *shape, precision=precision)
+    positions = _workspace.array("positions", 3, *shape, dtype=precision)
     np.add(jets[:, 0], origins[:, None], out=positions)
     by_derivative = jets.reshape(3, n_derivatives, -1).swapaxes(0, 1)
     tangents, second_derivatives = by_derivative[1:3], by_derivative[3:] if curved else None
@@ -116,22 +114,11 @@ def evaluate(block: Block, values: ControlValues, curved: bool) -> SurfaceBlock:
     )
 
 
-def _see_from_corners(control: RealArray, origins: RealArray) -> None:
-    """Subtract from control points (3, K, n) the first one of each triangle; add it to (3, n).
-
-    Rounded basis functions do not add up to 1, nor their derivatives to 0: an error that grows with
-    the distance from the origin.
-    """
-    corners = control[:, 0].copy()
-    control -= corners[:, None]
-    origins += corners
-
-
 def integrate_measures(block: Block, surface: SurfaceBlock) -> FloatArray:
     """Curvature energy, area and volume of a block, (3,)."""
     metric = surface.metric
     precision = metric.area_element.dtype.type
-    integrands = _workspace.array("integrands", 3, len(metric.area_element), precision=precision)
+    integrands = _workspace.array("integrands", 3, len(metric.area_element), dtype=precision)
     if surface.second_derivatives is not None:
         np.square(mean_curvature(metric, surface.second_derivatives), out=integrands[0])
         integrands[0] *= metric.area_element

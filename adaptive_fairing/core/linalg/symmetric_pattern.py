@@ -13,8 +13,8 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 
-from ..runtime.arrays import BoolArray, IndexArray, IntArray, RealArray
-from ..runtime.threads import ordered_map
+from ..runtime.arrays import IndexArray, IntArray, RealArray
+from ..runtime.threads import Workspace, ordered_map
 
 Pairs = tuple[IndexArray, IndexArray]
 
@@ -24,6 +24,9 @@ ROWS_PER_CHUNK = 16384
 # Places in a table of entries, four bytes each and as many tables as threads.  Where a pole of high
 # valence needs more, entries are searched for in the pattern, which takes three times as long.
 LARGEST_TABLE = 32_000_000
+
+# Rows whose places are found together: few enough to stay in the cache.
+ROWS_AT_ONCE = 1024
 
 # Below this number of triangles the calls take longer than what they compute.
 FEW_TRIANGLES = 256
@@ -88,10 +91,11 @@ class SymmetricPattern:
                 parts.append(columns[own] + np.int32(rows.start))
         return np.concatenate(parts)
 
-    def places(self, low: int, high: int) -> Places:
+    def places(self, low: int, high: int, workspace: Workspace) -> Places:
         """Prepare to look up entries among the vertices from `low` to `high` - 1.
 
-        Numbers are counted from the first entry of row `low`.
+        Numbers are counted from the first entry of row `low`.  What is returned serves until the
+        thread uses the workspace for other places.
         """
         # In an order of small bandwidth a table with a place for every pair of near vertices is
         # not much larger than the entries.
@@ -100,24 +104,37 @@ class SymmetricPattern:
         last = _last_within_three(near, order)
         # Row r of the table has columns r to last[r], the first of them at base[r] + r.
         ends = np.cumsum(last - np.arange(-1, high - low - 1))
-        sizes = np.diff(self.row_starts[low : high + 1])
-        columns = self.columns(low, high) - np.int32(low)
-        numbers = np.arange(len(columns), dtype=np.int32)
         if ends[-1] > LARGEST_TABLE:
-            rows = np.repeat(np.arange(high - low, dtype=np.int32), sizes)
-            rows, columns, numbers = _chosen(columns < high - low, rows, columns, numbers)
-            return _SearchedPlaces(rows, columns, numbers, high - low)
+            return self._searched_places(low, high)
         base = ends - last - 1
+        table = workspace.array("places", int(ends[-1]), dtype=np.int32)
         # Vertices beyond the range get a number that no row reaches.
-        second = np.take(np.append(order, np.int32(high - low)), columns, mode="clip")
-        row, column = _ascending(np.repeat(order, sizes), second)
-        # A path of three edges may leave the range of vertices: no triangle has both its ends.
-        # All indices are in range, and mode "wrap" saves the time of checking them.
-        is_within = column <= np.take(last, row, mode="wrap")
-        row, column, numbers = _chosen(is_within, row, column, numbers)
-        table = np.empty(ends[-1], dtype=np.int32)
-        table[np.take(base, row, mode="wrap") + column] = numbers
+        in_order = np.append(order, np.int32(high - low))
+        first_entry = self.row_starts[low]
+        for first in range(low, high, ROWS_AT_ONCE):
+            rows = slice(first, min(first + ROWS_AT_ONCE, high))
+            starts = self.row_starts[rows.start : rows.stop + 1]
+            own = np.repeat(order[rows.start - low : rows.stop - low], np.diff(starts))
+            columns = self.columns(rows.start, rows.stop)
+            columns -= np.int32(low)
+            other = np.take(in_order, columns, mode="clip")
+            row, column = np.minimum(own, other), np.maximum(own, other)
+            numbers = np.arange(starts[0] - first_entry, starts[-1] - first_entry, dtype=np.int32)
+            # A path of three edges may leave the range of vertices: no triangle has both its ends.
+            # All indices are in range, and mode "wrap" saves the time of checking them.
+            is_within = column <= np.take(last, row, mode="wrap")
+            if not is_within.all():
+                row, column, numbers = row[is_within], column[is_within], numbers[is_within]
+            table[np.take(base, row, mode="wrap") + column] = numbers
         return _TabledPlaces(table, base, order.astype(np.intp))
+
+    def _searched_places(self, low: int, high: int) -> Places:
+        sizes = np.diff(self.row_starts[low : high + 1])
+        rows = np.repeat(np.arange(high - low, dtype=np.int32), sizes)
+        columns = self.columns(low, high) - np.int32(low)
+        is_within = columns < high - low
+        numbers = np.flatnonzero(is_within).astype(np.int32)
+        return _SearchedPlaces(rows[is_within], columns[is_within], numbers, high - low)
 
 
 def _with_diagonal(adjacency: sparse.csr_array) -> sparse.csr_array:
@@ -231,10 +248,6 @@ def _last_within_three(near: sparse.csr_array, order: IntArray) -> IntArray:
     result = np.empty_like(last)
     result[order] = last
     return result
-
-
-def _chosen(which: BoolArray, *arrays: IntArray) -> tuple[IntArray, ...]:
-    return arrays if which.all() else tuple(array[which] for array in arrays)
 
 
 def _ascending(first: IntArray, second: IntArray) -> tuple[IntArray, IntArray]:

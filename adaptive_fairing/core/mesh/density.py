@@ -124,6 +124,7 @@ def _mean_edge_length(topology: TriangleTopology, points: FloatArray) -> FloatAr
 
 
 def _ring_area(topology: TriangleTopology, points: FloatArray) -> FloatArray:
-    area = np.linalg.norm(triangle_normals(points, topology.triangles), axis=1) / 2
+    normals = triangle_normals(points, topology.triangles)
+    area = np.sqrt(np.einsum("nd,nd->n", normals, normals)) / 2
     around = np.bincount(topology.origins, np.repeat(area, 3), minlength=topology.n_vertices)
     return around.astype(np.float64)  # integer zeros if there is no triangle at all

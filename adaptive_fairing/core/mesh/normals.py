@@ -5,21 +5,30 @@ from __future__ import annotations
 import numpy as np
 
 from ..runtime.arrays import FloatArray, IntArray
+from ..runtime.threads import chunks, for_each
 from .topology import TriangleTopology
+
+TRIANGLES_PER_CHUNK = 16384
 
 
 def triangle_normals(positions: FloatArray, triangles: IntArray) -> FloatArray:
     """Compute the normals of triangles (m, 3), as long as twice their area, (m, 3)."""
-    first, second, third = triangles.T
+    columns = np.ascontiguousarray(positions.T)
+    normals = np.empty((len(triangles), 3))
 
-    def edges(column: FloatArray) -> tuple[FloatArray, FloatArray]:
-        values = np.ascontiguousarray(column)
-        start = values[first]
-        return values[second] - start, values[third] - start
+    def of_chunk(own: slice) -> None:
+        first, second, third = triangles[own].T
 
-    # A coordinate at a time: a third of the time that numpy.cross of all corners takes.
-    (a, u), (b, v), (c, w) = map(edges, positions.T)
-    return np.stack([b * w - c * v, c * u - a * w, a * v - b * u], axis=1)
+        def edges(column: FloatArray) -> tuple[FloatArray, FloatArray]:
+            start = column[first]
+            return column[second] - start, column[third] - start
+
+        # A coordinate at a time: a third of the time that numpy.cross of all corners takes.
+        (a, u), (b, v), (c, w) = map(edges, columns)
+        np.stack([b * w - c * v, c * u - a * w, a * v - b * u], axis=1, out=normals[own])
+
+    for_each(of_chunk, chunks(len(triangles), TRIANGLES_PER_CHUNK))
+    return normals
 
 
 def vertex_normals(topology: TriangleTopology, positions: FloatArray) -> FloatArray:

@@ -9,6 +9,9 @@ from numpy.typing import NDArray
 
 FloatArray: TypeAlias = NDArray[np.float64]
 
+SingleArray: TypeAlias = NDArray[np.float32]
+"""As Blender keeps coordinates and weights."""
+
 RealArray: TypeAlias = NDArray[np.floating[Any]]
 """In single or double precision."""
 

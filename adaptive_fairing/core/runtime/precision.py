@@ -32,9 +32,8 @@ class SinglePrecision:
     thinnest : float
         Least area element over the squared lengths of the tangents.  Rounding makes the metric of
         thinner triangles indefinite.
-    shortest : two floats
-        Least length of tangents: over the extent of a chunk, whose positions are rounded to 1e-7
-        of it; and in the [-3, 3]³ frame, where its sixth power must not underflow.
+    shortest : float
+        Least length of tangents in the [-3, 3]³ frame: its sixth power must not underflow.
     least_mass : float
         Least row sum of M over the diagonal of M + L.  Rows of L add up to 0, but rounding leaves
         1e-7 of the diagonal.
@@ -46,7 +45,7 @@ class SinglePrecision:
     least_tolerance: float = 1e-4
     times: tuple[float, float] = (1e-15, 1e3)
     thinnest: float = 1e-3
-    shortest: tuple[float, float] = (1e-4, 1e-6)
+    shortest: float = 1e-6
     least_mass: float = 1e-3
     least_reduction: float = 1e-4
 
@@ -60,14 +59,11 @@ class SinglePrecision:
         low, high = self.times
         return bool(low < times.max(initial=0) < high)
 
-    def serves_metric(
-        self, g11: RealArray, g22: RealArray, area_element: RealArray, extent: float
-    ) -> bool:
-        """Whether it resolves a metric at points (n,), computed from positions of this extent."""
-        relative, absolute = self.shortest
+    def serves_metric(self, g11: RealArray, g22: RealArray, area_element: RealArray) -> bool:
+        """Whether it resolves a metric at points (n,)."""
         # Not "<": a surface that has shrunk to a point has 0 on both sides.
         is_thick = area_element > self.thinnest * (g11 + g22)
-        return bool(is_thick.all() and g11.min() >= max(relative * extent, absolute) ** 2)
+        return bool(is_thick.all() and g11.min() >= self.shortest**2)
 
     def serves_masses(self, masses: RealArray, diagonal: RealArray) -> bool:
         """Whether M + L, with this diagonal (n,), tells its row sums (n,) from rounding errors."""

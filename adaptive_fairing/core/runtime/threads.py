@@ -23,15 +23,14 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextvars import copy_context
 from functools import lru_cache
 from itertools import pairwise
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .precision import Precision
-
 Item = TypeVar("Item")
 Result = TypeVar("Result")
+Number: TypeAlias = type[np.number[Any]]
 
 MOST_THREADS = 8  # beyond that memory bandwidth is the limit
 
@@ -116,15 +115,15 @@ class Workspace(threading.local):
     """Arrays that every thread uses again and again: fresh memory costs more than filling it."""
 
     def __init__(self) -> None:
-        self._buffers: dict[tuple[str, Precision], NDArray[Any]] = {}
+        self._buffers: dict[tuple[str, Number], NDArray[Any]] = {}
 
-    def array(self, name: str, *shape: int, precision: Precision = np.float64) -> NDArray[Any]:
+    def array(self, name: str, *shape: int, dtype: Number = np.float64) -> NDArray[Any]:
         """Return an array of any content, valid until this thread asks for `name` again."""
         size = math.prod(shape)
         if size > LARGEST_KEPT:
-            return np.empty(shape, precision)
-        key = name, precision
+            return np.empty(shape, dtype)
+        key = name, dtype
         buffer = self._buffers.get(key)
         if buffer is None or len(buffer) < size:
-            buffer = self._buffers[key] = np.empty(size, precision)
+            buffer = self._buffers[key] = np.empty(size, dtype)
         return buffer[:size].reshape(shape)

@@ -194,6 +194,16 @@ class LimitSurface:
     InputError
         Positions of another shape or not finite; a crease is no edge.
 
+    Examples
+    --------
+    >>> from adaptive_fairing.core import LimitSurface, TriangleTopology
+    >>> square = TriangleTopology([(0, 1, 2), (0, 2, 3)], n_vertices=4)
+    >>> places = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
+    >>> surface = LimitSurface(square, places, corners=[0, 1, 2, 3])
+    >>> positions, triangles, normals = surface.refined(1)
+    >>> len(triangles), positions[:4].tolist() == [list(map(float, place)) for place in places]
+    (8, True)
+
     Source: see `masks`.
     """
 

@@ -53,7 +53,8 @@ def inspect(path: Path) -> Contents:
     return _inspect(path, status.st_size, status.st_mtime_ns)
 
 
-@lru_cache(maxsize=1)  # before the import, and after it to count what was left out
+# A file is asked for twice: before its import, and after it to count what was left out.
+@lru_cache(maxsize=1)
 def _inspect(path: Path, size: int, modified_ns: int) -> Contents:
     try:
         return _INSPECTORS[suffix_of(path)](path)

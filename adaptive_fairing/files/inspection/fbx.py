@@ -56,7 +56,7 @@ def inspect_fbx(path: Path) -> Contents:
 
 
 def _check_faces(corners: NDArray[Any], n_vertices: int) -> None:
-    is_last = corners < 0  # of a face: stored as -1 - vertex
+    is_last = corners < 0  # the last corner of a face is stored as -1 - vertex
     vertices = np.where(is_last, ~corners, corners)
     face_of: NDArray[np.intp] = np.cumsum(is_last) - is_last
     refuse_unknown_vertices(np.unique(face_of[vertices >= n_vertices]), n_vertices)

@@ -96,7 +96,7 @@ def _check_accessor(number: int, accessor: Json, views: list[Json]) -> None:
     count, dtype, width = _layout(accessor)
     size = dtype.itemsize * width
     if "bufferView" not in accessor:
-        # All zero, by the letter: what is compressed or sparse has no place of its own.
+        # The standard reads such values as zeros. Compressed or sparse ones are stored elsewhere.
         return
     view = views[_natural(accessor["bufferView"])]
     stride = _natural(view.get("byteStride", 0)) or size

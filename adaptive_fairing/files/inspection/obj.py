@@ -19,8 +19,8 @@ _GROUP = re.compile(rb"^[ \t]*g[ \t]", re.MULTILINE)
 
 _CHUNK = 100_000
 
-# A number that is surely finite in single precision: nearly all are. The others are read one by
-# one, which is slow.
+# Matches numbers that are certainly finite in single precision, as nearly all are. Vertices with
+# other numbers are read one by one, which is slow.
 _PLAIN = rb"[ \t]+[-+]?(?:\d{1,8}(?:\.\d*)?|\.\d+)(?:[eE][-+]?[0-2]?\d)?"
 _UNUSUAL_VERTEX = re.compile(
     rb"^[ \t]*v(?=[ \t])(?!(?:" + _PLAIN + rb"){3}(?:\s|\Z))[ \t]*([^\r\n]*)", re.MULTILINE
@@ -76,7 +76,7 @@ def _check_faces(data: bytes, faces: NDArray[np.int64], vertices: NDArray[np.int
 
 def _with_unknown_vertices(faces: list[bytes], known: NDArray[np.intp]) -> NDArray[np.int64]:
     """Find the faces that name other vertices than the first `known` ones, (m,)."""
-    # Of "12/3/4" the vertex is the first number.
+    # In "12/3/4" the vertex is the first number.
     text = re.sub(rb"/\S*|#[^\n]*", b"", b"\n".join(faces))
     sizes = [len(line.split()) for line in text.split(b"\n")]
     face_of = np.repeat(np.arange(len(faces)), sizes)
@@ -90,7 +90,8 @@ def _with_unknown_vertices(faces: list[bytes], known: NDArray[np.intp]) -> NDArr
 def _numbers(text: bytes) -> NDArray[np.int64]:
     """Read whole numbers, up to the first thing that is none."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # of numpy, at a thing that is none
+        # numpy warns of text that is no number.
+        warnings.simplefilter("ignore", DeprecationWarning)
         try:
             return np.fromstring(text.decode("ascii", "replace"), dtype=np.int64, sep=" ")
         except ValueError:

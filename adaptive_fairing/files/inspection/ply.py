@@ -182,7 +182,7 @@ def _read_binary(data: bytes, place: int, element: Element) -> Rows:
     smallest = sum((each.length_dtype or each.dtype).itemsize for each in element.properties)
     if element.count * smallest > room:
         raise _cut_short(element, room // smallest)
-    # Mostly all lists have the length of the first: then the rows are one array.
+    # Usually all lists are as long as the first ones. Then the rows are one array.
     fixed = _row_dtype(data, place, element.properties)
     if fixed is not None and element.count * fixed.itemsize <= room:
         table = np.frombuffer(data, fixed, element.count, place)
@@ -255,7 +255,7 @@ def _walk_binary(data: bytes, place: int, element: Element) -> Rows:
     columns, lists = {}, {}
     for each in element.properties:
         ends = np.concatenate([[0], np.cumsum(lengths[each.name])]).astype(np.int64)
-        # Bytes of all values: of each row from its place on.
+        # Where the bytes of all values are: those of a row follow its place without gaps.
         width = each.dtype.itemsize
         shift = np.array(places[each.name]) - width * ends[:-1]
         index = np.arange(width * ends[-1]) + np.repeat(shift, width * np.diff(ends))

@@ -8,7 +8,7 @@ from support import meshes
 
 from adaptive_fairing.core import FairingSettings, LoopSpace, TriangleTopology, fair
 from adaptive_fairing.core.diffusion import steps
-from adaptive_fairing.core.fem import loop_space
+from adaptive_fairing.core.fem import surface_evaluation
 from adaptive_fairing.core.linalg.conjugate_gradients import conjugate_gradients
 from adaptive_fairing.core.runtime.precision import SINGLE
 
@@ -66,23 +66,30 @@ def microscopic(vertices):
     return 1e-8 * vertices
 
 
-@pytest.mark.parametrize(
-    ("positions", "timestep"),
-    [(squeezed, 0.002), (with_a_tiny_part, 1e-6)],
-    ids=["thin", "tiny"],
-)
-def test_chunks_that_single_precision_does_not_resolve_are_integrated_in_double(
-    positions, timestep
-):
-    """Their matrix entries are those of double precision, rounded when they are stored."""
-    system = random_system(True, positions, timestep=timestep)
-    expected = random_system(False, positions, timestep=timestep)
-    assert system.matrix.is_single
-    exact = entries(expected)
-    rounding = 4 * np.finfo(np.float32).eps * np.abs(exact).max()
-    np.testing.assert_allclose(entries(system), exact, rtol=0, atol=rounding)
-    np.testing.assert_array_equal(system.load, expected.load)
-    assert system.measures == expected.measures
+def test_blocks_that_single_precision_does_not_resolve_are_integrated_in_double():
+    """What they add is that of double precision, rounded where it is stored."""
+    single, double = (random_system(each, squeezed, timestep=0.002) for each in (True, False))
+    assert single.matrix.is_single
+    assert single.in_double
+    rounding = 4 * np.finfo(np.float32).eps
+    assert largest(entries(single) - entries(double), entries(double)) < rounding
+    assert largest(single.load - double.load, double.load) < rounding
+    assert single.measures == double.measures
+
+
+def test_small_triangles_far_from_the_origin_keep_their_digits():
+    """Rounded coordinates would be off by a hundredth of these triangles."""
+    large, faces = meshes.icosphere(2)
+    vertices = np.concatenate([large, 1e-4 * large + (2.9, 0, 0)])
+    is_tiny = np.arange(len(vertices)) >= len(large)
+    space = LoopSpace(TriangleTopology(np.concatenate([faces, faces + len(large)]), len(vertices)))
+    times = np.where(is_tiny, 1e-10, 1e-2)
+    single, double = (
+        space.step_system(vertices, timestep=times, in_single=each) for each in (True, False)
+    )
+    assert single.matrix.is_single
+    assert not single.in_double
+    assert largest((single.load - double.load)[is_tiny], double.load[is_tiny]) < 5e-6
 
 
 @pytest.mark.parametrize(
@@ -98,11 +105,11 @@ def test_systems_that_single_precision_does_not_hold_are_computed_in_double(posi
     np.testing.assert_array_equal(system.load, expected.load)
 
 
-def test_measures_of_chunks_that_are_not_resolved_are_those_of_double_precision():
+def test_measures_of_blocks_that_are_not_resolved_are_those_of_double_precision():
     vertices, faces = meshes.random_closed(4, meshes.icosphere(2))
     space = LoopSpace(TriangleTopology(faces, len(vertices)))
-    for positions in (squeezed(vertices), with_a_tiny_part(vertices)):
-        assert space.measures(positions, in_single=True) == space.measures(positions)
+    positions = squeezed(vertices)
+    assert space.measures(positions, in_single=True) == space.measures(positions)
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-9])
@@ -190,18 +197,26 @@ def test_single_precision_is_not_tried_again_where_it_did_not_serve(ball, tried)
     assert tried == [True, False, False]
 
 
-def test_chunks_are_not_tried_again_where_it_was_not_enough(ball, monkeypatch):
-    """All are computed twice for the first of two systems, and once for the second."""
-    integrate, tried = loop_space._integrate, []
-
-    def recorded(*arguments):
-        tried.append(arguments[-1])
-        return integrate(*arguments)
-
-    monkeypatch.setattr(loop_space, "_integrate", recorded)
-    fair(squeezed(ball[0]), ball[1], FairingSettings(tau=1e-4, steps=2))
-    assert tried.count(np.float32) > 0
-    assert tried.count(np.float64) == 2 * tried.count(np.float32)
+def test_blocks_are_not_tried_again_where_it_was_not_enough(ball, monkeypatch):
+    tries = []
+    seen = surface_evaluation._seen_from_corners
+    monkeypatch.setattr(
+        surface_evaluation,
+        "_seen_from_corners",
+        lambda block, *control: tries.append(block) or seen(block, *control),
+    )
+    vertices, faces = ball
+    space = LoopSpace(TriangleTopology(faces, len(vertices)))
+    times = np.full(len(vertices), 1e-4)
+    first = space.step_system(squeezed(vertices), timestep=times, in_single=True)
+    assert first.in_double == set(tries)
+    tries.clear()
+    second = space.step_system(
+        squeezed(vertices), timestep=times, in_single=True, in_double=first.in_double
+    )
+    assert not tries
+    assert second.in_double == first.in_double
+    np.testing.assert_array_equal(second.load, first.load)
 
 
 def test_steps_of_a_squeezed_mesh_are_those_of_double_precision(ball, monkeypatch):

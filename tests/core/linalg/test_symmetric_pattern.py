@@ -8,6 +8,7 @@ from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.linalg import symmetric_pattern
 from adaptive_fairing.core.linalg.symmetric_matrix import SymmetricMatrix
 from adaptive_fairing.core.linalg.symmetric_pattern import SymmetricPattern, scattered
+from adaptive_fairing.core.runtime.threads import Workspace
 
 CASES = [
     pytest.param(mesh, id=name)
@@ -83,7 +84,7 @@ def test_places_of_all_pairs_within_triangles(mesh, largest_table, monkeypatch):
     inside = faces[(faces >= low).all(axis=1)].T.astype(np.int32)
     a, b = np.triu_indices(3)
     found = np.empty((6, inside.shape[1]), dtype=np.int32)
-    pattern.places(low, high).numbers(inside - np.int32(low), (a, b), found)
+    pattern.places(low, high, Workspace()).numbers(inside - np.int32(low), (a, b), found)
     expected = numbered(pattern).full().toarray()[inside[a], inside[b]] - 1
     np.testing.assert_array_equal(found + pattern.row_starts[low], expected)
 
@@ -96,7 +97,7 @@ def test_places_of_all_pairs_of_the_pattern(mesh, largest_table, monkeypatch):
     numbers = numbered(pattern).full().tocoo()
     pairs = np.stack([numbers.row, numbers.col]).astype(np.int32)
     found = np.empty((3, pairs.shape[1]), dtype=np.int32)
-    pattern.places(0, pattern.n).numbers(pairs, np.triu_indices(2), found)
+    pattern.places(0, pattern.n, Workspace()).numbers(pairs, np.triu_indices(2), found)
     np.testing.assert_array_equal(found[1] + 1, numbers.data)
     np.testing.assert_array_equal(found[[0, 2]], pattern.row_starts[pairs])
 

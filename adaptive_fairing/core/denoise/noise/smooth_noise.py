@@ -3,7 +3,8 @@
 In differences of second order it hardly shows.  In wider bands, between averages over few and over
 many neighbours, it does, but so does shape.  Four things tell them apart, together:
 
-- Noise is as strong everywhere; a shape bends more here and less there.
+- Noise is as strong everywhere; a shape bends more here and less there.  What is quiet on a noisy
+  shape is noise alone: so evenness, hills and outliers are judged there.
 - Noise has the strengths of white noise that was averaged, band by band; in the next wider band it
   is hardly stronger, while shape goes on growing.
 - Noise is normally distributed: it has no outliers, and as many hills as valleys.
@@ -53,10 +54,13 @@ class SmoothNoise(NamedTuple):
         Weighted sum of the squared logarithms by which the bands differ from those of noise.
     excess : float
         Logarithm of how much stronger than noise the widest band is.
+    quiet_evenness : float
+        How even the bands are within the quieter part of the surface, relative to this noise.
     outliers : float
-        How far out the largest heights are, relative to a normal distribution.
+        How far out the largest heights of the quieter half are, relative to a normal distribution.
     lean : float
-        How much more there is of hills than of valleys or the other way round, 0 to 1.
+        How much more there is of hills than of valleys in that half, or the other way round, 0 to
+        1.
     n_counted : int
         Number of vertices that it was judged from.
     """
@@ -66,6 +70,7 @@ class SmoothNoise(NamedTuple):
     correlation: NoiseCorrelation = WHITE
     misfit: float = np.inf
     excess: float = np.inf
+    quiet_evenness: float = 0.0
     outliers: float = np.inf
     lean: float = 1.0
     n_counted: int = 0
@@ -95,7 +100,8 @@ class SmoothNoise(NamedTuple):
             self.n_counted >= tuned.fewest_to_tell_smooth
             and self.correlation.passes >= FEWEST_PASSES
             and self.level >= tuned.likely_level
-            and self.misfit <= tuned.told_misfit * (self.evenness - tuned.told_evenness)
+            and self.quiet_evenness >= tuned.told_evenness
+            and self.misfit <= tuned.told_misfit
             and self.excess <= tuned.told_excess
             and self.outliers <= tuned.told_outliers
             and self.lean <= tuned.told_lean
@@ -118,18 +124,22 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     quiet, evenness = quiet_part(strength)
     white_quiet, white_evenness = quiet_part(local_strengths(white, frame, is_counted))
     even = float((evenness / white_evenness)[:N_NARROW].min())
-    if even < min(tuned.least_evenness, tuned.told_evenness):
+    if even < tuned.least_evenness:
         return SmoothNoise(even, n_counted=n_counted)
-    deviations, ratios = [], []
+    deviations, ratios, bands = [], [], []
     for passes in PASSES:
         noise = frame.spread(own * frame.spacing, passes) / frame.spacing
         deviations.append(float(np.std(noise[is_counted])))
-        ratios.append(typical_sizes(band_heights(frame.raised(noise), frame)[:, is_counted]))
+        bands.append(band_heights(frame.raised(noise), frame))
+        ratios.append(typical_sizes(bands[-1][:, is_counted]))
     ratios = np.log(quiet / white_quiet * typical_sizes(white[:, is_counted]) / ratios)
     best, level, misfit = _fit(ratios, WEIGHTS)
     if misfit > tuned.least_misfit_of_edges:
         best, level, _ = _fit(ratios, np.where(np.arange(N_NARROW) > 0, WEIGHTS, 0.0))
-    relative = heights[:2, is_counted] / strength[:2]
+    # Shape stands out: where it is quiet there is as much noise, and less of shape.
+    of_noise = local_strengths(bands[best], frame, is_counted)
+    is_quiet = strength[1] <= np.median(strength[1])
+    relative = (heights[:2, is_counted] / strength[:2])[:, is_quiet]
     relative /= np.maximum(typical_sizes(relative), 1e-9)[:, None]
     return SmoothNoise(
         even,
@@ -138,7 +148,8 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
         NoiseCorrelation(seen=deviations[best], deviation=deviations[best], passes=PASSES[best]),
         misfit,
         excess=float(ratios[best, N_NARROW] - level),
-        outliers=float(np.quantile(np.abs(relative[1]), TAIL)) / NORMAL_TAIL,
+        quiet_evenness=float((_quiet_evenness(strength) / _quiet_evenness(of_noise)).min()),
+        outliers=float(np.quantile(np.abs(relative), TAIL, axis=1).max()) / NORMAL_TAIL,
         lean=float(np.abs(np.tanh(NORMAL_MEDIAN * relative).mean(axis=1)).max()),
         n_counted=n_counted,
     )
@@ -160,6 +171,16 @@ def quiet_part(strength: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Strength of the bands in the quietest part of the surface, and that over the median, (k,)."""
     quiet, typical = np.quantile(strength, (parameters().quiet_fraction, 0.5), axis=1)
     return quiet, quiet / typical
+
+
+def _quiet_evenness(strength: FloatArray) -> FloatArray:
+    """Strength of the narrow bands in the quietest part, over that in a part that is less so."""
+    tuned = parameters()
+    least, more = np.quantile(
+        strength[:N_NARROW], (tuned.quiet_fraction, tuned.quieter_fraction), axis=1
+    )
+    evenness: FloatArray = least / more
+    return evenness
 
 
 def typical_sizes(heights: FloatArray) -> FloatArray:

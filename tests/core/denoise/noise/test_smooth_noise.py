@@ -54,6 +54,7 @@ TOLD = SmoothNoise(
     correlation=NoiseCorrelation(seen=0.3, deviation=0.3, passes=4),
     misfit=0.01,
     excess=0.2,
+    quiet_evenness=0.95,
     outliers=1.0,
     lean=0.01,
     n_counted=5000,
@@ -63,7 +64,7 @@ TOLD = SmoothNoise(
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"evenness": 0.5},
+        {"quiet_evenness": 0.8},
         {"level": 0.05},
         {"correlation": NoiseCorrelation(passes=2)},
         {"misfit": 0.1},
@@ -76,6 +77,17 @@ TOLD = SmoothNoise(
 def test_all_conditions_must_hold(wrong):
     assert TOLD.is_noise
     assert not TOLD._replace(**wrong).is_noise
+
+
+@pytest.mark.parametrize("shape", ["bumps", "ridges"])
+def test_shape_on_a_part_does_not_hide_it(shape):
+    """Bumps have outliers, ridges are uneven: told from the part of the surface without them."""
+    waves = heights(seed=5)
+    relief = np.where(waves > 1.2, waves, 0.0) if shape == "bumps" else np.abs(waves)
+    has_relief = VERTICES[:, 0] > np.quantile(VERTICES[:, 0], 0.55)
+    smooth = found(noisy(0.2, 4) + FRAME.raised(0.6 * np.where(has_relief, relief, 0)))
+    assert smooth.is_noise
+    assert smooth.level == pytest.approx(0.2, rel=0.15)
 
 
 def test_white_noise_is_not_smooth():
