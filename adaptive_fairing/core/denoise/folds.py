@@ -1,7 +1,9 @@
 """Folds of a denoised surface, which noise or spikes have left, smoothed out.
 
-A triangle is folded if it faces against those across its edges, taken together by their areas: no
-surface does.  Its vertices go half of their way to the middle of their neighbours, in a few rounds.
+A triangle is folded if it faces against those across its edges, taken together by their areas.
+Noise turns a triangle over where it is strong, or where denoising has moved a vertex far.  There
+the triangle's vertices go half of their way to the middle of their neighbours, in a few rounds.
+Other folds belong to the mesh, as bad cuts of solids leave them: they stay.
 """
 
 from __future__ import annotations
@@ -15,29 +17,37 @@ from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
 
-def unfolded(positions: FloatArray, before: TriangleSurface, may_move: BoolArray) -> FloatArray:
-    """Smooth the folds of positions (n, 3).
+def unfolded(
+    positions: FloatArray, before: TriangleSurface, may_move: BoolArray, noise: FloatArray
+) -> FloatArray:
+    """Smooth the folds of positions (n, 3) that noise has made.
 
     Parameters
     ----------
     positions : (n, 3)
     before : TriangleSurface
-        Before denoising.  Triangles that have not moved since then stay as they are.
+        Before denoising.
     may_move : (n,) bool
         Vertices that may move.
+    noise : (n,)
+        Standard deviation in local edge lengths.
     """
-    topology = before.topology
+    tuned, topology, result = parameters(), before.topology, positions
     triangles = topology.triangles
-    has_moved = (positions != before.positions).any(axis=1)[triangles].any(axis=1)
-    if not has_moved.any():
-        return positions
-    result = positions.copy()
-    for _ in range(parameters().unfolding_rounds):
-        vertices = np.unique(triangles[has_moved & are_folded(topology, result)])
-        vertices = vertices[may_move[vertices]]
-        if not len(vertices):
-            break
-        result[vertices] = (result[vertices] + before.mean[vertices] @ result) / 2
+    folded = are_folded(topology, positions)
+    if folded.any():
+        move = np.linalg.norm(positions - before.positions, axis=1)
+        turns = (noise > tuned.most_noise_in_normals) & (move > 0)
+        turns |= move > tuned.least_move_of_folds * before.spacing
+        of_noise = turns[triangles].any(axis=1)
+        result = positions.copy()
+        for _ in range(tuned.unfolding_rounds):
+            vertices = np.unique(triangles[of_noise & folded])
+            vertices = vertices[may_move[vertices]]
+            if not len(vertices):
+                break
+            result[vertices] = (result[vertices] + before.mean[vertices] @ result) / 2
+            folded = are_folded(topology, result)
     return result
 
 

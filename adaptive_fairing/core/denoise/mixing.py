@@ -120,7 +120,8 @@ def mixed_surfaces(
             sliding.limited(stage.track.mixed(mixture), factor * settings.strength)
             for factor, mixture in zip(STRENGTHS, plan.mixtures, strict=True)
         ]
-    results = [unfolded(each, before, stage.parts.is_counted) for each in results]
+    counted, noise = stage.parts.is_counted, plan.noise
+    results = [unfolded(each, before, counted, noise) for each in results]
     if len(results) < len(STRENGTHS):
         results *= len(STRENGTHS)
     return MixedSurfaces(results, plan, solves.report(), notes, other_readings)

@@ -13,7 +13,7 @@ from tools.samples.crocodile import detail
 from tools.samples.ply import read_ply
 
 from . import implicit, machined, new, parametric, patches, turned
-from .meshing import MeshArrays, speckled, uneven
+from .meshing import MeshArrays, folded, speckled, uneven
 
 ASSETS = Path(__file__).resolve().parents[3] / "assets"
 
@@ -84,6 +84,7 @@ TUNING: Mapping[str, Shape] = {
     ),
     "speck_coral": Shape("organic, specks", lambda: speckled(*implicit.coral())),
     "speck_pawn": Shape("mixed, specks", lambda: speckled(*turned.pawn())),
+    "folded_shelf": Shape("cad, folds", lambda: folded(*machined.shelf())),
 }
 """What the parameters of `denoise` may be tuned on; from the foot on only since it had been
 measured on them without."""

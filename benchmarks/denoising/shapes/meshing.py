@@ -14,6 +14,10 @@ MeshArrays = tuple[FloatArray, Faces]
 SPECKS, SPECK_ROUNDS = 4, 4
 """Specks of tiny triangles in a mesh, and how often each is refined."""
 
+FOLDS, FOLD_REACH = 20, 1.5
+"""Folds in a mesh, and how far their vertices are pushed, over the edge that they are pushed along.
+"""
+
 
 def remeshed(vertices: FloatArray, faces: Faces, edge: float, crease: float = 25.0) -> MeshArrays:
     """Return triangles of nearly one size that keep sharp edges.
@@ -87,6 +91,16 @@ def speckled(vertices: FloatArray, faces: Faces) -> MeshArrays:
                 triangles += [(centre, c, d), (c, a, b), (c, b, d)]
             vertices = np.concatenate([vertices, points])
             faces = np.concatenate([faces[~is_near], np.array(triangles, dtype=faces.dtype)])
+    return vertices, faces
+
+
+def folded(vertices: FloatArray, faces: Faces) -> MeshArrays:
+    """Push some vertices over one of their neighbours, as bad cuts of solids leave them."""
+    generator = np.random.default_rng(6)
+    vertices = vertices.copy()
+    for centre in generator.choice(len(vertices), FOLDS, replace=False):
+        ring = np.setdiff1d(faces[(faces == centre).any(axis=1)], centre)
+        vertices[centre] += FOLD_REACH * (vertices[ring[0]] - vertices[centre])
     return vertices, faces
 
 

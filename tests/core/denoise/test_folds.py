@@ -1,4 +1,4 @@
-"""Folds are smoothed out; what has none, or has not moved, stays."""
+"""Folds of noise are smoothed out; others stay, and what has none."""
 
 import numpy as np
 from support import meshes
@@ -9,8 +9,10 @@ from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 FLAT, FACES = meshes.flat_grid(12, 12)
 TOPOLOGY = TriangleTopology(FACES, len(FLAT))
-LIFTED = TriangleSurface(TOPOLOGY, FLAT + np.array([0, 0, 0.1]))
+LIFTED = TriangleSurface(TOPOLOGY, FLAT + np.array([0, 0, 1.0]))
 INSIDE = ~TOPOLOGY.on_boundary
+NEAR = np.array([0, 0, 0.2])
+WEAK, STRONG = np.full(len(FLAT), 0.1), np.full(len(FLAT), 0.5)
 CORNER = np.flatnonzero(INSIDE)[len(FLAT) // 3]
 
 
@@ -40,17 +42,24 @@ def test_a_right_angle_is_no_fold():
 
 def test_folds_are_smoothed_near_by_alone():
     positions, is_down = pushed()
-    result = unfolded(positions, LIFTED, INSIDE)
-    assert not are_folded(TOPOLOGY, result).any()
-    changed = np.flatnonzero((result != positions).any(axis=1))
-    assert np.isin(changed, FACES[is_down]).all()
+    near = TriangleSurface(TOPOLOGY, positions + NEAR)
+    for before, noise in ((LIFTED, WEAK), (near, STRONG)):
+        result = unfolded(positions, before, INSIDE, noise)
+        assert not are_folded(TOPOLOGY, result).any()
+        changed = np.flatnonzero((result != positions).any(axis=1))
+        assert np.isin(changed, FACES[is_down]).all()
 
 
-def test_what_has_not_moved_or_may_not_stays():
+def test_folds_of_the_mesh_itself_and_what_has_not_or_may_not_move_stay():
     positions, _ = pushed()
-    same = TriangleSurface(TOPOLOGY, positions)
-    for before, may_move in ((same, INSIDE), (LIFTED, np.zeros_like(INSIDE))):
-        result = unfolded(positions, before, may_move)
+    same, near = (TriangleSurface(TOPOLOGY, positions + way) for way in (0 * NEAR, NEAR))
+    nowhere = np.zeros_like(INSIDE)
+    for before, may_move, noise in (
+        (same, INSIDE, STRONG),
+        (near, INSIDE, WEAK),
+        (LIFTED, nowhere, STRONG),
+    ):
+        result = unfolded(positions, before, may_move, noise)
         assert np.array_equal(result, positions)
 
 
