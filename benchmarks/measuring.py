@@ -8,6 +8,7 @@ import re
 import timeit
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import psutil
@@ -17,6 +18,18 @@ from adaptive_fairing.batch.memory_use import peak_bytes
 from adaptive_fairing.core.runtime.threads import n_threads
 
 MEGABYTE = 1e6
+
+
+class Result(NamedTuple):
+    """The best of a program's runs on one mesh: seconds, bytes, and the displacement."""
+
+    one: float
+    four: float | None
+    step: float | None
+    processor: float
+    moved: float
+    peak: float
+    growth: float
 
 
 def best_time(action: Callable[[], object], repeats: int) -> float:

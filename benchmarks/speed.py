@@ -20,14 +20,13 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from typing import NamedTuple
 
 from adaptive_fairing.core.diffusion.smoothing_radius import equivalent_uniform_tau
 from tools.samples.triangles import edge_lengths
 
 from . import cgal_program, meshes
 from .competitors import KEPT, OURS, PROGRAMS
-from .measuring import MEGABYTE, load, log_slope, machine, seconds_text, table
+from .measuring import MEGABYTE, Result, load, log_slope, machine, seconds_text, table
 
 ROOT = Path(__file__).resolve().parents[1]
 
@@ -71,18 +70,6 @@ For the others a step is one iteration of theirs.
 processor: of all threads together, for the four steps (or the one, where four were not tried).
 memory: peak of the whole process, and its growth by the smoothing per triangle.
 moved: root mean square displacement after the last step, in mean edges; CGAL keeps the volume."""
-
-
-class Result(NamedTuple):
-    """The best of a program's runs on one mesh: seconds, bytes, and the displacement."""
-
-    one: float
-    four: float | None
-    step: float | None
-    processor: float
-    moved: float
-    peak: float
-    growth: float
 
 
 def best(runs: list[dict[str, float | None]]) -> Result:

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import matplotlib
 
 matplotlib.use("Agg")
 from matplotlib import pyplot
 
-from .measuring import MEGABYTE
-
-if TYPE_CHECKING:
-    from .speed import Result
+from .measuring import MEGABYTE, Result
 
 MARKERS = "osD^v<>PX*hp"
 

@@ -39,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     pair = sample_pair("head")
     # One box for all frames: the camera stands still while the mesh shrinks.
-    view = View(DIRECTION, box=(pair.noisy.min(axis=0), pair.noisy.max(axis=0)), margin=0.0)
+    view = View(DIRECTION, box=(pair.noisy.min(axis=0), pair.noisy.max(axis=0)), margin=-0.11)
     sides = {name: _evolution(pair, scheme) for name, scheme in SIDES.items()}
     frames = []
     for time in np.arange(STEPS * FRAMES_PER_STEP + 1) / FRAMES_PER_STEP:

@@ -11,7 +11,7 @@ from types import ModuleType
 def _modules() -> tuple[ModuleType, ...]:
     """Import the modules that have something to register; what a class refers to comes first."""
     from . import command, preferences, properties
-    from .data import run_record
+    from .data import record_properties
     from .operators import (
         animate,
         compare,
@@ -42,7 +42,7 @@ def _modules() -> tuple[ModuleType, ...]:
         translations,
         properties,
         preferences,
-        run_record,
+        record_properties,
         mesh_scale,
         viewport,
         following,

@@ -6,13 +6,8 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..data.attributes import COMPARED_FIELDS
-from ..data.run_record import (
-    N_SWATCHES,
-    evolution_keys,
-    is_of_strengths,
-    result_measures,
-    swatch_name,
-)
+from ..data.record_properties import N_SWATCHES, swatch_name
+from ..data.run_record import evolution_keys, is_of_strengths, result_measures
 from ..operators.animate import (
     OBJECT_OT_adaptive_fairing_animate,
     OBJECT_OT_adaptive_fairing_animate_clear,

@@ -26,7 +26,7 @@ from .filter_family import Filter, FlatFamily, NormalFamily
 from .filter_rounds import Round, mesh_family
 from .flat_faces import FlatFaces, flattened
 from .lifted_metric import LiftedMetric, linear_elements, rim_flux
-from .noise.correlation import WHITE, NoiseCorrelation
+from .noise_correlation import WHITE, NoiseCorrelation
 from .normal_filter import (
     TurningLoads,
     smoothed_normals,

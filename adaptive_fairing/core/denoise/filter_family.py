@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..linalg.krylov_filters import Diffusion
 from .lifted_metric import LiftedMetric
-from .noise.correlation import WHITE, NoiseCorrelation
+from .noise_correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing
 
 # What a filter does at creases. Those that see creases keep what stands out of the noise.

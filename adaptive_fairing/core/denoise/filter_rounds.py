@@ -8,7 +8,7 @@ from ..linalg.krylov_filters import Diffusion
 from ..runtime.arrays import FloatArray
 from .filter_family import KEEPS, ROUNDS, SEES, FilterFamily, FlatFamily, NormalFamily
 from .lifted_metric import LiftedMetric
-from .noise.correlation import WHITE, NoiseCorrelation
+from .noise_correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing
 from .parameters import parameters
 

@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..mesh.normals import unit_vectors
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
-from .noise.correlation import WHITE, NoiseCorrelation
+from .noise_correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing, smoothed_normals
 from .parameters import parameters
 from .plane_fits import PlaneFits

@@ -7,12 +7,13 @@ from typing import NamedTuple
 import numpy as np
 
 from ..runtime.arrays import FloatArray
-from .noise.correlation import NoiseCorrelation, noise_correlation
+from .noise.correlation import noise_correlation
 from .noise.face_noise import FaceNoise
 from .noise.level import beyond_clean
 from .noise.line_of_sight import along_sight
 from .noise.repeats import repetition
 from .noise.smooth_noise import SmoothNoise, smooth_noise
+from .noise_correlation import NoiseCorrelation
 from .parameters import parameters
 from .stage import Stage
 

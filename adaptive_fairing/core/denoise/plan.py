@@ -9,7 +9,7 @@ import numpy as np
 from ..runtime.arrays import FloatArray
 from .filter_family import Filter
 from .mixture import Mixture
-from .noise.correlation import WHITE, NoiseCorrelation
+from .noise_correlation import WHITE, NoiseCorrelation
 
 # Strengths that every run computes, as factors of the estimated noise.
 STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)

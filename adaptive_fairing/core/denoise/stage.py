@@ -14,11 +14,11 @@ from .filter_family import Filter
 from .filter_rounds import Round, rounds_for
 from .mesh_parts import MeshParts
 from .mixture import Mixture
-from .noise.correlation import NoiseCorrelation
 from .noise.face_noise import FaceNoise, face_noise
 from .noise.level import beyond_clean
 from .noise.noisy_surface import NoisySurface
 from .noise.spikes import without_spikes
+from .noise_correlation import NoiseCorrelation
 from .parameters import parameters
 from .plan import DenoisePlan
 from .progress import ProgressReport

@@ -7,7 +7,7 @@ import pytest
 from bl_operators.wm import WM_OT_doc_view_manual
 from support.pages import ROOT, anchors
 
-from adaptive_fairing.blender.data.run_record import N_SWATCHES, FairingRecord, swatch_name
+from adaptive_fairing.blender.data.record_properties import N_SWATCHES, FairingRecord, swatch_name
 from adaptive_fairing.blender.preferences import DEFAULTS, FairingPreferences
 from adaptive_fairing.blender.properties import FairingSceneSettings
 from adaptive_fairing.blender.ui import manual

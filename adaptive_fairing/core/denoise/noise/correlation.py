@@ -7,51 +7,15 @@ from shape, and is not sought.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 
-from ...runtime.arrays import BoolArray, FloatArray
+from ...runtime.arrays import BoolArray
+from ..noise_correlation import WHITE, NoiseCorrelation
 from ..parameters import parameters
-from ..triangle_surface import TriangleSurface
 from .noisy_surface import NoisySurface
 
 # Number of coefficients of the neighbours' mean that are tried; the first is 0, for white noise.
 N_TRIED = 8
-
-
-class NoiseCorrelation(NamedTuple):
-    """White noise that was mixed with the mean of the neighbours' noise.
-
-    Attributes
-    ----------
-    coefficient : float
-        c of the neighbours' mean in (1 - c) w + c mean(w), with white noise w; 0 for white noise.
-    seen : float
-        How strong differences of second order are, relative to those of the white noise.
-    deviation : float
-        Standard deviation relative to that of the white noise.
-    passes : int
-        Of averaging half with the neighbours' mean, for noise that is smooth over several edges.
-    """
-
-    coefficient: float = 0.0
-    seen: float = 1.0
-    deviation: float = 1.0
-    passes: int = 0
-
-    def applied(self, values: FloatArray, frame: TriangleSurface) -> FloatArray:
-        """Give white noise (n,), in local edge lengths, this correlation."""
-        if self.passes:
-            return frame.spread(values * frame.spacing, self.passes) / frame.spacing
-        if self.coefficient == 0:
-            return values
-        mean: FloatArray = (frame.mean @ (values * frame.spacing)) / frame.spacing
-        return (1 - self.coefficient) * values + self.coefficient * mean
-
-
-WHITE = NoiseCorrelation()
-"""Noise that neighbours have nothing of in common."""
 
 
 def noise_correlation(surface: NoisySurface, is_counted: BoolArray) -> NoiseCorrelation:

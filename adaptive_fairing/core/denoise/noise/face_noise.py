@@ -15,9 +15,9 @@ from scipy import sparse
 
 from ...runtime.arrays import BoolArray, FloatArray, IntArray
 from ..flat_faces import FlatFaces
+from ..noise_correlation import WHITE, NoiseCorrelation
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
-from .correlation import WHITE, NoiseCorrelation
 from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
 from .smooth_noise import (

@@ -20,9 +20,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
+from ..noise_correlation import WHITE, NoiseCorrelation
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
-from .correlation import WHITE, NoiseCorrelation
 from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
 

@@ -5,8 +5,9 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
-from adaptive_fairing.core.denoise.noise.correlation import NoiseCorrelation, noise_correlation
+from adaptive_fairing.core.denoise.noise.correlation import noise_correlation
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
+from adaptive_fairing.core.denoise.noise_correlation import NoiseCorrelation
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
 from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 

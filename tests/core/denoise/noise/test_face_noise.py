@@ -7,9 +7,9 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoise.flat_faces import NO_FACE, FlatFaces
-from adaptive_fairing.core.denoise.noise.correlation import NoiseCorrelation
 from adaptive_fairing.core.denoise.noise.face_noise import FaceNoise, face_noise
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
+from adaptive_fairing.core.denoise.noise_correlation import NoiseCorrelation
 from adaptive_fairing.core.denoise.normal_filter import triangles_around
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
 from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface

@@ -5,9 +5,9 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
-from adaptive_fairing.core.denoise.noise.correlation import NoiseCorrelation
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.noise.smooth_noise import SmoothNoise, smooth_noise
+from adaptive_fairing.core.denoise.noise_correlation import NoiseCorrelation
 from adaptive_fairing.core.denoise.parameters import parameters
 from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
