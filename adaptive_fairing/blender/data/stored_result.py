@@ -15,14 +15,17 @@ from __future__ import annotations
 
 import zlib
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
-from ...core.runtime.arrays import SingleArray
 from . import modifier
 from .attribute_arrays import remove_attributes
 from .mesh_arrays import read_mesh_coordinates, write_positions
+
+if TYPE_CHECKING:  # enabling the add-on does not load the core
+    from ...core.runtime.arrays import SingleArray
 
 ORIGINAL = "fairing_original"
 """Vector point attribute: coordinates before the first run."""

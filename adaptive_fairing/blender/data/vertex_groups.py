@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
-from ...core.runtime.arrays import SingleArray
+if TYPE_CHECKING:  # enabling the add-on does not load the core
+    from ...core.runtime.arrays import SingleArray
 
 
 @dataclass(frozen=True)
