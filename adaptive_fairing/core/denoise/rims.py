@@ -20,7 +20,6 @@ from scipy.special import binom
 from ..mesh.normals import unit_vectors
 from ..runtime.arrays import FloatArray
 from .noise.level import NORMAL_MEDIAN, beyond_clean
-from .noise.line_of_sight import line_of_sight
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
@@ -54,8 +53,6 @@ class Rims:
         self._spacing = start.spacing[self.vertices]
         self._noise, self._beside = noise, start.mean[self.vertices]
         self._part_judged = self._beside @ (noise > 0).astype(float)
-        # A depth camera's noise is along its rays, and the steps of its rims are none.
-        self._has_own = line_of_sight(topology, start.positions) is None
 
     def moves(self, filtered: FloatArray, normals: FloatArray, strength: float) -> FloatArray:
         """Return how far the rims' vertices go, (r, 3).
@@ -97,8 +94,6 @@ class Rims:
         From fourth differences along each rim, of which medians do not see the corners.
         """
         r = len(self.vertices)
-        if not self._has_own:
-            return np.zeros(r)
         links = sparse.coo_array((np.ones(r), (np.arange(r), self._next)), shape=(r, r))
         n_rims, rim = csgraph.connected_components(links, directed=False)
         bend = self._mean(self._points) - self._points

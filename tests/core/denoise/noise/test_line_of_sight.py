@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from support import meshes
 
-from adaptive_fairing.core import TriangleTopology, denoise
-from adaptive_fairing.core.denoise.noise.line_of_sight import along_sight, line_of_sight
+from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
+from adaptive_fairing.core.denoise.noise.line_of_sight import along_sight, line_of_sight, on_rays
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
@@ -82,3 +82,38 @@ def test_the_level_follows_the_angle_at_which_the_surface_is_seen():
     ratio = result.noise[is_inner] / expected[is_inner]
     assert np.median(ratio) == pytest.approx(1, abs=0.15)
     assert np.std(np.log(ratio)) < 0.2
+
+
+def plane(points):
+    """Depth of a tilted plane."""
+    return 0.5 * points[:, 0] - 0.3 * points[:, 1] + 2
+
+
+def test_points_go_along_their_rays_onto_the_triangles_around():
+    """However far these were moved along the surface, and beyond its rims."""
+    across = GRID[:, :2] + 0.3 * np.random.default_rng(0).uniform(-1, 1, (len(GRID), 2))
+    faired = np.column_stack([across, plane(across)]) @ TURN
+    surface = TriangleSurface(TOPOLOGY, faired)
+    found = on_rays(surface, seen(5 * smooth()), SIGHT) @ TURN.T
+    np.testing.assert_allclose(found, np.column_stack([GRID[:, :2], plane(GRID)]), atol=1e-9)
+
+
+def test_points_near_a_crease_go_onto_the_triangle_that_their_ray_meets():
+    faired = seen(np.abs(GRID[:, 0] - 35))
+    off_grid = (faired @ TURN.T + [0.25, 0, 7]) @ TURN
+    found = on_rays(TriangleSurface(TOPOLOGY, faired), off_grid, SIGHT) @ TURN.T
+    # In every other row a vertex is on the crease.
+    is_exact = ~TOPOLOGY.on_boundary & (GRID[:, 0] % 1 == 0)
+    expected = np.abs(GRID[:, 0] + 0.25 - 35)
+    np.testing.assert_allclose(found[is_exact, 2], expected[is_exact], atol=1e-9)
+
+
+@pytest.mark.parametrize("boundary", ["fixed", "free"])
+def test_what_a_depth_camera_saw_stays_on_its_rays(boundary):
+    noisy = seen(depths() + 0.3 * smooth())
+    result = denoise(noisy, FACES, DenoiseSettings(boundary=boundary))
+    moved = (result.positions - noisy) @ TURN.T
+    assert np.abs(moved[:, :2]).max() < 1e-9 * np.abs(moved[:, 2]).max() * len(GRID)
+    off = (result.positions - seen(depths())) @ SIGHT
+    is_judged = ~TOPOLOGY.on_boundary | (boundary == "free")
+    assert off[is_judged].std() < 0.6 * 0.3
