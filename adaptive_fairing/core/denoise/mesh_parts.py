@@ -11,7 +11,7 @@ from scipy.sparse import csgraph
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
 from .mixture import Mixture
 from .noise.clean_detail import NOISE, CleanDetail
-from .noise.level import beyond_clean, noise_model
+from .noise.level import beyond_clean, noise_model, scan_level
 from .noise.noisy_surface import NoisySurface
 from .noise.roughness import Roughness
 from .noise.spikes import impulsive_certainty
@@ -114,6 +114,8 @@ class MeshParts:
                 continue
             model = noise_model(rough, frame, counted)
             level[counted] = model.level(frame.spacing[counted])
+            if surface.cosines is not None and np.median(level[counted]) > clean:
+                level[counted] = scan_level(rough, frame, counted, surface.cosines)[counted]
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
             may_be_spiky = np.median(level[counted]) > clean and not surface.fading.fades(counted)
             spiky = impulsive_certainty(surface, level, counted) if may_be_spiky else 0.0

@@ -10,7 +10,6 @@ from ..runtime.arrays import FloatArray
 from .noise.correlation import noise_correlation
 from .noise.face_noise import FaceNoise
 from .noise.level import beyond_clean
-from .noise.line_of_sight import along_sight
 from .noise.repeats import repetition
 from .noise.smooth_noise import SmoothNoise, smooth_noise
 from .noise_correlation import NoiseCorrelation
@@ -86,7 +85,7 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     others = ("denoise",) if was_kept and found.roughness.any() else ()
     # White noise that is stronger hides the smooth kind.
     if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:
-        seen = along_sight(stage.noisy)
+        seen = stage.noisy.along_sight()
         on_faces = stage.face_noise(seen)
         anywhere = smooth_noise(seen, counted)
         smooth = next(

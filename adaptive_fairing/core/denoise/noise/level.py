@@ -78,6 +78,32 @@ def noise_model(rough: Roughness, frame: TriangleSurface, is_counted: BoolArray)
     )
 
 
+def scan_level(
+    rough: Roughness, frame: TriangleSurface, is_counted: BoolArray, cosines: FloatArray
+) -> FloatArray:
+    """Estimate the noise of what was seen along a line of sight, in local edge lengths, (n,).
+
+    Edges tell how steeply the surface was seen, but nothing of the noise.  That is as strong
+    everywhere along the normals, as a laser's, whose errors grow where the surface is steep; or,
+    where the likelihood says so clearly, as strong everywhere along the line of sight.
+
+    Parameters
+    ----------
+    rough, frame, is_counted
+        As for `noise_model`; at least one vertex is counted.
+    cosines : (n,)
+        Of the angles between normals and line of sight, more than 0.
+    """
+    tuned, value = parameters(), rough.value[is_counted]
+    of_length = np.sqrt(rough.fineness[is_counted])
+    of_sight = cosines[is_counted] * of_length
+    gain = _unlikelihood(value, of_length) - _unlikelihood(value, of_sight)
+    along_sight = gain > tuned.least_gain_of_sight * tuned.dependent_vertices
+    expected = of_sight if along_sight else of_length
+    size = float(np.median(value / expected)) / NORMAL_MEDIAN
+    return size * (cosines if along_sight else 1) / frame.spacing
+
+
 def _variances(rough: Roughness, bins: list[IndexArray]) -> FloatArray:
     """Variance of the noise in each bin, as its median tells it, (k,)."""
     levels = np.array([np.median(rough.value[members]) for members in bins]) / NORMAL_MEDIAN

@@ -14,7 +14,6 @@ from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import FloatArray, IntArray
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
-from .noisy_surface import NoisySurface
 
 # Cosine of the steepest angle at which a surface is seen: what is seen along itself has no noise
 # along its normals, and every unit of length must be more than 0.
@@ -45,20 +44,6 @@ def line_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatArr
         return None
     direction: FloatArray = axes[:, 2]
     return direction
-
-
-def along_sight(surface: NoisySurface) -> NoisySurface:
-    """Return a surface with the unit of length in which a depth camera's noise is even.
-
-    Its mean is the local edge length.  A surface that no depth camera saw comes back as it is.
-    """
-    direction = line_of_sight(surface.topology, surface.positions)
-    if direction is None:
-        return surface
-    frame = surface.frame
-    unit = np.maximum(np.abs(frame.normals @ direction), LEAST_COSINE)
-    unit *= np.median(frame.spacing) / np.median(unit)
-    return NoisySurface(surface.positions, frame.with_frame(spacing=unit))
 
 
 def on_rays(surface: TriangleSurface, points: FloatArray, direction: FloatArray) -> FloatArray:

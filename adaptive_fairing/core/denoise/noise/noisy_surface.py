@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from functools import cached_property
 
+import numpy as np
+
 from ...runtime.arrays import FloatArray
 from ..triangle_surface import TriangleSurface
+from .line_of_sight import LEAST_COSINE, line_of_sight
 from .line_roughness import LineRoughness
 from .order_decay import Fading
 from .own_numbers import LINE_NOISE, WHITE_NOISE, OwnNumbers
@@ -39,3 +42,22 @@ class NoisySurface:
     def lines(self) -> LineRoughness:
         """Deviations from the smoothest line through each vertex."""
         return LineRoughness(self.positions, self.frame, self.own.noise(LINE_NOISE))
+
+    @cached_property
+    def cosines(self) -> FloatArray | None:
+        """Of the angles at which a scanner or a depth camera saw the surface, (n,), if one did."""
+        direction = line_of_sight(self.topology, self.positions)
+        if direction is None:
+            return None
+        cosines: FloatArray = np.maximum(np.abs(self.frame.normals @ direction), LEAST_COSINE)
+        return cosines
+
+    def along_sight(self) -> NoisySurface:
+        """Return this surface with the unit of length in which a depth camera's noise is even.
+
+        Its median is that of the local edge length.  What no camera saw comes back as it is.
+        """
+        if self.cosines is None:
+            return self
+        unit = self.cosines * (np.median(self.frame.spacing) / np.median(self.cosines))
+        return NoisySurface(self.positions, self.frame.with_frame(spacing=unit))

@@ -5,7 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoise.noise.level import beyond_clean, noise_model
+from adaptive_fairing.core.denoise.noise.level import beyond_clean, noise_model, scan_level
 from adaptive_fairing.core.denoise.noise.roughness import Roughness
 from adaptive_fairing.core.denoise.parameters import PARAMETERS
 from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
@@ -125,3 +125,21 @@ def test_one_amplitude_is_found_at_every_vertex():
     found = estimated(points, faces, vertices)
     assert np.std(np.log(found / true)) < 0.08
     assert np.std(np.log(true)) > 0.3
+
+
+@pytest.mark.parametrize("power", [0, 1], ids=["along the normals", "along the line of sight"])
+def test_the_noise_of_a_scan_follows_the_angle_or_the_amplitude(power):
+    """Of a roof, steep on one side, with the same amplitude along the normals or along z."""
+    grid, faces = meshes.flat_grid(70, 70)
+    roof = grid + np.maximum(1.5 * (grid[:, :1] - 35), 0) * [0, 0, 1]
+    topology = TriangleTopology(faces, len(grid))
+    frame = TriangleSurface(topology, roof)
+    cosines = frame.normals[:, 2]
+    amplitude = 0.2 * cosines**power
+    heights = amplitude / cosines * np.random.default_rng(0).normal(size=len(grid))
+    rough = Roughness.of(roof + heights[:, None] * [0, 0, 1], frame)
+    # The bends at the crease and at the rims are no noise.
+    is_flat = (np.abs(grid[:, 0] - 35) > 3) & ~topology.on_boundary
+    found = scan_level(rough, frame, is_flat, cosines)
+    expected = amplitude / frame.spacing
+    np.testing.assert_allclose(found[is_flat], expected[is_flat], rtol=0.05)

@@ -5,7 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
-from adaptive_fairing.core.denoise.noise.line_of_sight import along_sight, line_of_sight, on_rays
+from adaptive_fairing.core.denoise.noise.line_of_sight import line_of_sight, on_rays
 from adaptive_fairing.core.denoise.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
@@ -60,7 +60,7 @@ def test_depth_noise_is_even_in_its_unit():
     points = seen(depths() + 0.2 * smooth())
     frame = TriangleSurface(TOPOLOGY, seen(depths()))
     surface = NoisySurface(points, frame)
-    in_unit = along_sight(surface)
+    in_unit = surface.along_sight()
     is_steep = GRID[:, 0] > 36
     ratios = []
     for each in (surface, in_unit):
