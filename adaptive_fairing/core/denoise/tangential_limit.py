@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ..mesh.normals import triangle_normals, unit_vectors, vertex_normals
 from ..runtime.arrays import BoolArray, FloatArray
-from .noise.line_of_sight import line_of_sight, on_rays
+from .noise.line_of_sight import lines_of_sight, on_rays
 from .parameters import parameters
 from .rims import Rims
 from .triangle_surface import TriangleSurface
@@ -55,7 +55,7 @@ class Sliding:
         for _ in range(tuned.normal_passes):
             normals = unit_vectors(frame.spread(normals, 1))
         self._normals = normals
-        self._sight = line_of_sight(start.topology, start.positions)
+        self._rays = lines_of_sight(start.topology, start.positions)
         self._rims = Rims(start, noise) if rims_move and start.topology.on_boundary.any() else None
         self._upwards = unit_vectors(normals[self._triangles].sum(axis=1))
         self._before = unit_vectors(start.triangle_normals())
@@ -95,9 +95,9 @@ class Sliding:
             is_near = (along_kept[self._triangles] < tuned.sliding_fraction).any(axis=1)
             judged = np.flatnonzero(self._may_turn & is_near)
         result = np.where(self._is_free[:, None], faired, result)
-        if self._sight is None:
+        if self._rays is None:
             return result
-        return on_rays(TriangleSurface(self._topology, result), self._positions, self._sight)
+        return on_rays(TriangleSurface(self._topology, result), self._positions, self._rays)
 
     def _is_turned(self, positions: FloatArray, faces: NDArray[np.intp]) -> BoolArray:
         """Which of some triangles are turned over."""

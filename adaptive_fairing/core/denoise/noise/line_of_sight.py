@@ -1,15 +1,15 @@
-"""The line of sight of a depth camera, told from the mesh it left.
+"""The lines of sight of a depth camera or a scanner, told from the mesh that it left.
 
 A camera sees its points along rays that are a grid, and a mesh joins neighbours of that grid.  Any
 two triangles side by side are then a parallelogram, as seen by the camera: the sums of the opposite
-corners differ along the line of sight alone.  The errors of the depths lie along that line too, and
-are as large everywhere: along the surface's normals they are less where it is seen at an angle.
+corners differ along the line of sight alone.  The errors of the depths lie along that line too.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
+from ...mesh.normals import unit_vectors
 from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import FloatArray, IntArray
 from ..parameters import parameters
@@ -26,9 +26,15 @@ LEAST_COSINE_OF_MOVES = 0.3
 # A ray may pass a triangle by this part of it: those along its sides meet it as well.
 ROUNDING = 1e-9
 
+# Least distance of a vertex from the camera, over that of the middle of the mesh.
+NEAREST = 0.1
 
-def line_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatArray | None:
-    """Find the direction along which the vertices (n, 3) are a grid, a unit vector (3,), if any."""
+
+def lines_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatArray | None:
+    """Find the unit vectors (n, 3) along which vertices (n, 3) were seen, if they were.
+
+    The lines are parallel or meet in one point, where the camera was.
+    """
     side = np.flatnonzero(topology.twin > np.arange(len(topology.twin)))
     other = topology.twin[side]
     corners = topology.triangles.ravel()
@@ -38,42 +44,51 @@ def line_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatArr
         return points
 
     # Half-edge k of a triangle runs from its corner k to the next.
-    gaps = corner(side, 2) + corner(other, 2) - corner(side, 0) - corner(side, 1)
+    twice_middle = corner(side, 0) + corner(side, 1)
+    gaps = corner(side, 2) + corner(other, 2) - twice_middle
     sizes, axes = np.linalg.eigh(gaps.T @ gaps)
     if sizes[:2].sum() > parameters().most_off_sight * sizes.sum():
         return None
-    direction: FloatArray = axes[:, 2]
-    return direction
+    origin = twice_middle.mean(axis=0) / 2
+    # Seen from p, the camera is along (a, b, 1) + k p: a multiple of the gap at p.
+    gap, place = gaps @ axes, (twice_middle / 2 - origin) @ axes
+    bend = gap[:, 2:] * place[:, :2] - gap[:, :2] * place[:, 2:]
+    rows = [
+        np.column_stack([gap[:, 2] * (axis == each) for each in (0, 1)] + [bend[:, axis]])
+        for axis in (0, 1)
+    ]
+    (a, b, k), *_ = np.linalg.lstsq(np.vstack(rows), gap[:, :2].T.ravel(), rcond=None)
+    places = (positions - origin) @ axes
+    rays = np.array([a, b, 1]) + k * places
+    if rays[:, 2].min() < NEAREST:
+        rays = np.tile([0.0, 0.0, 1.0], (len(positions), 1))
+    return unit_vectors(rays @ axes.T)
 
 
-def on_rays(surface: TriangleSurface, points: FloatArray, direction: FloatArray) -> FloatArray:
-    """Move points (n, 3) along the line of sight onto the triangles around their vertices, (n, 3).
+def on_rays(surface: TriangleSurface, points: FloatArray, rays: FloatArray) -> FloatArray:
+    """Move points (n, 3) along their rays (n, 3) onto the triangles around their vertices, (n, 3).
 
     Where no triangle is met, onto the plane through the vertex.
     """
-    axes = np.linalg.svd(direction[None])[2]
-    # Depth and two places across the line of sight.
-    seen, normals = surface.positions @ axes.T, surface.normals @ axes.T
-    gap = points @ axes.T - seen
+    gap, cosines = points - surface.positions, _dot(surface.normals, rays)
+    steepest = np.copysign(np.maximum(np.abs(cosines), LEAST_COSINE_OF_MOVES), cosines)
+    ways = -_dot(gap, surface.normals) / steepest
     corners = surface.topology.triangles
     vertex, second, third = (np.roll(corners, -step, axis=1).ravel() for step in range(3))
-    to_second, to_third, to_point = (
-        seen[second] - seen[vertex],
-        seen[third] - seen[vertex],
-        gap[vertex],
-    )
-
-    def area(one: FloatArray, other: FloatArray) -> FloatArray:
-        double: FloatArray = one[:, 1] * other[:, 2] - one[:, 2] * other[:, 1]
-        return double
-
-    whole = area(to_second, to_third)
-    whole[whole == 0] = np.nan
-    by_second, by_third = area(to_point, to_third) / whole, area(to_second, to_point) / whole
+    first = surface.positions[vertex]
+    to_second, to_third = surface.positions[second] - first, surface.positions[third] - first
+    to_point, ray = gap[vertex], rays[vertex]
+    normal = np.cross(to_second, to_third)
+    seen = _dot(normal, ray)
+    seen[seen == 0] = np.nan
+    by_second = _dot(np.cross(to_point, to_third), ray) / seen
+    by_third = _dot(np.cross(to_second, to_point), ray) / seen
     is_met = np.minimum(np.minimum(by_second, by_third), 1 - by_second - by_third) > -ROUNDING
-    cosine = np.copysign(np.maximum(np.abs(normals[:, 0]), LEAST_COSINE_OF_MOVES), normals[:, 0])
-    ways = -np.einsum("nd,nd->n", gap, normals) / cosine
-    rises = by_second * to_second[:, 0] + by_third * to_third[:, 0] - to_point[:, 0]
-    ways[vertex[is_met]] = rises[is_met]
-    moved: FloatArray = points + ways[:, None] * axes[0]
+    ways[vertex[is_met]] = (-_dot(to_point, normal) / seen)[is_met]
+    moved: FloatArray = points + ways[:, None] * rays
     return moved
+
+
+def _dot(first: FloatArray, second: FloatArray) -> FloatArray:
+    products: FloatArray = np.einsum("nd,nd->n", first, second)
+    return products

@@ -8,7 +8,7 @@ import numpy as np
 
 from ...runtime.arrays import FloatArray
 from ..triangle_surface import TriangleSurface
-from .line_of_sight import LEAST_COSINE, line_of_sight
+from .line_of_sight import LEAST_COSINE, lines_of_sight
 from .line_roughness import LineRoughness
 from .order_decay import Fading
 from .own_numbers import LINE_NOISE, WHITE_NOISE, OwnNumbers
@@ -46,11 +46,11 @@ class NoisySurface:
     @cached_property
     def cosines(self) -> FloatArray | None:
         """Of the angles at which a scanner or a depth camera saw the surface, (n,), if one did."""
-        direction = line_of_sight(self.topology, self.positions)
-        if direction is None:
+        rays = lines_of_sight(self.topology, self.positions)
+        if rays is None:
             return None
-        cosines: FloatArray = np.maximum(np.abs(self.frame.normals @ direction), LEAST_COSINE)
-        return cosines
+        cosines: FloatArray = np.abs(np.einsum("nd,nd->n", self.frame.normals, rays))
+        return np.maximum(cosines, LEAST_COSINE)
 
     def along_sight(self) -> NoisySurface:
         """Return this surface with the unit of length in which a depth camera's noise is even.
