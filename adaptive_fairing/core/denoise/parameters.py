@@ -322,9 +322,10 @@ class DenoiseParameters:
     fading_deviations: float = 2.0
 
     # noise/line_of_sight
-    # Part of the gaps of parallelograms that is across the line of sight, at most. Depth images
-    # had 1e-15, other meshes 0.43 or more.
-    most_off_sight: float = 0.1
+    # Part of the gaps of parallelograms that is across the lines of sight, at most. Depth images
+    # had 1e-15, those of near cameras (up to 34 degrees off the middle) 0.012, other meshes 0.43 or
+    # more.
+    most_off_sight: float = 0.05
 
     # noise/repeats: exact twins among triangles.
     # A model has a twin for this fraction of its triangles. Meshes with noise of 0.05 and more have

@@ -26,8 +26,8 @@ LEAST_COSINE_OF_MOVES = 0.3
 # A ray may pass a triangle by this part of it: those along its sides meet it as well.
 ROUNDING = 1e-9
 
-# Least distance of a vertex from the camera, over that of the middle of the mesh.
-NEAREST = 0.1
+# Cosine of the widest angle between the axis of a camera and what it sees.
+WIDEST_VIEW = 0.7
 
 
 def lines_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatArray | None:
@@ -35,6 +35,8 @@ def lines_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatAr
 
     The lines are parallel or meet in one point, where the camera was.
     """
+    if topology.is_closed:  # it has a back, which no camera sees
+        return None
     side = np.flatnonzero(topology.twin > np.arange(len(topology.twin)))
     other = topology.twin[side]
     corners = topology.triangles.ravel()
@@ -46,23 +48,17 @@ def lines_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatAr
     # Half-edge k of a triangle runs from its corner k to the next.
     twice_middle = corner(side, 0) + corner(side, 1)
     gaps = corner(side, 2) + corner(other, 2) - twice_middle
-    sizes, axes = np.linalg.eigh(gaps.T @ gaps)
-    if sizes[:2].sum() > parameters().most_off_sight * sizes.sum():
-        return None
-    origin = twice_middle.mean(axis=0) / 2
-    # Seen from p, the camera is along (a, b, 1) + k p: a multiple of the gap at p.
+    axes, origin = np.linalg.eigh(gaps.T @ gaps)[1], twice_middle.mean(axis=0) / 2
+    # From p the camera is seen along (a, b, 1) + k p, which is a multiple of the gap at p.
     gap, place = gaps @ axes, (twice_middle / 2 - origin) @ axes
-    bend = gap[:, 2:] * place[:, :2] - gap[:, :2] * place[:, 2:]
-    rows = [
-        np.column_stack([gap[:, 2] * (axis == each) for each in (0, 1)] + [bend[:, axis]])
-        for axis in (0, 1)
-    ]
-    (a, b, k), *_ = np.linalg.lstsq(np.vstack(rows), gap[:, :2].T.ravel(), rcond=None)
-    places = (positions - origin) @ axes
-    rays = np.array([a, b, 1]) + k * places
-    if rays[:, 2].min() < NEAREST:
-        rays = np.tile([0.0, 0.0, 1.0], (len(positions), 1))
-    return unit_vectors(rays @ axes.T)
+    depth, turned = gap[:, 2], gap[:, 2:] * place[:, :2] - gap[:, :2] * place[:, 2:]
+    none = np.zeros_like(depth)
+    terms = np.hstack([(depth, none, turned[:, 0]), (none, depth, turned[:, 1])])
+    (a, b, k), *_ = np.linalg.lstsq(terms @ terms.T, terms @ gap[:, :2].T.ravel(), rcond=None)
+    rays = unit_vectors([a, b, 1] + k * ((positions - origin) @ axes))
+    along = _dot(gap, unit_vectors([a, b, 1] + k * place))
+    is_seen = np.square(along).sum() > (1 - parameters().most_off_sight) * np.square(gap).sum()
+    return rays @ axes.T if is_seen and rays[:, 2].min() > WIDEST_VIEW else None
 
 
 def on_rays(surface: TriangleSurface, points: FloatArray, rays: FloatArray) -> FloatArray:
