@@ -5,6 +5,9 @@ a rim.  A large part of that is no noise, and small triangles between larger one
 over.  So vertices go only a fraction of their way along the surface, and less where a triangle
 would be turned over.  They go all of their way along the normal.
 
+What a scanner or a depth camera saw was not moved along the surface by noise, but along the rays.
+In the end its vertices go along them onto the surface that is found so.
+
 Where the noise is as large as the edges, the noisy triangles do not tell where the surface is and
 which of its sides is up.  There vertices go where the filters take them.
 """
