@@ -118,7 +118,7 @@ class SymmetricPattern:
             columns = self.columns(rows.start, rows.stop)
             columns -= np.int32(low)
             other = np.take(in_order, columns, mode="clip")
-            row, column = np.minimum(own, other), np.maximum(own, other)
+            row, column = _ascending(own, other)
             numbers = np.arange(starts[0] - first_entry, starts[-1] - first_entry, dtype=np.int32)
             # A path of three edges may leave the range of vertices: no triangle has both its ends.
             # All indices are in range, and mode "wrap" saves the time of checking them.
