@@ -361,7 +361,7 @@ class DenoiseParameters:
     # for none of 89 clean meshes (27 tuning shapes, their depth images, 35 given ones and models)
     # and of 126 with fine detail all over; for 17 of 27 tuning shapes with noise alike over two
     # edges, and 14 of 26 seen by a depth camera. Without the limit on outliers one model and two
-    # meshes with detail had all of them, without that on evenness three with detail.  These counts
+    # meshes with detail had all of them, without that on evenness three with detail. These counts
     # are of an excess up to 0.65; then a held-out clean mesh of craters was found to have 0.60.
     fewest_to_tell_smooth: int = 1500
     # Evenness of the quiet part is that of the quietest `quiet_fraction` over this one.

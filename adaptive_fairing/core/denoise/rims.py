@@ -49,9 +49,7 @@ class Rims:
         self.vertices = topology.boundary_vertices
         place = np.full(topology.n_vertices, -1)
         place[self.vertices] = np.arange(len(self.vertices))
-        # A rim goes on to the first neighbour of its vertices and comes from the last.
-        self._next = place[topology.ring[topology.ring_start[self.vertices]]]
-        self._previous = place[topology.ring[topology.ring_start[self.vertices + 1] - 1]]
+        self._next, self._previous = (place[each] for each in topology.boundary_neighbours)
         self._points = start.positions[self.vertices]
         self._spacing = start.spacing[self.vertices]
         self._noise, self._beside = noise, start.mean[self.vertices]

@@ -1,6 +1,6 @@
 """What is integrated together.
 
-    chunk     neighbouring triangles, up to 32,768: the work of one thread, scattered together
+    chunk     neighbouring triangles, up to 49,152: the work of one thread, scattered together
     block     triangles of a chunk with equally many quadrature points: the work of one numpy call
     group     triangles of a block with equally many control points
     segment   triangles of a group, or of a chunk, that one `PatchTables` serves
@@ -29,7 +29,7 @@ Value = TypeVar("Value", np.float32, np.float64, np.int32)
 
 # Large enough to hide the cost of a numpy call, and of threads taking turns at the interpreter;
 # small enough for the cache.  In single precision half as many points take 3 % longer.
-POINTS_PER_BLOCK = 49152
+POINTS_PER_BLOCK = 98304
 
 
 class Group(NamedTuple):

@@ -65,27 +65,24 @@ def evaluate(
     for column, row in zip(columns, control, strict=True):
         # All indices are in range, and mode "wrap" saves the time of checking them.
         np.take(column, indices, out=row, mode="wrap")
-    origins = np.zeros((3, block.n_triangles))
     if precision is np.float32:
-        surface = _evaluated(block, *_seen_from_corners(block, control, origins), curved)
+        surface = _evaluated(block, *_seen_from_corners(block, control), curved)
         metric = surface.metric
         if SINGLE.serves_metric(metric.g11, metric.g22, metric.area_element):
             return surface
-        origins[:] = 0
-    return _evaluated(block, control, origins, curved)
+    return _evaluated(block, control, np.zeros((3, block.n_triangles)), curved)
 
 
-def _seen_from_corners(
-    block: Block, control: FloatArray, origins: FloatArray
-) -> tuple[RealArray, RealArray]:
+def _seen_from_corners(block: Block, control: FloatArray) -> tuple[RealArray, RealArray]:
     """Round control values (4, n) to single precision as seen from a corner of each triangle.
 
     Differences in double precision keep all digits of small triangles.  And rounded basis functions
     do not add up to 1, nor their derivatives to 0: an error that grows with the distance from the
-    origin.  The corners are written to `origins`, (3, n_triangles).
+    origin.  Also returns the corners, (3, n_triangles).
     """
     seen = _workspace.array("seen", *control.shape, dtype=np.float32)
     seen[3] = control[3]
+    origins = np.empty((3, block.n_triangles))
     for group in block.groups:
         own = group.of_control(control[:3])
         origins[:, group.columns] = own[:, 0]

@@ -21,8 +21,9 @@ Pairs = tuple[IndexArray, IndexArray]
 # Rows of a chunk: its entries should stay in the cache while several columns are multiplied.
 ROWS_PER_CHUNK = 16384
 
-# Places in a table of entries, four bytes each and as many tables as threads.  Where a pole of high
-# valence needs more, entries are searched for in the pattern, which takes three times as long.
+# Places in a table of entries, mostly of a byte each, and as many tables as threads.  Where a pole
+# of high valence needs more, entries are searched for in the pattern, which takes three times as
+# long.
 LARGEST_TABLE = 32_000_000
 
 # Rows whose places are found together: few enough to stay in the cache.
@@ -107,26 +108,29 @@ class SymmetricPattern:
         if ends[-1] > LARGEST_TABLE:
             return self._searched_places(low, high)
         base = ends - last - 1
-        table = workspace.array("places", int(ends[-1]), dtype=np.int32)
+        # Of an entry only the place in its row is kept, which fits into a byte: a small table.
+        row_sizes = np.diff(self.row_starts[low : high + 1])
+        narrow = np.min_scalar_type(row_sizes.max()).type
+        table = workspace.array("places", int(ends[-1]), dtype=narrow)
         # Vertices beyond the range get a number that no row reaches.
         in_order = np.append(order, np.int32(high - low))
-        first_entry = self.row_starts[low]
         for first in range(low, high, ROWS_AT_ONCE):
             rows = slice(first, min(first + ROWS_AT_ONCE, high))
-            starts = self.row_starts[rows.start : rows.stop + 1]
-            own = np.repeat(order[rows.start - low : rows.stop - low], np.diff(starts))
+            sizes = row_sizes[rows.start - low : rows.stop - low]
+            own = np.repeat(order[rows.start - low : rows.stop - low], sizes)
             columns = self.columns(rows.start, rows.stop)
             columns -= np.int32(low)
             other = np.take(in_order, columns, mode="clip")
-            row, column = np.minimum(own, other), np.maximum(own, other)
-            numbers = np.arange(starts[0] - first_entry, starts[-1] - first_entry, dtype=np.int32)
+            row, column = _ascending(own, other)
+            place_in_row = np.arange(len(row)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
             # A path of three edges may leave the range of vertices: no triangle has both its ends.
             # All indices are in range, and mode "wrap" saves the time of checking them.
             is_within = column <= np.take(last, row, mode="wrap")
             if not is_within.all():
-                row, column, numbers = row[is_within], column[is_within], numbers[is_within]
-            table[np.take(base, row, mode="wrap") + column] = numbers
-        return _TabledPlaces(table, base, order.astype(np.intp))
+                row, column, place_in_row = (x[is_within] for x in (row, column, place_in_row))
+            table[np.take(base, row, mode="wrap") + column] = place_in_row
+        row_starts = self.row_starts[low:high] - self.row_starts[low]
+        return _TabledPlaces(table, base, order.astype(np.intp), row_starts)
 
     def _searched_places(self, low: int, high: int) -> Places:
         sizes = np.diff(self.row_starts[low : high + 1])
@@ -194,26 +198,36 @@ class Places(Protocol):
 
 
 class _TabledPlaces:
-    """The number of each upper entry, at base[row] + column of a table; base never decreases."""
+    """The place of each upper entry in its row, at base[r] + c of a table; base never decreases.
 
-    def __init__(self, table: IntArray, base: IndexArray, order: IndexArray) -> None:
+    r ≤ c are the numbers of the entry's vertices in the order of the table.
+    """
+
+    def __init__(
+        self, table: IntArray, base: IndexArray, order: IndexArray, row_starts: IntArray
+    ) -> None:
         self._table, self._base, self._order = table, base, order
+        self._row_starts = row_starts
 
     def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:
         order = np.take(self._order, vertices, mode="wrap")
         base = np.take(self._base, order, mode="wrap")
+        starts = np.take(self._row_starts, vertices, mode="wrap")
         a, b = pairs
         if vertices.shape[1] < FEW_TRIANGLES:
             place = np.maximum(np.take(order, a, axis=0), np.take(order, b, axis=0))
             place += np.minimum(np.take(base, a, axis=0), np.take(base, b, axis=0))
-            np.take(self._table, place, out=out, mode="wrap")
+            # An entry is in the row of the lower one of its vertices, which starts first.
+            np.minimum(np.take(starts, a, axis=0), np.take(starts, b, axis=0), out=out)
+            out += np.take(self._table, place, mode="wrap")
             return
         # The same row by row, without copies.
         done = 0
         for k in range(len(vertices)):
             place = np.maximum(order[k], order[k:])
             place += np.minimum(base[k], base[k:])
-            np.take(self._table, place, out=out[done : done + len(place)], mode="wrap")
+            own = np.minimum(starts[k], starts[k:], out=out[done : done + len(place)])
+            own += np.take(self._table, place, mode="wrap")
             done += len(place)
 
 

@@ -15,13 +15,13 @@ import numpy as np
 
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import IndexArray, IntArray, LongArray
-from ..runtime.threads import ordered_map
+from ..runtime.threads import chunks, ordered_map
 from .patch_class import TETRAHEDRON, Corner, PatchClass, count_control_points, is_regular_patch
 from .quadrature import QuadratureChoice, quadrature_choice
 
 # Threads that change places at every small array wait for the interpreter more than they compute:
 # chunks are large, but for meshes that would then have too few for all threads.
-LARGEST_CHUNK, SMALLEST_CHUNK, USUAL_CHUNKS = 32768, 8192, 4
+LARGEST_CHUNK, SMALLEST_CHUNK, USUAL_CHUNKS = 49152, 5000, 4
 
 # Up to so many times their number, values are sorted by marking them in a table.
 SMALL_VALUES = 4
@@ -79,8 +79,7 @@ class PatchSet:
     @cached_property
     def chunks(self) -> list[list[Segment]]:
         """Every triangle occurs in exactly one segment."""
-        n_triangles = self.topology.n_triangles
-        return list(ordered_map(self._segments, range(0, n_triangles, chunk_size(n_triangles))))
+        return list(ordered_map(self._segments, triangle_chunks(self.topology.n_triangles)))
 
     @property
     def segments(self) -> Iterator[Segment]:
@@ -95,12 +94,12 @@ class PatchSet:
         regular_part = float(self.class_sizes[is_regular].sum() / n_triangles)
         return quadrature_choice(tolerance, n_triangles, regular_part)
 
-    def _segments(self, first: int) -> list[Segment]:
-        """Sort the triangles of the chunk that begins with `first` by class."""
-        class_of = self.class_of[first : first + chunk_size(self.topology.n_triangles)]
+    def _segments(self, chunk: slice) -> list[Segment]:
+        """Sort the triangles of a chunk by class."""
+        class_of = self.class_of[chunk]
         order = np.argsort(class_of, kind="stable")
         bounds = np.flatnonzero(np.diff(class_of[order], prepend=-1, append=-1))
-        triangles = first + order
+        triangles = chunk.start + order
         flat, starts = self._control_points(triangles, bounds)
         segments = []
         for k, (low, high) in enumerate(pairwise(bounds.tolist())):
@@ -162,9 +161,10 @@ class PatchSet:
             flat[place[members]] = topology.ring[start + (topology.ring_position[edges] + 2) % 3]
 
 
-def chunk_size(n_triangles: int) -> int:
-    """How many triangles a chunk of a mesh has; the same on every machine, as results are."""
-    return min(max(-(-n_triangles // USUAL_CHUNKS), SMALLEST_CHUNK), LARGEST_CHUNK)
+def triangle_chunks(n_triangles: int) -> list[slice]:
+    """Cut a mesh into chunks; the same on every machine, as results are."""
+    size = min(max(-(-n_triangles // USUAL_CHUNKS), SMALLEST_CHUNK), LARGEST_CHUNK)
+    return chunks(n_triangles, size)
 
 
 def corner_codes(topology: TriangleTopology) -> tuple[LongArray, dict[int, Corner]]:

@@ -81,12 +81,11 @@ def smoothed(topology: TriangleTopology, values: FloatArray, passes: int) -> Flo
     keep = 1 - topology.ring_size * weight
     adjacency = topology.adjacency(np.float64)
     border = topology.boundary_vertices
-    before = topology.ring[topology.ring_start[border]]
-    after = topology.ring[topology.ring_start[border + 1] - 1]
+    following, preceding = topology.boundary_neighbours
     for _ in range(passes):
-        following = keep * values + weight * (adjacency @ values)
-        following[border] = 2 / 3 * values[border] + (values[before] + values[after]) / 6
-        values = following
+        limits = keep * values + weight * (adjacency @ values)
+        limits[border] = 2 / 3 * values[border] + (values[following] + values[preceding]) / 6
+        values = limits
     return values
 
 

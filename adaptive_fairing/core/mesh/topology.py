@@ -93,6 +93,15 @@ class TriangleTopology:
         """Indices of the vertices on a boundary, ascending."""
         return np.flatnonzero(self.on_boundary)
 
+    @property
+    def boundary_neighbours(self) -> tuple[IntArray, IntArray]:
+        """Where the boundary goes to, and comes from, at each of `boundary_vertices`, (r,) each.
+
+        In the direction of its half-edges.
+        """
+        border = self.boundary_vertices
+        return self.ring[self.ring_start[border]], self.ring[self.ring_start[border + 1] - 1]
+
     def adjacency(self, dtype: DTypeLike = np.int8) -> sparse.csr_array:
         """Vertex adjacency, (n_vertices, n_vertices): ones, in rows that are not sorted."""
         data = np.ones(len(self.ring), dtype=dtype)

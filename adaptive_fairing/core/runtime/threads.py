@@ -34,8 +34,8 @@ Number: TypeAlias = type[np.number[Any]]
 
 MOST_THREADS = 8  # beyond that memory bandwidth is the limit
 
-# Numbers of an array that a workspace keeps (64 MB): larger ones would be missing elsewhere.
-LARGEST_KEPT = 8_000_000
+# Bytes of an array that a workspace keeps: larger ones would be missing elsewhere.
+LARGEST_KEPT = 64_000_000
 
 
 def limit_threads(limit: int) -> None:
@@ -120,7 +120,7 @@ class Workspace(threading.local):
     def array(self, name: str, *shape: int, dtype: Number = np.float64) -> NDArray[Any]:
         """Return an array of any content, valid until this thread asks for `name` again."""
         size = math.prod(shape)
-        if size > LARGEST_KEPT:
+        if size * np.dtype(dtype).itemsize > LARGEST_KEPT:
             return np.empty(shape, dtype)
         key = name, dtype
         buffer = self._buffers.get(key)

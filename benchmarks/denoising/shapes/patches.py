@@ -14,7 +14,7 @@ from .parametric import triangulated
 
 
 def square() -> MeshArrays:
-    """Return a flat square."""
+    """Make a flat square."""
     place, faces = patch([polygon([(-1, -1), (1, -1), (1, 1), (-1, 1)], 0.045)], 0.045)
     return np.column_stack([place, np.zeros(len(place))]), faces
 
@@ -83,15 +83,15 @@ def are_inside(points: FloatArray, loops: Sequence[FloatArray]) -> np.ndarray:
         way = np.roll(start, -1, axis=0) - start
         gap = points[:, None, 1] - start[:, 1]
         is_level = way[:, 1] == 0
-        share = gap / np.where(is_level, 1, way[:, 1])
-        is_right = points[:, None, 0] < start[:, 0] + share * way[:, 0]
+        part = gap / np.where(is_level, 1, way[:, 1])
+        is_right = points[:, None, 0] < start[:, 0] + part * way[:, 0]
         spans = (gap >= 0) != (gap >= way[:, 1])
         inside ^= np.count_nonzero(is_right & spans & ~is_level, axis=1) % 2 == 1
     return inside
 
 
 def polygon(corners: Sequence[tuple[float, float]], spacing: float) -> FloatArray:
-    """Return points along a polygon with these corners."""
+    """Make points along a polygon with these corners."""
     sides = zip(np.array(corners), np.roll(corners, -1, axis=0), strict=True)
     return np.concatenate(
         [
@@ -104,7 +104,7 @@ def polygon(corners: Sequence[tuple[float, float]], spacing: float) -> FloatArra
 def ring(
     centre: tuple[float, float], radius: float, n: int, wave: tuple[float, int] = (0.0, 1)
 ) -> FloatArray:
-    """Return n points on a circle whose radius has waves: their part of it, and how many."""
+    """Make n points on a circle whose radius has waves: their part of it, and how many."""
     turn = 2 * np.pi * np.arange(n) / n
     size = radius * (1 + wave[0] * np.cos(wave[1] * turn))
     return centre + size[:, None] * np.stack([np.cos(turn), np.sin(turn)], axis=1)

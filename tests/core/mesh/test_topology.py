@@ -40,6 +40,15 @@ def test_a_vertex_is_on_the_boundary_if_an_edge_of_it_has_one_triangle(topology)
     assert topology.is_closed == (not ends)
 
 
+def test_the_boundary_goes_on_along_the_half_edges_without_a_twin(topology):
+    following, preceding = topology.boundary_neighbours
+    edges = set(half_edges(topology))
+    expected = {edge for edge in edges if edge[::-1] not in edges}
+    border = topology.boundary_vertices.tolist()
+    assert set(zip(border, following.tolist(), strict=True)) == expected
+    assert set(zip(preceding.tolist(), border, strict=True)) == expected
+
+
 def test_a_ring_has_every_neighbour_once(topology):
     neighbours = [set() for _ in range(topology.n_vertices)]
     for origin, target in half_edges(topology):

@@ -3,6 +3,7 @@
 import threading
 from contextvars import ContextVar
 
+import numpy as np
 import pytest
 
 from adaptive_fairing.core.runtime import threads
@@ -126,7 +127,9 @@ def test_every_thread_has_its_own_arrays():
 
 
 def test_large_arrays_are_not_kept(monkeypatch):
-    monkeypatch.setattr(threads, "LARGEST_KEPT", 10)
+    monkeypatch.setattr(threads, "LARGEST_KEPT", 80)
     workspace = Workspace()
     assert workspace.array("a", 2, 5).base is workspace.array("a", 10).base
     assert workspace.array("a", 11) is not workspace.array("a", 11)
+    small = [workspace.array("b", 20, dtype=np.int32) for _ in range(2)]
+    assert small[0].base is small[1].base
