@@ -20,7 +20,7 @@ from .peers import Peer
 HOPELESS = 2.5
 """A sweep ends where its error is this many times its least: it only gets worse from there."""
 
-MEASURES_VERSION = 3
+MEASURES_VERSION = 4
 """Part of what is kept: to be raised when `measures` or a peer's own code changes."""
 
 Scores = dict[str, Score]

@@ -40,9 +40,13 @@ class Reference:
         self._used = np.unique(self.faces)
 
     @cached_property
+    def _edges(self) -> FloatArray:
+        return local_edge_lengths(self.vertices, self.faces)
+
+    @property
     def local_edges(self) -> FloatArray:
         """Mean length of the clean mesh's edges around every vertex that has any."""
-        return local_edge_lengths(self.vertices, self.faces)[self._used]
+        return self._edges[self._used]
 
     @cached_property
     def density_class(self) -> FloatArray:
@@ -63,10 +67,16 @@ class Reference:
         return rim_edges(self.faces)
 
     def distances(self, result: FloatArray) -> FloatArray:
-        """Distance of every result vertex to the clean surface, over the local edge length."""
-        points = np.ascontiguousarray(result[self._used], dtype=np.float64)
-        squares = igl.point_mesh_squared_distance(points, self.vertices, self.faces)[0]
-        return np.sqrt(squares) / self.local_edges
+        """Measure how far a result (n, 3) and the clean surface are apart, in local edges.
+
+        Returns
+        -------
+        (2, k) float
+            Of the k vertices that have edges: first of the result's to the clean surface, then of
+            the clean ones to the result's surface. A rim that was drawn inwards still lies on the
+            clean surface: only the second sees what is missing.
+        """
+        return self._both_ways(result, self._used, self.faces)
 
     def rim_error(self, result: FloatArray) -> float | None:
         """Measure how far the rims are from the clean ones, in local edges; None if closed.
@@ -76,13 +86,17 @@ class Reference:
         """
         if not len(self._rims):
             return None
-        vertices = np.unique(self._rims)
-        edges = local_edge_lengths(self.vertices, self.faces)[vertices]
+        gaps = self._both_ways(result, np.unique(self._rims), self._rims)
+        return float(np.sqrt(np.mean(np.square(gaps))))
+
+    def _both_ways(self, result: FloatArray, vertices: NDArray, cells: NDArray) -> FloatArray:
+        """Distances (2, k) of k vertices to the triangles or edges of the other mesh."""
+        result = np.ascontiguousarray(result, dtype=np.float64)
         squares = [
-            igl.point_mesh_squared_distance(np.ascontiguousarray(a[vertices]), b, self._rims)[0]
-            for a, b in ((result, self.vertices), (self.vertices, result))
+            igl.point_mesh_squared_distance(points[vertices], surface, cells)[0]
+            for points, surface in ((result, self.vertices), (self.vertices, result))
         ]
-        return float(np.sqrt(np.mean(squares / np.square(edges))))
+        return np.sqrt(squares) / self._edges[vertices]
 
     def area_error(self, result: FloatArray) -> float:
         """Return the relative error of the area."""
@@ -95,15 +109,14 @@ class Reference:
         Returns
         -------
         dict
-            mean, worst, classes: root mean square of `distances` over all vertices, in the worst
-            density class, and in every class. moved: root mean square of the distance of every
-            vertex to its own clean place, over the local edge. angle: mean angle to the clean
-            faces' normals in degrees, as the literature has it. volume: relative error of the
-            volume, None for open meshes. flips: faces whose normal points against the clean one.
-            rim: `rim_error`, and area: `area_error`; None for closed meshes. A vertex that moved
-            along the surface is still on it, so "mean" does not see a rim that was drawn inwards.
+            mean, worst, classes: root mean square of both `distances` together, over all vertices,
+            in the worst density class, and in every class. moved: root mean square of the distance
+            of every vertex to its own clean place, over the local edge. angle: mean angle to the
+            clean faces' normals in degrees, as the literature has it. volume: relative error of
+            the volume, None for open meshes. flips: faces whose normal points against the clean
+            one. rim: `rim_error`, and area: `area_error`; None for closed meshes.
         """
-        squares = np.square(self.distances(result))
+        squares = np.square(self.distances(result)).mean(axis=0)
         counts = np.maximum(np.bincount(self.density_class, minlength=N_CLASSES), 1)
         classes = np.sqrt(np.bincount(self.density_class, squares, N_CLASSES) / counts)
         moves = np.linalg.norm(result - self.vertices, axis=1)[self._used] / self.local_edges

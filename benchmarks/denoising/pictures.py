@@ -73,10 +73,10 @@ def picture(entry: Entry, peers: Sequence[Peer], folder: Path) -> Path:
 
 def _most_different(reference: Reference, ours: FloatArray, theirs: FloatArray) -> int:
     """Return the vertex around which the squared errors differ most, averaged over its region."""
-    gap = np.square(reference.distances(ours)) - np.square(reference.distances(theirs))
+    mine, other = (np.square(reference.distances(each)).sum(axis=0) for each in (ours, theirs))
     used = np.unique(reference.faces)
     smooth = np.zeros(len(reference.vertices))
-    smooth[used] = gap
+    smooth[used] = mine - other
     first, second = reference.faces, reference.faces[:, [1, 2, 0]]
     valence = np.bincount(first.ravel(), minlength=len(smooth)) + 1
     for _ in range(12):

@@ -20,6 +20,7 @@ from samples.ply import write_ply
 from samples.triangles import (
     edges_of,
     local_edge_lengths,
+    normals,
     scaled_normals,
     vertex_normals,
 )
@@ -173,10 +174,15 @@ def test_a_swollen_sphere_is_measured_exactly():
     reference = Reference(vertices, faces)
     found = reference.score(1.01 * vertices)
     # Nearest to a point straight above a corner of a convex body is the corner.
-    expected = 0.01 / reference.local_edges
+    outwards = 0.01 / reference.local_edges
+    # Nearest to that corner, on the swollen body, is a triangle around it: the planes are parallel.
+    heights = np.einsum("fd,fd->f", vertices[faces[:, 0]], normals(vertices, faces))
+    beside = np.full(len(vertices), np.inf)
+    np.minimum.at(beside, faces, heights[:, None])
+    expected = [outwards, beside * outwards]
     np.testing.assert_allclose(reference.distances(1.01 * vertices), expected, rtol=1e-9)
-    assert found["mean"] == pytest.approx(np.sqrt(np.mean(expected**2)), rel=1e-9)
-    assert found["moved"] == pytest.approx(found["mean"], rel=1e-9)
+    assert found["mean"] == pytest.approx(np.sqrt(np.mean(np.square(expected))), rel=1e-9)
+    assert found["moved"] == pytest.approx(np.sqrt(np.mean(outwards**2)), rel=1e-9)
     assert found["volume"] == pytest.approx(1.01**3 - 1, rel=1e-9)
     assert found["angle"] == pytest.approx(0, abs=1e-5)
     assert found["flips"] == 0
@@ -195,7 +201,7 @@ def test_sliding_within_the_surface_is_no_error_but_a_move():
     assert found["flips"] == 0
 
 
-def test_a_rim_drawn_inwards_is_no_error_but_seen():
+def test_a_rim_drawn_inwards_is_an_error_of_what_is_missing():
     n = 24
     turn = 2 * np.pi * np.arange(n) / n
     rim = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
@@ -207,7 +213,20 @@ def test_a_rim_drawn_inwards_is_no_error_but_seen():
     square = np.mean(np.square([0.1 * np.cos(np.pi / n), 0.1]))
     assert found["rim"] == pytest.approx(np.sqrt(square) / reference.local_edges[1], rel=1e-9)
     assert found["area"] == pytest.approx(0.81 - 1, rel=1e-9)
-    assert found["mean"] == pytest.approx(0, abs=1e-12)
+    # All vertices of the small disc lie on the large one, but the corners of that stick out of it.
+    missing = 0.1 / reference.local_edges[1:]
+    expected = np.concatenate([np.zeros(n + 2), missing])
+    assert found["mean"] == pytest.approx(np.sqrt(np.mean(np.square(expected))), rel=1e-9)
+    np.testing.assert_allclose(
+        np.sort(reference.distances(0.9 * vertices).ravel()), expected, atol=1e-12
+    )
+
+
+def test_a_rim_pushed_outwards_is_as_large_an_error():
+    vertices, faces = flat_grid(12, 12)
+    small, large = Reference(vertices, faces), Reference(1.1 * vertices, faces)
+    outwards, inwards = small.distances(1.1 * vertices), large.distances(vertices)
+    np.testing.assert_allclose(1.1 * inwards[::-1], outwards, atol=1e-12)
 
 
 def _boundary(faces: np.ndarray) -> np.ndarray:
