@@ -3,7 +3,8 @@
 A triangle is folded if it faces against those across its edges, taken together by their areas.
 Noise turns a triangle over where it is strong, or where denoising has moved a vertex far.  There
 the triangle's vertices go half of their way to the middle of their neighbours, in a few rounds.
-Other folds belong to the mesh, as bad cuts of solids leave them: they stay.
+Other folds belong to the mesh, as bad cuts of solids leave them: they stay.  But a mesh has few of
+its own: of many, as noise along the surface makes them where triangles are thin, all are smoothed.
 """
 
 from __future__ import annotations
@@ -39,7 +40,8 @@ def unfolded(
         move = np.linalg.norm(positions - before.positions, axis=1)
         turns = (noise > tuned.most_noise_in_normals) & (move > 0)
         turns |= move > tuned.least_move_of_folds * before.spacing
-        of_noise = turns[triangles].any(axis=1)
+        are_many = are_folded(topology, before.positions).mean() > tuned.most_own_folds
+        of_noise = turns[triangles].any(axis=1) | are_many
         result = positions.copy()
         for _ in range(tuned.unfolding_rounds):
             vertices = np.unique(triangles[of_noise & folded])

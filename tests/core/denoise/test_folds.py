@@ -5,6 +5,7 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
 from adaptive_fairing.core.denoise.folds import are_folded, unfolded
+from adaptive_fairing.core.denoise.parameters import parameters
 from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
 
 FLAT, FACES = meshes.flat_grid(12, 12)
@@ -16,10 +17,10 @@ WEAK, STRONG = np.full(len(FLAT), 0.1), np.full(len(FLAT), 0.5)
 CORNER = np.flatnonzero(INSIDE)[len(FLAT) // 3]
 
 
-def pushed():
-    """One vertex pushed over the opposite edge of a triangle, and the triangles turned over."""
+def pushed(vertices=CORNER):
+    """Vertices pushed over the opposite edges of triangles, and the triangles turned over."""
     positions = FLAT.copy()
-    positions[CORNER] += [1.2, 0.3, 0]
+    positions[vertices] += [1.2, 0.3, 0]
     corners = positions[FACES]
     area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
     return positions, area < 0
@@ -61,6 +62,13 @@ def test_folds_of_the_mesh_itself_and_what_has_not_or_may_not_move_stay():
     ):
         result = unfolded(positions, before, may_move, noise)
         assert np.array_equal(result, positions)
+
+
+def test_many_folds_are_of_noise():
+    positions, is_down = pushed(np.flatnonzero(INSIDE)[[39, 44, 61, 83, 88]])
+    assert is_down.mean() > parameters().most_own_folds
+    same = TriangleSurface(TOPOLOGY, positions)
+    assert not are_folded(TOPOLOGY, unfolded(positions, same, INSIDE, WEAK)).any()
 
 
 def test_no_fold_is_left_of_spikes():
