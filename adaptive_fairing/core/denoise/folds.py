@@ -38,10 +38,10 @@ def unfolded(
     folded = are_folded(topology, positions)
     if folded.any():
         move = np.linalg.norm(positions - before.positions, axis=1)
-        turns = (noise > tuned.most_noise_in_normals) & (move > 0)
-        turns |= move > tuned.least_move_of_folds * before.spacing
         are_many = are_folded(topology, before.positions).mean() > tuned.most_own_folds
-        of_noise = turns[triangles].any(axis=1) | are_many
+        turns = ((noise > tuned.most_noise_in_normals) | are_many) & (move > 0)
+        turns |= move > tuned.least_move_of_folds * before.spacing
+        of_noise = turns[triangles].any(axis=1)
         result = positions.copy()
         for _ in range(tuned.unfolding_rounds):
             vertices = np.unique(triangles[of_noise & folded])

@@ -64,11 +64,12 @@ def test_folds_of_the_mesh_itself_and_what_has_not_or_may_not_move_stay():
         assert np.array_equal(result, positions)
 
 
-def test_many_folds_are_of_noise():
+def test_many_folds_are_of_noise_where_denoising_has_moved_them():
     positions, is_down = pushed(np.flatnonzero(INSIDE)[[39, 44, 61, 83, 88]])
     assert is_down.mean() > parameters().most_own_folds
-    same = TriangleSurface(TOPOLOGY, positions)
-    assert not are_folded(TOPOLOGY, unfolded(positions, same, INSIDE, WEAK)).any()
+    near, same = (TriangleSurface(TOPOLOGY, positions + way) for way in (NEAR, 0 * NEAR))
+    assert not are_folded(TOPOLOGY, unfolded(positions, near, INSIDE, WEAK)).any()
+    assert np.array_equal(unfolded(positions, same, INSIDE, WEAK), positions)
 
 
 def test_no_fold_is_left_of_spikes():
