@@ -20,8 +20,9 @@ from .patch_class import TETRAHEDRON, Corner, PatchClass, count_control_points, 
 from .quadrature import QuadratureChoice, quadrature_choice
 
 # Threads that change places at every small array wait for the interpreter more than they compute:
-# chunks are large, but for meshes that would then have too few for all threads.
-LARGEST_CHUNK, SMALLEST_CHUNK, USUAL_CHUNKS = 49152, 5000, 4
+# chunks are large, but for meshes that would then have too few for all threads.  Meshes of fewer
+# than two of the small ones stay whole.
+LARGEST_CHUNK, SMALL_CHUNK, USUAL_CHUNKS = 49152, 5000, 4
 
 # Up to so many times their number, values are sorted by marking them in a table.
 SMALL_VALUES = 4
@@ -163,7 +164,7 @@ class PatchSet:
 
 def triangle_chunks(n_triangles: int) -> list[slice]:
     """Cut a mesh into chunks; the same on every machine, as results are."""
-    size = min(max(-(-n_triangles // USUAL_CHUNKS), SMALLEST_CHUNK), LARGEST_CHUNK)
+    size = min(max(-(-n_triangles // USUAL_CHUNKS), SMALL_CHUNK), LARGEST_CHUNK)
     return chunks(n_triangles, size)
 
 
