@@ -114,7 +114,7 @@ class MeshParts:
                 continue
             model = noise_model(rough, frame, counted)
             level[counted] = model.level(frame.spacing[counted])
-            if surface.cosines is not None and np.median(level[counted]) > clean:
+            if np.median(level[counted]) > clean and surface.cosines is not None:
                 level[counted] = scan_level(rough, frame, counted, surface.cosines)[counted]
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
             may_be_spiky = np.median(level[counted]) > clean and not surface.fading.fades(counted)
