@@ -18,7 +18,7 @@ import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import connected_components
 
-from ..mesh.normals import unit_vectors
+from ..mesh.normals import dots, unit_vectors
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
 from .noise_correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing, smoothed_normals
@@ -94,7 +94,7 @@ class FlatFaces:
         self._triangles, self._noisy = topology.triangles, noisy
         self._surface, self._spacing = surface.positions, surface.smooth_spacing
         scaled = surface.triangle_normals()
-        self._areas = np.sqrt(np.einsum("fd,fd->f", scaled, scaled))
+        self._areas = np.sqrt(dots(scaled, scaled))
         passes = tuned.face_passes + tuned.face_passes_for_smooth * correlation.passes
         smoothing = Smoothing(tuned.short_fit_angle, (passes,))
         (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing, weights)
@@ -133,14 +133,14 @@ class FlatFaces:
         # Where there is no other triangle, the product with the last row is 0: a crease.
         normals = np.append(self._normals, np.zeros((1, 3)), axis=0)
         for other in around:
-            cosine = np.einsum("fd,fd->f", self._normals, normals[other])
+            cosine = dots(self._normals, normals[other])
             is_even &= (cosine > np.cos(tuned.even_angle)) | (cosine < np.cos(tuned.face_angle))
         return is_even
 
     def _connected(self, is_even: BoolArray) -> IntArray:
         """Find the sets of even triangles that are connected without a crease."""
         first, second = self._beside
-        cosine = np.einsum("fd,fd->f", self._normals[first], self._normals[second])
+        cosine = dots(self._normals[first], self._normals[second])
         is_inside = is_even[first] & is_even[second] & (cosine > np.cos(parameters().even_angle))
         m = len(is_even)
         links = sparse.coo_array(
@@ -154,7 +154,7 @@ class FlatFaces:
         """Whose normals differ too much from those of their planes, (k,)."""
         flat = np.flatnonzero(self.face >= 0)
         face, areas = self.face[flat], self._areas[flat]
-        cosine = np.abs(np.einsum("fd,fd->f", self._normals[flat], self.planes.normals[face]))
+        cosine = np.abs(dots(self._normals[flat], self.planes.normals[face]))
         n = len(self.planes)
         limit = np.cos(self._most_uneven) * np.bincount(face, areas, n)
         uneven: BoolArray = np.bincount(face, areas * cosine, n) < limit
@@ -173,7 +173,7 @@ class FlatFaces:
         outside, inside = self._beside
         is_rim = (self.face[outside] < 0) & (self.face[inside] >= 0)
         triangle, face = outside[is_rim], self.face[inside[is_rim]]
-        cosine = np.abs(np.einsum("fd,fd->f", self._normals[triangle], planes.normals[face]))
+        cosine = np.abs(dots(self._normals[triangle], planes.normals[face]))
         fits = cosine > np.cos(tuned.face_angle_at_rim)
         # Less noise leaves a surface that is nearer to its planes.
         part = np.clip(planes.deviations / tuned.coarse_noise, tuned.least_face_height, 1)[face]

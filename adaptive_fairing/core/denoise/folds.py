@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..mesh.normals import triangle_normals
+from ..mesh.normals import dots, triangle_normals
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray
 from .parameters import parameters
@@ -60,5 +60,5 @@ def are_folded(topology: TriangleTopology, positions: FloatArray) -> BoolArray:
     beyond = np.append(normals, np.zeros((1, 3)), axis=0)
     across = np.where(topology.twin >= 0, topology.twin // 3, -1).reshape(-1, 3)
     around = beyond[across[:, 0]] + beyond[across[:, 1]] + beyond[across[:, 2]]
-    folded: BoolArray = np.einsum("fd,fd->f", normals, around) < 0
+    folded: BoolArray = dots(normals, around) < 0
     return folded

@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..mesh.normals import unit_vectors
+from ..mesh.normals import dots, unit_vectors
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, IntArray, RealArray
 from ..runtime.threads import chunks, ordered_map
@@ -175,7 +175,7 @@ class TurningLoads:
         manipulation, 2004, for linear elements.
         """
         # A turn from n to n' takes a tangent v to v - (n' · v) (n + n') / (1 + n · n').
-        opening = 1 + np.einsum("fd,fd->f", self.normals, turned)
+        opening = 1 + dots(self.normals, turned)
         middle = (self.normals + turned) / np.maximum(opening, parameters().least_opening)[:, None]
         change = np.einsum("dkf,fd->kf", self._pulls, turned)
         # Of edge k at its ends: what flows into corner k is what comes along edge k - 1 less

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..mesh.normals import dots
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
 from .parameters import parameters
 
@@ -65,7 +66,7 @@ class PlaneFits:
 
     def heights(self, points: FloatArray, face: IntArray) -> FloatArray:
         """How far points (p, 3) lie above the planes of faces (p,)."""
-        height: FloatArray = np.einsum("pd,pd->p", points - self.centres[face], self.normals[face])
+        height: FloatArray = dots(points - self.centres[face], self.normals[face])
         return height
 
     def are_bent(self, own_part: float = 1.0) -> BoolArray:
@@ -77,7 +78,7 @@ class PlaneFits:
         offset = self._points - self.centres[self.face]
         sizes = np.sqrt(np.maximum(self._spread[:, :0:-1], np.finfo(float).tiny))
         u, v = (
-            np.einsum("pd,pd->p", offset, self._axes[self.face, :, axis]) / size[self.face]
+            dots(offset, self._axes[self.face, :, axis]) / size[self.face]
             for axis, size in zip((2, 1), sizes.T, strict=True)
         )
         terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v])

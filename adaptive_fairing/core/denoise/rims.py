@@ -17,7 +17,7 @@ from scipy import ndimage, sparse
 from scipy.sparse import csgraph
 from scipy.special import binom
 
-from ..mesh.normals import unit_vectors
+from ..mesh.normals import dots, unit_vectors
 from ..runtime.arrays import FloatArray
 from .noise.level import NORMAL_MEDIAN, beyond_clean
 from .parameters import parameters
@@ -72,8 +72,8 @@ class Rims:
             np.cross(normals, self._points[self._next] - self._points[self._previous])
         )
         along = np.cross(sideways, normals)
-        across = _dot(filtered, normals)
-        slide = parameters().sliding_fraction * _dot(filtered, along)
+        across = dots(filtered, normals)
+        slide = parameters().sliding_fraction * dots(filtered, along)
         parts = (
             (self._across(across, noise), normals),
             (self._sideways(sideways, self._part_sideways(sideways) * noise), sideways),
@@ -97,7 +97,7 @@ class Rims:
         links = sparse.coo_array((np.ones(r), (np.arange(r), self._next)), shape=(r, r))
         n_rims, rim = csgraph.connected_components(links, directed=False)
         bend = self._mean(self._points) - self._points
-        rough = np.abs(_dot(bend - self._mean(bend), sideways)) / DIFFERENCE_OF_WHITE
+        rough = np.abs(dots(bend - self._mean(bend), sideways)) / DIFFERENCE_OF_WHITE
         noise = self._beside_rims(self._noise)
         ratio = rough / np.where(noise > 0, noise, np.inf)
         part = np.minimum(ndimage.median(ratio, rim, np.arange(n_rims)) / NORMAL_MEDIAN, 1)
@@ -126,7 +126,7 @@ class Rims:
                 smooth.append(self._smoothed(smooth[-1]))
             average = 2 * smooth[passes] - smooth[2 * passes]
             kept = 4 * middle(2 * passes) - 4 * middle(3 * passes) + middle(4 * passes)
-            ways.append((_dot(average - self._points, direction), kept**0.5))
+            ways.append((dots(average - self._points, direction), kept**0.5))
         return widest(ways, noise)
 
     def _mean(self, values: FloatArray) -> FloatArray:
@@ -160,8 +160,3 @@ def widest(ways: list[tuple[FloatArray, float]], noise: FloatArray) -> FloatArra
 def middle(passes: int) -> float:
     """Entry in the middle of Kᵖ with K = (1, 2, 1) / 4; of K²ᵖ the sum of the squares of Kᵖ."""
     return float(binom(2 * passes, passes)) / 4.0**passes
-
-
-def _dot(first: FloatArray, second: FloatArray) -> FloatArray:
-    products: FloatArray = np.einsum("rd,rd->r", first, second)
-    return products

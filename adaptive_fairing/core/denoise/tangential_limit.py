@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..mesh.normals import triangle_normals, unit_vectors, vertex_normals
+from ..mesh.normals import dots, triangle_normals, unit_vectors, vertex_normals
 from ..runtime.arrays import BoolArray, FloatArray
 from .noise.line_of_sight import lines_of_sight, on_rays
 from .parameters import parameters
@@ -62,7 +62,7 @@ class Sliding:
         self._rims = Rims(start, noise) if rims_move and start.topology.on_boundary.any() else None
         self._upwards = unit_vectors(normals[self._triangles].sum(axis=1))
         self._before = unit_vectors(start.triangle_normals())
-        cosines = np.einsum("fd,fd->f", self._before, self._upwards)
+        cosines = dots(self._before, self._upwards)
         self._was_upright = cosines > tuned.upright_cosine
         self._is_free = noise > tuned.most_noise_told
         is_told = ~self._is_free[self._triangles].any(axis=1)
@@ -76,12 +76,12 @@ class Sliding:
         tuned = parameters()
         move = faired - self._positions
         normals = vertex_normals(self._topology, faired) if self._has_creases else self._normals
-        along = move - np.einsum("nd,nd->n", move, normals)[:, None] * normals
+        along = move - dots(move, normals)[:, None] * normals
         along_kept, kept = np.full(len(faired), tuned.sliding_fraction), np.ones(len(faired))
         if self._rims is not None:
             rim = self._rims.vertices
             way = self._rims.moves(move[rim], normals[rim], strength)
-            along[rim] = way - np.einsum("nd,nd->n", way, normals[rim])[:, None] * normals[rim]
+            along[rim] = way - dots(way, normals[rim])[:, None] * normals[rim]
             move[rim], along_kept[rim] = way, 1
         judged = np.flatnonzero(self._may_turn)
         for done in range(tuned.most_sliding_rounds):
@@ -105,7 +105,7 @@ class Sliding:
     def _is_turned(self, positions: FloatArray, faces: NDArray[np.intp]) -> BoolArray:
         """Which of some triangles are turned over."""
         normal = unit_vectors(triangle_normals(positions, self._triangles[faces]))
-        is_down = np.einsum("fd,fd->f", normal, self._upwards[faces]) < parameters().turned_cosine
-        is_against = np.einsum("fd,fd->f", normal, self._before[faces]) < 0
+        is_down = dots(normal, self._upwards[faces]) < parameters().turned_cosine
+        is_against = dots(normal, self._before[faces]) < 0
         turned: BoolArray = is_down & (self._was_upright[faces] | is_against)
         return turned

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from ..mesh.density import mesh_density, smoothed
-from ..mesh.normals import triangle_normals, unit_vectors, vertex_normals
+from ..mesh.normals import dots, triangle_normals, unit_vectors, vertex_normals
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray
 from .parameters import parameters
@@ -71,7 +71,7 @@ class TriangleSurface:
 
     def along_normal(self, displacement: FloatArray) -> FloatArray:
         """Take the normal component of vectors (n, 3), in local edge lengths, (n,)."""
-        component: FloatArray = np.einsum("nd,nd->n", displacement, self.normals) / self.spacing
+        component: FloatArray = dots(displacement, self.normals) / self.spacing
         return component
 
     def rises(self, positions: FloatArray) -> FloatArray:
@@ -92,7 +92,7 @@ class TriangleSurface:
         """Measure which part of the inner edges are creases, where triangles meet at an angle."""
         normal, twin = unit_vectors(self.triangle_normals()), self.topology.twin
         side = np.flatnonzero(twin >= 0)
-        cosine = np.einsum("ed,ed->e", normal[side // 3], normal[twin[side] // 3])
+        cosine = dots(normal[side // 3], normal[twin[side] // 3])
         return float(np.mean(cosine < np.cos(parameters().crease_angle))) if len(side) else 0.0
 
     def has_creases(self) -> bool:

@@ -10,7 +10,7 @@ from ..errors import SettingsError
 from ..runtime.arrays import FloatArray
 from ..runtime.threads import chunks, ordered_map
 from .loop_masks import limit_weight
-from .normals import triangle_normals
+from .normals import dots, triangle_normals
 from .topology import TriangleTopology
 
 DENSITY_KINDS = ("edge_length", "area")
@@ -124,6 +124,6 @@ def _mean_edge_length(topology: TriangleTopology, points: FloatArray) -> FloatAr
 
 def _ring_area(topology: TriangleTopology, points: FloatArray) -> FloatArray:
     normals = triangle_normals(points, topology.triangles)
-    area = np.sqrt(np.einsum("nd,nd->n", normals, normals)) / 2
+    area = np.sqrt(dots(normals, normals)) / 2
     around = np.bincount(topology.origins, np.repeat(area, 3), minlength=topology.n_vertices)
     return around.astype(np.float64)  # integer zeros if there is no triangle at all

@@ -39,8 +39,14 @@ def vertex_normals(topology: TriangleTopology, positions: FloatArray) -> FloatAr
     return unit_vectors(np.stack(sums, axis=1))
 
 
+def dots(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Scalar products of vectors (n, 3) and (n, 3), (n,)."""
+    products: FloatArray = np.einsum("nd,nd->n", first, second)
+    return products
+
+
 def unit_vectors(vectors: FloatArray) -> FloatArray:
     """Divide vectors (n, 3) by their lengths; those of length 0 stay."""
-    lengths = np.sqrt(np.einsum("nd,nd->n", vectors, vectors))
+    lengths = np.sqrt(dots(vectors, vectors))
     units: FloatArray = vectors / np.where(lengths > 0, lengths, 1)[:, None]
     return units

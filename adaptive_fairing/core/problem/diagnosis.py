@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..fem.differential_geometry import THINNEST_ASPECT
+from ..mesh.normals import dots
 from ..mesh.solver_mesh import SolverSurface, solvable_surface
 from ..mesh.topology import checked_triangles
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray
@@ -137,7 +138,7 @@ def _is_thin_at_any_size(points: FloatArray, triangles: IntArray) -> BoolArray:
     size = np.where(size > 0, size, 1)[:, None]
     u, v = u / size, v / size
     doubled_area = np.linalg.norm(np.cross(u, v), axis=1)
-    trace = np.einsum("td,td->t", u, u) + np.einsum("td,td->t", v, v)
+    trace = dots(u, u) + dots(v, v)
     is_thin: BoolArray = doubled_area <= THINNEST_ASPECT * trace
     return is_thin
 

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
+from ...mesh.normals import dots
 from ...runtime.arrays import BoolArray, FloatArray, IntArray
 from ..flat_faces import FlatFaces
 from ..noise_correlation import WHITE, NoiseCorrelation
@@ -192,6 +193,6 @@ def _within_faces(surface: NoisySurface, face: IntArray, normals: FloatArray) ->
     places = np.concatenate([first, alone]), np.concatenate([second, alone])
     mean = sparse.csr_array((weights, places), shape=(n, n))
     # Of the two normals of a plane the one on the surface's side.
-    side = np.where(np.einsum("nd,nd->n", normals[face], frame.normals) < 0, -1.0, 1.0)
+    side = np.where(dots(normals[face], frame.normals) < 0, -1.0, 1.0)
     along = np.where((face >= 0)[:, None], side[:, None] * normals[face], frame.normals)
     return frame.with_frame(normals=along, mean=mean)

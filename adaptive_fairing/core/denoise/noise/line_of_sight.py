@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...mesh.normals import unit_vectors
+from ...mesh.normals import dots, unit_vectors
 from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import FloatArray, IntArray
 from ..parameters import parameters
@@ -56,7 +56,7 @@ def lines_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatAr
     terms = np.hstack([(depth, none, turned[:, 0]), (none, depth, turned[:, 1])])
     (a, b, k), *_ = np.linalg.lstsq(terms @ terms.T, terms @ gap[:, :2].T.ravel(), rcond=None)
     rays = unit_vectors([a, b, 1] + k * ((positions - origin) @ axes))
-    along = _dot(gap, unit_vectors([a, b, 1] + k * place))
+    along = dots(gap, unit_vectors([a, b, 1] + k * place))
     is_seen = np.square(along).sum() > (1 - parameters().most_off_sight) * np.square(gap).sum()
     return rays @ axes.T if is_seen and rays[:, 2].min() > WIDEST_VIEW else None
 
@@ -66,25 +66,20 @@ def on_rays(surface: TriangleSurface, points: FloatArray, rays: FloatArray) -> F
 
     Where no triangle is met, onto the plane through the vertex.
     """
-    gap, cosines = points - surface.positions, _dot(surface.normals, rays)
+    gap, cosines = points - surface.positions, dots(surface.normals, rays)
     steepest = np.copysign(np.maximum(np.abs(cosines), LEAST_COSINE_OF_MOVES), cosines)
-    ways = -_dot(gap, surface.normals) / steepest
+    ways = -dots(gap, surface.normals) / steepest
     corners = surface.topology.triangles
     vertex, second, third = (np.roll(corners, -step, axis=1).ravel() for step in range(3))
     first = surface.positions[vertex]
     to_second, to_third = surface.positions[second] - first, surface.positions[third] - first
     to_point, ray = gap[vertex], rays[vertex]
     normal = np.cross(to_second, to_third)
-    seen = _dot(normal, ray)
+    seen = dots(normal, ray)
     seen[seen == 0] = np.nan
-    by_second = _dot(np.cross(to_point, to_third), ray) / seen
-    by_third = _dot(np.cross(to_second, to_point), ray) / seen
+    by_second = dots(np.cross(to_point, to_third), ray) / seen
+    by_third = dots(np.cross(to_second, to_point), ray) / seen
     is_met = np.minimum(np.minimum(by_second, by_third), 1 - by_second - by_third) > -ROUNDING
-    ways[vertex[is_met]] = (-_dot(to_point, normal) / seen)[is_met]
+    ways[vertex[is_met]] = (-dots(to_point, normal) / seen)[is_met]
     moved: FloatArray = points + ways[:, None] * rays
     return moved
-
-
-def _dot(first: FloatArray, second: FloatArray) -> FloatArray:
-    products: FloatArray = np.einsum("nd,nd->n", first, second)
-    return products

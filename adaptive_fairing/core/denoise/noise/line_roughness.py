@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...mesh.normals import dots
 from ...runtime.arrays import BoolArray, FloatArray
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
@@ -36,10 +37,10 @@ class OppositeLines:
         """Where on each line its vertex of `positions` (n, 3) lies, 0 to 1."""
         normal = self._frame.normals[self._middle]
         along = positions[self._end] - positions[self._start]
-        along -= np.einsum("ed,ed->e", along, normal)[:, None] * normal
+        along -= dots(along, normal)[:, None] * normal
         margin = parameters().line_margin
-        reach = np.einsum("ed,ed->e", positions[self._middle] - positions[self._start], along)
-        place = reach / np.maximum(np.einsum("ed,ed->e", along, along), 1e-300)
+        reach = dots(positions[self._middle] - positions[self._start], along)
+        place = reach / np.maximum(dots(along, along), 1e-300)
         return np.clip(place, margin, 1 - margin)
 
     def least_deviation(self, positions: FloatArray, passing: FloatArray) -> FloatArray:

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from ...mesh.normals import dots
 from ...runtime.arrays import FloatArray
 from ..triangle_surface import TriangleSurface
 from .line_of_sight import LEAST_COSINE, lines_of_sight
@@ -49,7 +50,7 @@ class NoisySurface:
         rays = lines_of_sight(self.topology, self.positions)
         if rays is None:
             return None
-        cosines: FloatArray = np.abs(np.einsum("nd,nd->n", self.frame.normals, rays))
+        cosines: FloatArray = np.abs(dots(self.frame.normals, rays))
         return np.maximum(cosines, LEAST_COSINE)
 
     def along_sight(self) -> NoisySurface:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.special import ndtri
 
+from ...mesh.normals import dots
 from ...runtime.arrays import FloatArray
 from ..triangle_surface import TriangleSurface
 
@@ -43,8 +44,8 @@ class OwnNumbers:
         self.rises = frame.rises(positions)
         centred = positions - positions.mean(axis=0)
         around = frame.mean @ centred
-        square = np.einsum("nd,nd->n", centred, centred)
-        spread = square + frame.mean @ square - 2 * np.einsum("nd,nd->n", centred, around)
+        square = dots(centred, centred)
+        spread = square + frame.mean @ square - 2 * dots(centred, around)
         self._to_middle = np.linalg.norm(centred - around, axis=1) / frame.spacing
         self._spread = spread / frame.spacing**2
         # Where a mesh is exactly regular, the lengths around its vertices are all the same.

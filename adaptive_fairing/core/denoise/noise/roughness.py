@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
+from ...mesh.normals import dots
 from ...runtime.arrays import FloatArray
 from ..triangle_surface import TriangleSurface
 
@@ -35,7 +36,7 @@ class Roughness(NamedTuple):
         magnitude = np.abs(frame.along_normal(twice @ positions))
         entries = sparse.coo_array(twice)
         row, column = entries.coords
-        cosine = np.einsum("ed,ed->e", frame.normals[row], frame.normals[column])
+        cosine = dots(frame.normals[row], frame.normals[column])
         per_length = np.square(entries.data * cosine / frame.spacing[row])
         per_edge = per_length * np.square(frame.spacing[column])
         n = len(positions)
