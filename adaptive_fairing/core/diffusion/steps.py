@@ -12,6 +12,7 @@ from ..fem.blocks import Block
 from ..fem.differential_geometry import SurfaceMeasures, energy_ratio
 from ..fem.loop_space import LoopSpace, StepSystem
 from ..linalg.conjugate_gradients import SolveReport, conjugate_gradients
+from ..linalg.successive_solves import SuccessiveSolves
 from ..mesh.density import mesh_density
 from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import CallerMesh, SolverProblem
@@ -23,9 +24,6 @@ from .settings import FairingSettings
 # Diffusion lowers the curvature energy until a triangle, a tip or a thin part shrinks to nothing,
 # where curvature has no bound: a rise by this factor over the least so far is taken as its sign.
 COLLAPSE_RISE = 2.0
-
-# Fraction of the last step's displacement that is added to the start of the next solve.
-EXTRAPOLATED_FRACTION = 0.25
 
 
 def fair(
@@ -114,17 +112,17 @@ def _steps(
     space, frame, current, weights, is_held, notes = SolverProblem.posed(
         mesh, prepared, "fair", boundary=settings.boundary, normalize=normalize
     )
-    increment = np.zeros_like(current)
+    solves = SuccessiveSolves()
     density, system = _system(space, current, settings, weights, _serves_single(space, settings))
     initial = previous = system.measures
     least_energy = initial.curvature_energy
     for index in range(1, settings.steps + 1):
-        # The surface goes on as it went: this much of the last step spares an iteration or two.
+        # The surface goes on much as it went: a start from the last steps spares iterations.
         try:
             increment, solve = conjugate_gradients(
                 system.matrix,
                 system.load,
-                EXTRAPOLATED_FRACTION * increment,
+                solves.start(system.load),
                 is_held=is_held,
                 tolerance=settings.cg_tolerance,
                 max_iterations=settings.cg_max_iterations,
@@ -133,6 +131,7 @@ def _steps(
             )
         except SolverError as error:
             raise SolverError(f"step {index}: {error}") from error
+        solves.add(increment, system.load)
         current = current + increment
         used_density = density
         # The system of the next step measures this step's surface on the way.
