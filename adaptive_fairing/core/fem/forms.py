@@ -42,8 +42,9 @@ class ScalarForm(NamedTuple):
 
     def coefficients(self, surface: SurfaceBlock) -> RealArray:
         """Factors of the product table at each point, (4, n_points): t⁻¹ √g, then c √g g⁻¹."""
-        metric, field = surface.metric, surface.field
-        coefficients = np.empty((4, len(field)), field.dtype)
+        metric = surface.metric
+        field = 1 if surface.field is None else surface.field
+        coefficients = np.empty((4, len(metric.area_element)), surface.precision)
         np.divide(metric.area_element, field if self.inverse_mass else 1, out=coefficients[0])
         factor = (field if self.scaled_stiffness else 1) / metric.area_element
         np.multiply(metric.g22, factor, out=coefficients[1])

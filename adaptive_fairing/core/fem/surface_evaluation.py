@@ -23,8 +23,8 @@ class SurfaceBlock(NamedTuple):
 
     Attributes
     ----------
-    field : (n_points,)
-        A scalar field.
+    field : (n_points,) or None
+        A scalar field, if there is one.
     positions : (3, n_points)
     tangents : (2, 3, n_points)
         ∂1 x, ∂2 x.
@@ -33,7 +33,7 @@ class SurfaceBlock(NamedTuple):
         ∂11 x, ∂12 x, ∂22 x, if they were asked for.
     """
 
-    field: RealArray
+    field: RealArray | None
     positions: RealArray
     tangents: RealArray
     metric: Metric
@@ -42,7 +42,7 @@ class SurfaceBlock(NamedTuple):
     @property
     def precision(self) -> Precision:
         """In which all was computed."""
-        return self.field.dtype.type
+        return self.positions.dtype.type
 
 
 def evaluate(
@@ -53,14 +53,15 @@ def evaluate(
     Parameters
     ----------
     block : Block
-    columns : (4, n_vertices)
-        Coordinates, and control values of a scalar field, from the chunk's lowest vertex on.
+    columns : (3, n_vertices) or (4, n_vertices)
+        Coordinates, and the control values of a scalar field if there is one, from the chunk's
+        lowest vertex on.
     curved : bool
         Whether second derivatives are wanted.
     precision : float32 or float64
         Single precision is tried, and left where it does not resolve the metric.
     """
-    control = _workspace.array("control", 4, len(block.control_points))
+    control = _workspace.array("control", len(columns), len(block.control_points))
     indices = block.control_points.astype(np.intp)  # once, not for every column
     for column, row in zip(columns, control, strict=True):
         # All indices are in range, and mode "wrap" saves the time of checking them.
@@ -74,14 +75,14 @@ def evaluate(
 
 
 def _seen_from_corners(block: Block, control: FloatArray) -> tuple[RealArray, RealArray]:
-    """Round control values (4, n) to single precision as seen from a corner of each triangle.
+    """Round control values (3 or 4, n) to single precision as seen from a corner of each triangle.
 
     Differences in double precision keep all digits of small triangles.  And rounded basis functions
     do not add up to 1, nor their derivatives to 0: an error that grows with the distance from the
     origin.  Also returns the corners, (3, n_triangles).
     """
     seen = _workspace.array("seen", *control.shape, dtype=np.float32)
-    seen[3] = control[3]
+    seen[3:] = control[3:]
     origins = np.empty((3, block.n_triangles))
     for group in block.groups:
         own = group.of_control(control[:3])
@@ -94,21 +95,21 @@ def _evaluated(block: Block, control: RealArray, origins: RealArray, curved: boo
     precision = control.dtype.type
     n_derivatives = 6 if curved else 3
     shape = block.n_points, block.n_triangles
-    field = _workspace.array("field", 1, *shape, dtype=precision)
+    fields = _workspace.array("fields", len(control) - 3, *shape, dtype=precision)
     jets = _workspace.array("jets", 3, n_derivatives, *shape, dtype=precision)
     rows = jets.reshape(3, -1, block.n_triangles)
     for segment in block.segments:
         own, tables = segment.of_control(control), segment.tables_in(precision)
         tables.evaluate(own[:3], n_derivatives, out=rows[..., segment.columns])
-        tables.evaluate(own[3:], 1, out=field[..., segment.columns])
+        if len(fields):
+            tables.evaluate(own[3:], 1, out=fields[..., segment.columns])
     positions = _workspace.array("positions", 3, *shape, dtype=precision)
     np.add(jets[:, 0], origins[:, None], out=positions)
     by_derivative = jets.reshape(3, n_derivatives, -1).swapaxes(0, 1)
     tangents, second_derivatives = by_derivative[1:3], by_derivative[3:] if curved else None
     metric = metric_at(tangents)
-    return SurfaceBlock(
-        field.reshape(-1), positions.reshape(3, -1), tangents, metric, second_derivatives
-    )
+    field = fields[0].reshape(-1) if len(fields) else None
+    return SurfaceBlock(field, positions.reshape(3, -1), tangents, metric, second_derivatives)
 
 
 def integrate_measures(block: Block, surface: SurfaceBlock) -> FloatArray:

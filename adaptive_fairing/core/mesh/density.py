@@ -104,10 +104,12 @@ def _mean_edge_length(topology: TriangleTopology, points: FloatArray) -> FloatAr
     def of_chunk(own: slice) -> FloatArray:
         starts = topology.ring_start[own.start : own.stop + 1]
         ring, ring_size = topology.ring[starts[0] : starts[-1]], topology.ring_size[own]
+        neighbours = ring.astype(np.intp)  # once, not for every column
         squared = np.zeros(len(ring))
         for column in columns:
             difference = np.repeat(column[own], ring_size)
-            difference -= column[ring]
+            # All indices are in range, and mode "wrap" saves the time of checking them.
+            difference -= np.take(column, neighbours, mode="wrap")
             difference *= difference
             squared += difference
         lengths = sparse.csr_array(

@@ -15,6 +15,10 @@ from .input_checks import bounding_box
 # the processor foresees where each ends.
 SECTION = 1024
 
+# Positions along the sweep are told apart in so many steps.  Numbers of 16 bits are sorted by
+# counting, in linear time, and these have two of them.
+STEPS = 2**32 - 1
+
 
 class LocalOrder(NamedTuple):
     """A renumbered mesh.
@@ -41,9 +45,10 @@ def sweep_order(positions: FloatArray, triangles: IntArray | LongArray) -> Local
     n_vertices = len(positions)
     low, high = bounding_box(positions)
     axis = int((high - low).argmax())
-    vertices = np.argsort(positions[:, axis], kind="stable")
+    vertices = _ascending_order(positions[:, axis].astype(np.float64))
     n_around = np.bincount(triangles.reshape(-1), minlength=n_vertices)[vertices]
-    vertices = vertices[np.lexsort((n_around, np.arange(n_vertices) // SECTION))]
+    section = np.arange(n_vertices) // SECTION
+    vertices = vertices[np.lexsort((n_around.astype(np.uint16), section.astype(np.uint16)))]
     new_number = np.empty(n_vertices, dtype=np.int32)
     new_number[vertices] = np.arange(n_vertices, dtype=np.int32)
     renumbered = new_number[triangles]
@@ -55,3 +60,13 @@ def sweep_order(positions: FloatArray, triangles: IntArray | LongArray) -> Local
         (np.ones(n_triangles, dtype=np.int8), front, ends), shape=(n_triangles, n_vertices)
     )
     return LocalOrder(vertices, np.take(renumbered, rows.tocsc().indices, axis=0))
+
+
+def _ascending_order(values: FloatArray) -> IndexArray:
+    """Sort values; those of one step keep their order."""
+    low, high = values.min(), values.max()
+    if low == high:
+        return np.arange(len(values))
+    step = ((values - low) * (STEPS / (high - low))).astype(np.uint32)
+    order: IndexArray = np.lexsort((step.astype(np.uint16), (step >> 16).astype(np.uint16)))
+    return order

@@ -82,13 +82,20 @@ class SolverFrame:
 
     def inward(self, points: FloatArray) -> FloatArray:
         """Positions of the solver's vertices, (n, 3), in the solver's frame."""
-        return (points[self.surface.vertex_of] - self.centre) * self.scale
+        inner = np.take(points, self.surface.vertex_of, axis=0)
+        inner -= self.centre
+        inner *= self.scale
+        return inner
 
     def outward(self, current: FloatArray, points: FloatArray, is_held: BoolArray) -> FloatArray:
         """Positions of the caller's vertices: those of `points`, bit by bit, where held."""
         positions = points.copy()
-        moving = ~is_held
-        positions[self.surface.vertex_of[moving]] = current[moving] / self.scale + self.centre
+        outer = current / self.scale
+        outer += self.centre
+        positions[self.surface.vertex_of] = outer
+        # All copies of a vertex that was cut apart are held.
+        held = self.surface.vertex_of[is_held]
+        positions[held] = points[held]
         return positions
 
     def displaced(self, points: FloatArray, displacement: FloatArray) -> FloatArray:

@@ -69,3 +69,11 @@ def test_neighbours_lie_close_together():
     old_number = np.argsort(shuffled)
     order = sweep_order(vertices[shuffled], old_number[faces])
     assert np.ptp(order.triangles // SECTION, axis=1).max() <= 1
+
+
+def test_positions_in_single_precision_have_the_same_order():
+    vertices, faces = meshes.random_closed(0)
+    single = vertices.astype(np.float32)
+    order, expected = sweep_order(single, faces), sweep_order(single.astype(np.float64), faces)
+    np.testing.assert_array_equal(order.vertices, expected.vertices)
+    np.testing.assert_array_equal(order.triangles, expected.triangles)
