@@ -1,6 +1,7 @@
 """What is integrated together.
 
-    chunk     neighbouring triangles, up to 49,152: the work of one thread, scattered together
+    chunk     triangles of a slab or of several slabs (see `partition`): the work of one thread,
+              scattered together
     block     triangles of a chunk with equally many quadrature points: the work of one numpy call
     group     triangles of a block with equally many control points
     segment   triangles of a group, or of a chunk, that one `PatchTables` serves
@@ -119,6 +120,8 @@ class Block:
         Of the control points, among those of the chunk.
     n_points : int
         Points of one triangle, q.
+    triangles : (n_triangles,) int
+        Which ones of the topology.
     n_triangles : int
     weights : (q, k), weight_starts : (k,) int
         Quadrature weights of the measures, and the first of the triangles that have them.
@@ -151,6 +154,7 @@ class Block:
                 column = columns.stop
             self.groups.append(group)
             control, entry = controls.stop, entries.stop
+        self.triangles = np.concatenate([segment.triangles for _, segment in segments])
         self.n_triangles = column
         self.weights = np.concatenate([tables.weights[0] for tables, _ in segments], axis=1)
         self.weight_starts = np.concatenate(
@@ -159,7 +163,7 @@ class Block:
 
 
 class Chunk:
-    """Neighbouring triangles whose contributions are scattered together.
+    """Triangles whose contributions are scattered together.
 
     Attributes
     ----------

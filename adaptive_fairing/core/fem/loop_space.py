@@ -26,7 +26,7 @@ from .blocks import Block, Chunk
 from .differential_geometry import SurfaceMeasures
 from .forms import Form, ScalarForm, gradient_fluxes
 from .patch_tables import MASS, STIFFNESS, SUM
-from .scatter import ChunkEntries
+from .scatter import ChunkEntries, entries_of_chunks
 from .surface_evaluation import evaluate, integrate_measures
 from .table_cache import SpaceTables
 
@@ -182,7 +182,7 @@ class LoopSpace:
             measured=True,
         )
         columns = self._columns(positions, timestep if diffusivity is None else diffusivity)
-        if in_single and SINGLE.serves_times(columns[3]):
+        if in_single and all(SINGLE.serves_times(field) for field in columns[3:]):
             system = self._step_system(form, columns, np.float32, in_double)
             used = ~self.topology.is_loose
             if SINGLE.serves_masses(system.lumped_mass[used], system.matrix.diagonal()[used]):
@@ -258,26 +258,20 @@ class LoopSpace:
 
     @cached_property
     def _entries(self) -> list[ChunkEntries]:
-        # A workspace of its own: its large tables are not needed again.
-        pattern, workspace = self.pattern, Workspace()
-        return list(
-            ordered_map(lambda chunk: ChunkEntries(chunk, pattern, workspace), self._chunks)
-        )
+        return entries_of_chunks(self._chunks, self.topology.n_triangles, self.pattern)
 
     def _columns(self, positions: ArrayLike, field: ArrayLike | None) -> FloatArray:
-        """Stack the coordinates and a scalar field as rows, (4, n_vertices)."""
+        """Stack the coordinates and a scalar field, if there is one, as rows (…, n_vertices)."""
         points = np.asarray(positions, dtype=np.float64)
         n = self.topology.n_vertices
         if points.shape != (n, 3):
             raise InputError(f"positions must have shape ({n}, 3), not {points.shape}")
-        columns = np.ones((4, n))
-        columns[:3] = points.T
-        if field is not None:
-            control = np.asarray(field, dtype=np.float64)
-            if control.shape != (n,):
-                raise InputError(f"control values must have shape ({n},), not {control.shape}")
-            columns[3] = control
-        return columns
+        if field is None:
+            return np.ascontiguousarray(points.T)
+        control = np.asarray(field, dtype=np.float64)
+        if control.shape != (n,):
+            raise InputError(f"control values must have shape ({n},), not {control.shape}")
+        return np.concatenate([points.T, control[None]])
 
     def _as_measures(self, totals: FloatArray) -> SurfaceMeasures:
         energy, area, volume = totals.tolist()

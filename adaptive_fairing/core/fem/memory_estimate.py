@@ -9,8 +9,9 @@ import numpy as np
 from ..errors import FairingError
 from ..loop.basis import table_depth
 from ..loop.fitted_quadrature import POINTS, is_fitted
+from ..loop.partition import triangle_slabs
 from ..loop.patch_class import PatchClass, is_regular_patch
-from ..loop.patches import PatchSet, triangle_chunks
+from ..loop.patches import PatchSet
 from ..loop.quadrature import QuadratureChoice
 from ..runtime.arrays import LongArray
 from ..runtime.system_memory import available_bytes
@@ -105,8 +106,8 @@ def estimated_bytes(
         return evaluation + DENOISE_BYTES_PER_TRIANGLE * n_triangles
 
     local = n_pairs[patches.class_of]
-    chunk_sizes = [int(local[chunk].sum()) for chunk in triangle_chunks(n_triangles)]
-    in_work = min(sum(chunk_sizes), 2 * n_threads() * max(chunk_sizes))
+    slab_sizes = [int(local[slab].sum()) for slab in triangle_slabs(n_triangles)]
+    in_work = min(sum(slab_sizes), 2 * n_threads() * max(slab_sizes))
     n_products = 4 * n_points * n_pairs
     of_class = zip(n_products, patches.class_sizes, strict=True)
     products = 8 * n_products[[product_table_pays(*each) for each in of_class]]
@@ -122,8 +123,8 @@ def estimated_bytes(
 def _rare_bytes(n_numbers: LongArray, patches: PatchSet) -> LongArray:
     """Bound the tables of rare classes, each with n_points * n_control_points `n_numbers`."""
     n_triangles = patches.topology.n_triangles
-    n_chunks = len(triangle_chunks(n_triangles))
-    n_rare = np.minimum(patches.class_sizes, FEW_TRIANGLES * n_chunks)
+    n_slabs = len(triangle_slabs(n_triangles))
+    n_rare = np.minimum(patches.class_sizes, FEW_TRIANGLES * n_slabs)
     bound: LongArray = np.where(6 * n_numbers <= LARGEST_RARE, 8 * 6 * n_numbers * n_rare, 0)
     return bound
 

@@ -1,16 +1,20 @@
-"""Where the local matrices of a chunk go in the global one."""
+"""Where the local matrices of the chunks go in the global one."""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
 
 import numpy as np
 
 from ..linalg.symmetric_pattern import Pairs, SymmetricPattern
+from ..loop.partition import triangle_slabs
 from ..runtime.arrays import IndexArray, IntArray
-from ..runtime.threads import Workspace
+from ..runtime.threads import Workspace, for_each, ordered_map
 from .blocks import Chunk
 
 
-class ChunkEntries:
+class ChunkEntries(NamedTuple):
     """Where the local matrices of a chunk go.
 
     Attributes
@@ -23,17 +27,102 @@ class ChunkEntries:
         Local off-diagonal entries whose two control points are one vertex: they count twice.
     """
 
-    def __init__(self, chunk: Chunk, pattern: SymmetricPattern, workspace: Workspace) -> None:
-        self.low, self.high = pattern.row_starts[[chunk.low, chunk.high]].tolist()
-        self.numbers = np.empty(chunk.n_entries, dtype=np.int32)
-        places = pattern.places(chunk.low, chunk.high, workspace)
-        doubled = [np.empty(0, dtype=np.intp)]
-        for block in chunk.blocks:
-            for group in block.groups:
-                vertices, pairs = group.of_control(block.control_points), group.pairs
-                places.numbers(vertices, pairs, group.of_entries(self.numbers))
-                doubled.append(group.entries.start + _doubled(vertices, pairs))
-        self.doubled = np.concatenate(doubled)
+    low: int
+    high: int
+    numbers: IntArray
+    doubled: IndexArray
+
+
+def entries_of_chunks(
+    chunks: list[Chunk], n_triangles: int, pattern: SymmetricPattern
+) -> list[ChunkEntries]:
+    """Find the entries of all chunks of a mesh, slab by slab.
+
+    The vertices of a slab are few enough for a table of their entries.
+    """
+    entries = list(ordered_map(lambda chunk: _entries_without_numbers(chunk, pattern), chunks))
+    # A workspace of its own: its large tables are not needed again.
+    workspace = Workspace()
+
+    def look_up(slab: slice) -> None:
+        parts = [
+            part
+            for chunk, own in zip(chunks, entries, strict=True)
+            for part in _parts_in_slab(chunk, own, slab)
+        ]
+        low = min(int(part.vertices.min()) for part in parts)
+        high = max(int(part.vertices.max()) for part in parts) + 1
+        places = pattern.places(low, high, workspace)
+        for part in parts:
+            vertices = part.vertices - np.int32(low)
+            if part.is_whole:
+                places.numbers(vertices, part.pairs, part.first, out=part.numbers)
+            else:
+                found = np.empty((len(part.numbers), len(part.columns)), dtype=np.int32)
+                places.numbers(vertices, part.pairs, part.first, out=found)
+                part.numbers[:, part.columns] = found
+
+    for_each(look_up, triangle_slabs(n_triangles))
+    return entries
+
+
+def _entries_without_numbers(chunk: Chunk, pattern: SymmetricPattern) -> ChunkEntries:
+    """Make the entries of a chunk, all but what is in `numbers`."""
+    low, high = pattern.row_starts[[chunk.low, chunk.high]].tolist()
+    doubled = [np.empty(0, dtype=np.intp)]
+    for block in chunk.blocks:
+        for group in block.groups:
+            vertices = group.of_control(block.control_points)
+            doubled.append(group.entries.start + _doubled(vertices, group.pairs))
+    numbers = np.empty(chunk.n_entries, dtype=np.int32)
+    return ChunkEntries(low, high, numbers, np.concatenate(doubled))
+
+
+class _Part(NamedTuple):
+    """The triangles of a group that lie in a slab.
+
+    Attributes
+    ----------
+    vertices : (K, n) int32
+        Their control points; a copy.
+    pairs : two arrays (p,)
+    numbers : (p, n_group) int32
+        Entries of the whole group, to be filled in.
+    columns : (n,) int
+        The part's triangles among those of the group.
+    first : int
+        Entry from which numbers are counted.
+    """
+
+    vertices: IntArray
+    pairs: Pairs
+    numbers: IntArray
+    columns: IndexArray
+    first: int
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether the part is the whole group."""
+        return len(self.columns) == self.numbers.shape[1]
+
+
+def _parts_in_slab(chunk: Chunk, entries: ChunkEntries, slab: slice) -> Iterator[_Part]:
+    """Find what a chunk has in a slab: most chunks lie in one, those of uncommon classes do not."""
+    for block in chunk.blocks:
+        inside = (block.triangles >= slab.start) & (block.triangles < slab.stop)
+        if not inside.any():
+            continue
+        for group in block.groups:
+            columns = np.flatnonzero(inside[group.columns])
+            if len(columns):
+                vertices = group.of_control(block.control_points)[:, columns]
+                yield _Part(
+                    vertices + np.int32(chunk.low),
+                    group.pairs,
+                    group.of_entries(entries.numbers),
+                    columns,
+                    entries.low,
+                )
 
 
 def _doubled(vertices: IntArray, pairs: Pairs) -> IndexArray:

@@ -95,8 +95,7 @@ class SymmetricPattern:
     def places(self, low: int, high: int, workspace: Workspace) -> Places:
         """Prepare to look up entries among the vertices from `low` to `high` - 1.
 
-        Numbers are counted from the first entry of row `low`.  What is returned serves until the
-        thread uses the workspace for other places.
+        What is returned serves until the thread uses the workspace for other places.
         """
         # In an order of small bandwidth a table with a place for every pair of near vertices is
         # not much larger than the entries.
@@ -129,15 +128,14 @@ class SymmetricPattern:
             if not is_within.all():
                 row, column, place_in_row = (x[is_within] for x in (row, column, place_in_row))
             table[np.take(base, row, mode="wrap") + column] = place_in_row
-        row_starts = self.row_starts[low:high] - self.row_starts[low]
-        return _TabledPlaces(table, base, order.astype(np.intp), row_starts)
+        return _TabledPlaces(table, base, order.astype(np.intp), self.row_starts[low:high])
 
     def _searched_places(self, low: int, high: int) -> Places:
         sizes = np.diff(self.row_starts[low : high + 1])
         rows = np.repeat(np.arange(high - low, dtype=np.int32), sizes)
         columns = self.columns(low, high) - np.int32(low)
         is_within = columns < high - low
-        numbers = np.flatnonzero(is_within).astype(np.int32)
+        numbers = np.flatnonzero(is_within).astype(np.int32) + self.row_starts[low]
         return _SearchedPlaces(rows[is_within], columns[is_within], numbers, high - low)
 
 
@@ -182,17 +180,19 @@ def _row_chunk(near: sparse.csr_array, two_edges: sparse.csr_array, rows: slice)
 
 
 class Places(Protocol):
-    """Finds the upper entries of pairs of vertices of one chunk."""
+    """Finds the upper entries of pairs of near vertices."""
 
-    def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:
+    def numbers(self, vertices: IntArray, pairs: Pairs, first: int, out: IntArray) -> None:
         """Write the numbers of entries of local matrices.
 
         Parameters
         ----------
         vertices : (K, n) int32
-            Control points, counted from the chunk's lowest vertex.
+            Control points, counted from the lowest vertex of the places.
         pairs : two arrays (p,)
             Pairs of control points (a, b), a ≤ b, in the order of ``numpy.triu_indices``.
+        first : int
+            The entry from which numbers are counted.
         out : (p, n) int32
         """
 
@@ -209,10 +209,10 @@ class _TabledPlaces:
         self._table, self._base, self._order = table, base, order
         self._row_starts = row_starts
 
-    def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:
+    def numbers(self, vertices: IntArray, pairs: Pairs, first: int, out: IntArray) -> None:
         order = np.take(self._order, vertices, mode="wrap")
         base = np.take(self._base, order, mode="wrap")
-        starts = np.take(self._row_starts, vertices, mode="wrap")
+        starts = np.take(self._row_starts, vertices, mode="wrap") - np.int32(first)
         a, b = pairs
         if vertices.shape[1] < FEW_TRIANGLES:
             place = np.maximum(np.take(order, a, axis=0), np.take(order, b, axis=0))
@@ -237,11 +237,12 @@ class _SearchedPlaces:
     def __init__(self, rows: IntArray, columns: IntArray, numbers: IntArray, n: int) -> None:
         self._numbers = sparse.csr_array((numbers, (rows, columns)), shape=(n, n))
 
-    def numbers(self, vertices: IntArray, pairs: Pairs, out: IntArray) -> None:
+    def numbers(self, vertices: IntArray, pairs: Pairs, first: int, out: IntArray) -> None:
         a, b = pairs
         row, column = _ascending(vertices[a], vertices[b])
         found = self._numbers[row.reshape(-1), column.reshape(-1)]
         out[:] = np.asarray(found).reshape(out.shape)
+        out -= np.int32(first)
 
 
 def _narrow_order(near: sparse.csr_array) -> IntArray:

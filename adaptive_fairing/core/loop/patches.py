@@ -1,7 +1,7 @@
 """The patches of a mesh: triangles grouped by patch class, with their control points.
 
-Triangles are cut into chunks of neighbouring ones, and each chunk is sorted by class.  A run of
-triangles of one class within a chunk is a segment: its integrals are dense matrix products.
+Triangles are parted into chunks, and each chunk is sorted by class.  A run of triangles of one
+class within a chunk is a segment: its integrals are dense matrix products.
 """
 
 from __future__ import annotations
@@ -15,14 +15,10 @@ import numpy as np
 
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import IndexArray, IntArray, LongArray
-from ..runtime.threads import chunks, ordered_map
+from ..runtime.threads import ordered_map
+from .partition import chunk_triangles
 from .patch_class import TETRAHEDRON, Corner, PatchClass, count_control_points, is_regular_patch
 from .quadrature import QuadratureChoice, quadrature_choice
-
-# Threads that change places at every small array wait for the interpreter more than they compute:
-# chunks are large, but for meshes that would then have too few for all threads.  Meshes of fewer
-# than two of the small ones stay whole.
-LARGEST_CHUNK, SMALL_CHUNK, USUAL_CHUNKS = 49152, 5000, 4
 
 # Up to so many times their number, values are sorted by marking them in a table.
 SMALL_VALUES = 4
@@ -80,7 +76,7 @@ class PatchSet:
     @cached_property
     def chunks(self) -> list[list[Segment]]:
         """Every triangle occurs in exactly one segment."""
-        return list(ordered_map(self._segments, triangle_chunks(self.topology.n_triangles)))
+        return list(ordered_map(self._segments, chunk_triangles(self.class_of, self.class_sizes)))
 
     @property
     def segments(self) -> Iterator[Segment]:
@@ -95,12 +91,12 @@ class PatchSet:
         regular_part = float(self.class_sizes[is_regular].sum() / n_triangles)
         return quadrature_choice(tolerance, n_triangles, regular_part)
 
-    def _segments(self, chunk: slice) -> list[Segment]:
+    def _segments(self, chunk: IndexArray) -> list[Segment]:
         """Sort the triangles of a chunk by class."""
         class_of = self.class_of[chunk]
         order = np.argsort(class_of, kind="stable")
         bounds = np.flatnonzero(np.diff(class_of[order], prepend=-1, append=-1))
-        triangles = chunk.start + order
+        triangles = chunk[order]
         flat, starts = self._control_points(triangles, bounds)
         segments = []
         for k, (low, high) in enumerate(pairwise(bounds.tolist())):
@@ -160,12 +156,6 @@ class PatchSet:
             edges = half_edge[members]
             start = topology.ring_start[topology.origins[edges]]
             flat[place[members]] = topology.ring[start + (topology.ring_position[edges] + 2) % 3]
-
-
-def triangle_chunks(n_triangles: int) -> list[slice]:
-    """Cut a mesh into chunks; the same on every machine, as results are."""
-    size = min(max(-(-n_triangles // USUAL_CHUNKS), SMALL_CHUNK), LARGEST_CHUNK)
-    return chunks(n_triangles, size)
 
 
 def corner_codes(topology: TriangleTopology) -> tuple[LongArray, dict[int, Corner]]:
