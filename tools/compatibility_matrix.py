@@ -3,7 +3,8 @@
 The Blenders are the bpy modules of the supported versions (tools/bpy_environments.py), and real
 programs when some are named: a Blender on this machine, or one of a Debian release in a chroot
 (tools/real_blender.py, needs root). In each of them tests/extension/check_installed.py runs in
-fresh processes; under the bpy modules the fast tests run as well.
+fresh processes; under the bpy modules the fast tests run as well. If a module that may crash does,
+its tests run once more, and the table is followed by where it crashed.
 
 Usage: python tools/compatibility_matrix.py [--only [VERSION ...]] [--blender COMMAND ...]
        [--debian RELEASE ...] [--cache DIR] [--no-tests]
@@ -17,6 +18,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import shlex
 import subprocess
 import sys
@@ -50,11 +52,12 @@ COLUMNS = (
 
 @dataclass
 class Row:
-    """What one Blender did: a short text per column, and every failure in full."""
+    """What one Blender did: a short text per column, and every failure and crash in full."""
 
     name: str
     cells: dict[str, str] = field(default_factory=dict)
     failures: list[str] = field(default_factory=list)
+    crashes: list[str] = field(default_factory=list)
 
     def fail(self, column: str, details: str) -> None:
         """Record a failure."""
@@ -190,7 +193,7 @@ def check_module(module: BlenderModule, archives: dict[str, Path], cache: Path, 
         )
         if tests:
             try:
-                _run_tests(row, python, make_test_packages(module, cache), work)
+                _run_tests(row, module, python, make_test_packages(module, cache), work)
             except InstallError as error:
                 row.fail("tests", str(error))
     return row
@@ -245,16 +248,29 @@ def _take(row: Row, result: dict) -> None:
         row.fail(result["failed"]["check"], result["failed"]["error"])
 
 
-def _run_tests(row: Row, python: Path, packages: Path, work: Path) -> None:
-    """Run the fast tests of core and add-on under a bpy module; keep pytest's summary."""
-    command = [str(python), "-m", "pytest", "--quiet", "-p", "no:cacheprovider"]
-    command += ["--rootdir", str(ROOT), "--config-file", str(ROOT / "pyproject.toml")]
-    command += [str(ROOT / "tests" / "core"), str(ROOT / "tests" / "blender")]
-    done = run_isolated(command, work, PYTHONPATH=str(packages))
-    if done.returncode == 0:
-        row.cells["tests"] = done.stdout.strip().splitlines()[-1].partition(" in ")[0]
-    else:
-        row.fail("tests", f"{done.stdout[-6000:]}{done.stderr[-2000:]}")
+def _run_tests(row: Row, module: BlenderModule, python: Path, packages: Path, work: Path) -> None:
+    """Run the fast tests of core and add-on under a bpy module; keep pytest's summaries."""
+    summaries = []
+    for folder in ("core", "blender"):
+        command = [str(python), "-m", "pytest", "--quiet", "-p", "no:cacheprovider"]
+        command += ["--rootdir", str(ROOT), "--config-file", str(ROOT / "pyproject.toml")]
+        command.append(str(ROOT / "tests" / folder))
+        done = run_isolated(command, work, PYTHONPATH=str(packages))
+        if done.returncode < 0 and module.may_crash:
+            row.crashes.append(f"{row.name}, tests/{folder}: {_ends(done)}")
+            done = run_isolated(command, work, PYTHONPATH=str(packages))
+        if done.returncode == 0:
+            summaries.append(done.stdout.strip().splitlines()[-1].partition(" in ")[0])
+        else:
+            row.fail("tests", f"{folder}\n{_ends(done)}")
+            return
+    row.cells["tests"] = " + ".join(summaries)
+
+
+def _ends(done: subprocess.CompletedProcess[str]) -> str:
+    """Return the end of what a process said; of a crash that is where each thread was."""
+    errors = re.sub(r"(?m)^Extension modules: .*$", "", done.stderr)
+    return f"exit status {done.returncode}\n{done.stdout[-6000:]}\n{errors[-6000:]}"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -297,6 +313,8 @@ def main(arguments: list[str] | None = None) -> int:
         for release in options.debian:
             add(check_debian(release, plain))
     print(table(rows))
+    for crash in [crash for row in rows for crash in row.crashes]:
+        print(f"\nCRASHED, and run once more: {crash}", file=sys.stderr)
     failures = [failure for row in rows for failure in row.failures]
     for failure in failures:
         print(f"\n{failure}", file=sys.stderr)
