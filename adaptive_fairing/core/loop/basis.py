@@ -74,11 +74,8 @@ def _chain_rule(table: FloatArray, jacobian: FloatArray) -> FloatArray:
             [b * b, 2 * b * d, d * d],
         ]
     )
-    result = np.empty_like(table)
-    result[0] = table[0]
-    result[1:3] = np.tensordot(first, table[1:3], axes=1)
-    result[3:6] = np.tensordot(second, table[3:6], axes=1)
-    return result
+    rows = table.reshape(N_DERIVATIVES, -1)
+    return np.concatenate([rows[:1], first @ rows[1:3], second @ rows[3:]]).reshape(table.shape)
 
 
 class BasisTable(NamedTuple):

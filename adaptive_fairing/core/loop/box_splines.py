@@ -5,14 +5,19 @@ Source: J. Stam, Evaluation of Loop subdivision surfaces, 1998.
 
 from __future__ import annotations
 
+from itertools import product
+
 import numpy as np
 
 from ..runtime.arrays import FloatArray, LongArray
 from .patch_class import ControlPoints, PatchClass
 
+# Exponents of the monomials of the splines, degree 4, and of their first and second derivatives.
+_EXPONENTS = [powers for powers in product(range(5), repeat=3) if 2 <= sum(powers) <= 4]
 
-def _box_spline_coefficients() -> tuple[LongArray, LongArray]:
-    """Exponents (15, 3) and integer coefficients (12, 15), common factor 1/12.
+
+def _box_spline_coefficients() -> LongArray:
+    """Integer coefficients of the splines by monomial, (12, 31), common factor 1/12.
 
     In barycentric coordinates (u, v, w) of the triangle the twelve quartic box splines are three
     polynomials up to symmetry: that of a corner, of the vertex across an edge, and of a tip.
@@ -30,8 +35,7 @@ def _box_spline_coefficients() -> tuple[LongArray, LongArray]:
     tip_w = {(4, 0, 0): 1, (3, 0, 1): 2}
     tip_v = {(4, 0, 0): 1, (3, 1, 0): 2}
 
-    exponents = sorted(at_u)
-    coefficients = np.zeros((12, 15), dtype=np.int64)
+    coefficients = np.zeros((12, len(_EXPONENTS)), dtype=np.int64)
     for corner in range(3):
         # Ring entries 2, 3, 4 of a corner: across the edge to the previous corner, then the tips.
         for slot, polynomial in zip(
@@ -45,11 +49,29 @@ def _box_spline_coefficients() -> tuple[LongArray, LongArray]:
                     exponent[(1 - corner) % 3],
                     exponent[(2 - corner) % 3],
                 )
-                coefficients[slot, exponents.index(rotated)] = value
-    return np.array(exponents), coefficients
+                coefficients[slot, _EXPONENTS.index(rotated)] = value
+    return coefficients
 
 
-_EXPONENTS, _COEFFICIENTS = _box_spline_coefficients()
+def _along(parameter: int, coefficients: LongArray) -> LongArray:
+    """Differentiate by ξ1 or ξ2: ∂1 = ∂v - ∂u and ∂2 = ∂w - ∂u, because u = 1 - ξ1 - ξ2."""
+    derivative = np.zeros_like(coefficients)
+    for exponent, own in zip(_EXPONENTS, coefficients.T, strict=True):
+        for axis, sign in ((parameter, 1), (0, -1)):
+            lowered = tuple(power - (k == axis) for k, power in enumerate(exponent))
+            if own.any() and exponent[axis]:
+                derivative[:, _EXPONENTS.index(lowered)] += sign * exponent[axis] * own
+    return derivative
+
+
+def _with_derivatives(coefficients: LongArray) -> FloatArray:
+    """Stack coefficients (12, 31) of the value, ∂1, ∂2, ∂11, ∂12, ∂22 as (6, 31, 12)."""
+    first, second = _along(1, coefficients), _along(2, coefficients)
+    seconds = [_along(1, first), _along(2, first), _along(2, second)]
+    return np.stack([coefficients, first, second, *seconds]).transpose(0, 2, 1) / 12
+
+
+_COEFFICIENTS = _with_derivatives(_box_spline_coefficients())
 
 
 def box_splines(points: FloatArray) -> FloatArray:
@@ -67,32 +89,10 @@ def box_splines(points: FloatArray) -> FloatArray:
     points = np.asarray(points, dtype=np.float64)
     bary = np.stack([1 - points.sum(axis=1), points[:, 0], points[:, 1]], axis=1)
     powers = bary[:, :, None] ** np.arange(5)
-
-    def monomials(derivative: tuple[int, int, int]) -> FloatArray:
-        product = np.ones((len(points), len(_EXPONENTS)))
-        for axis, order in enumerate(derivative):
-            exponent = _EXPONENTS[:, axis]
-            factor = np.ones(len(exponent))
-            for k in range(order):
-                factor = factor * (exponent - k)
-            product *= factor * powers[:, axis, np.maximum(exponent - order, 0)]
-        return product
-
-    # ∂1 = ∂v - ∂u and ∂2 = ∂w - ∂u, because u = 1 - ξ1 - ξ2.
-    u, v, w = monomials((1, 0, 0)), monomials((0, 1, 0)), monomials((0, 0, 1))
-    uu, vv, ww = monomials((2, 0, 0)), monomials((0, 2, 0)), monomials((0, 0, 2))
-    uv, uw, vw = monomials((1, 1, 0)), monomials((1, 0, 1)), monomials((0, 1, 1))
-    stacked = np.stack(
-        [
-            monomials((0, 0, 0)),
-            v - u,
-            w - u,
-            vv - 2 * uv + uu,
-            vw - uv - uw + uu,
-            ww - 2 * uw + uu,
-        ]
-    )
-    return stacked @ (_COEFFICIENTS.T / 12)
+    u, v, w = np.transpose(_EXPONENTS)
+    monomials = powers[:, 0, u] * powers[:, 1, v] * powers[:, 2, w]
+    values: FloatArray = monomials @ _COEFFICIENTS
+    return values
 
 
 def ghost_matrix(patch_class: PatchClass) -> FloatArray:
