@@ -33,6 +33,7 @@ from ..data.weld import weld
 from ..files.import_losses import import_notes
 from ..files.mesh_files import export_mesh, import_mesh, save_blend
 from .frames import object_at_frame
+from .opening_view import color_by_density, denoised_beside, frame_views
 from .solve import Settings, Solve
 
 FRAMES_PER_STEP = 10
@@ -63,6 +64,9 @@ class FairingJob:
     refine
         Steps of Loop subdivision of the result, onto the limit surface; 0 moves the vertices there
         without new ones, None leaves the result as it is.
+    denoised_beside
+        Whether an output .blend of a mesh file gets a second object with the result of `denoise`
+        beside that of the paper's method.
     """
 
     input: Path
@@ -72,6 +76,7 @@ class FairingJob:
     report: Path | None = None
     frame: int | None = None
     refine: int | None = None
+    denoised_beside: bool = False
 
 
 @dataclass(frozen=True)
@@ -212,12 +217,21 @@ class _Run:
         is_copy = needs_copy(obj)
         obj = writable_object(obj)
         if suffix_of(job.output) == BLEND:
+            is_own_scene = suffix_of(job.input) != BLEND
+            objects = [obj]
+            if solve.steps and is_own_scene and job.denoised_beside:
+                beside, note = denoised_beside(obj, solve, surface_vertex)
+                self.notes.append(note)
+                objects += [] if beside is None else [beside]
             shapes = [shape[surface_vertex] for shape in solve.shapes]
             write_absolute_keys(obj, shapes, solve.shown)
             if solve.steps:
                 write_density(obj.data, solve.steps[-1].density[surface_vertex])
+                color_by_density(obj)
             self._refine(obj)
-            _put_on_timeline(obj, solve.shown, extend=suffix_of(job.input) == BLEND)
+            _put_on_timeline(obj, solve.shown, extend=not is_own_scene)
+            if is_own_scene:
+                frame_views(objects)
             save_blend(job.output)
         else:
             write_final_shape(obj, solve.shapes[solve.shown][surface_vertex])

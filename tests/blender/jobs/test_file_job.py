@@ -64,9 +64,6 @@ def test_the_result_is_that_of_the_core(noisy, tmp_path):
         )
     density = expected.steps[-1].density.astype(np.float32)
     np.testing.assert_array_equal(numbers(obj.data, "fairing_density"), density)
-    # Its colour is there to be looked at, and is not the one that exporters write.
-    assert "fairing_density_color" in obj.data.color_attributes
-    assert obj.data.color_attributes.active_color is None
 
 
 def test_the_saved_file_opens_on_the_result_and_plays_the_evolution(noisy, tmp_path):
