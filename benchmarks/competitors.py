@@ -24,7 +24,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tools.samples.triangles import FloatArray
+from tools.geometry.triangles import FloatArray
 
 from . import meshes
 from .measuring import peak_memory, resident_memory
@@ -149,7 +149,7 @@ def blender(mesh: meshes.Mesh, amount: Amount, modifier: str, **options: object)
     """Evaluate a modifier in Blender."""
     import bpy
 
-    from tools.samples.blender_meshes import add_modifier, evaluated, new_object
+    from tools.geometry.blender_meshes import add_modifier, evaluated, new_object
 
     item = new_object(mesh.vertices, mesh.triangles)
     bpy.context.view_layer.update()

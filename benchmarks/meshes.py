@@ -17,9 +17,9 @@ import numpy as np
 from adaptive_fairing.core import FairingSettings, TriangleTopology
 from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale, suggest_tau
 from adaptive_fairing.core.loop.patches import PatchSet
-from tools.samples import ply
-from tools.samples.noise import add_noise
-from tools.samples.triangles import Faces, FloatArray, convex_hull, icosahedron, spiral, unit
+from tools.geometry import ply
+from tools.geometry.noise import add_noise
+from tools.geometry.triangles import Faces, FloatArray, convex_hull, icosahedron, spiral, unit
 
 NOISE = 0.15
 """Standard deviation of the noise along the normals, over the local edge length."""

@@ -19,7 +19,7 @@ import numpy as np
 
 from adaptive_fairing.blender.data import refinements
 from adaptive_fairing.blender.data.refined_object import RefineOptions, refine_object
-from tools.samples.triangles import torus
+from tools.geometry.triangles import torus
 
 from .measuring import load, machine, table
 

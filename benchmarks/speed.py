@@ -22,7 +22,7 @@ import tempfile
 from pathlib import Path
 
 from adaptive_fairing.core.diffusion.smoothing_radius import equivalent_uniform_tau
-from tools.samples.triangles import edge_lengths
+from tools.geometry.triangles import edge_lengths
 
 from . import cgal_program, meshes
 from .competitors import KEPT, OURS, PROGRAMS

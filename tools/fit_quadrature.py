@@ -28,7 +28,7 @@ from adaptive_fairing.core.loop.fitted_quadrature import is_fitted
 from adaptive_fairing.core.loop.patch_class import PatchClass, is_regular_patch
 from adaptive_fairing.core.loop.patches import PatchSet
 from adaptive_fairing.core.loop.quadrature import quadrature_choice
-from tools.samples.triangles import convex_hull, unit
+from tools.geometry.triangles import convex_hull, unit
 
 VALENCES = (4, 5, 6, 7, 8, 9, 10)
 N_KINDS = 6

@@ -21,7 +21,16 @@ import fetch_wheels
 ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "adaptive_fairing"
 SOURCES = sorted(PACKAGE.rglob("*.py"))
-FOLDERS = ("adaptive_fairing", "assets", "benchmarks", "docs", "examples", "tests", "tools")
+FOLDERS = (
+    "adaptive_fairing",
+    "assets",
+    "benchmarks",
+    "docs",
+    "examples",
+    "research",
+    "tests",
+    "tools",
+)
 
 # Platform tags that Blender's systems accept: the oldest system that README promises.
 SYSTEMS = {

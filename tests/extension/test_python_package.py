@@ -69,6 +69,7 @@ def test_sdist_holds_what_builds_and_tests_need(distributions):
     assert {"pyproject.toml", "blender_manifest.toml", "__init__.py", "README.md"} <= names
     assert {"LICENSE", "tests/conftest.py", "tools/build_extension.py"} <= names
     assert not {name for name in names if name.endswith((".whl", ".zip", ".pyc"))}
+    assert not {name for name in names if name.startswith("research/")}
 
 
 def test_installed_from_the_wheel_it_does_the_main_job(distributions, tmp_path):

@@ -8,8 +8,8 @@ flat ones).
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from tools.samples import triangles
-from tools.samples.triangles import edges_of, icosahedron, icosphere, split_1_to_4
+from tools.geometry import triangles
+from tools.geometry.triangles import edges_of, icosahedron, icosphere, split_1_to_4
 
 __all__ = ["edges_of", "icosahedron", "icosphere", "split_1_to_4"]
 

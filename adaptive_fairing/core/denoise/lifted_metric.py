@@ -16,7 +16,7 @@ Here ĝ is constant on every triangle, and given by the squared lengths of its e
     q_ij = (1 - s) + s |x_i - x_j|² / h² + |n_i - n_j|² / a²
 
 with the unit normals n of the vertices.  Functions are linear on every triangle.  That takes a
-sixth of the matrix entries of the Loop basis; the filters are as good (docs/denoise-notes.md).
+sixth of the matrix entries of the Loop basis; the filters are as good (research/notes.md).
 
 Source: the anisotropic diffusion of the paper's references [3] and [4], written as a metric in the
 spirit of N. Sochen, R. Kimmel and R. Malladi, A general framework for low level vision, 1998.

@@ -2,10 +2,10 @@
 
 Functions read `parameters()` where they need a number.  `using` replaces the numbers for the code
 inside its block, in the calling thread only: tasks of a thread pool must get them as arguments.
-`python -m benchmarks.denoising.sensitivity` shows how the benchmark answers to each.
+`python -m research.denoising.sensitivity` shows how the benchmark answers to each.
 
 Lengths are in local edge lengths, times in squared edge lengths, angles in radians.  All numbers
-together were chosen on the tuning shapes of `benchmarks/denoising`, for the most part with normal
+together were chosen on the tuning shapes of `research/denoising`, for the most part with normal
 noise of 0.2.  A comment says what a number means and what it was found on; "by hand" if no
 measurement of it alone is recorded.
 """
