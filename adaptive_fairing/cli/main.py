@@ -9,7 +9,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..batch.memory_use import address_space_bytes, in_gigabytes
 from ..batch.summary import outcome_of
@@ -24,9 +24,6 @@ from .apart import (
 from .interrupts import INTERRUPTED, raise_at_interrupt
 from .messages import PROGRAM, say
 from .options import WRONG_ARGUMENTS, parse, settings_of
-
-if TYPE_CHECKING:
-    pass
 
 DONE, COULD_NOT = 0, 1
 WORKER = "--worker"

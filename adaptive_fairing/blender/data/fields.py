@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import NDArray
 
 from ...core import FairingSettings, InputError, LimitSurface, mesh_density
+from ...core.mesh.normals import vertex_normals_of
 from ...core.mesh.solver_mesh import SolverFrame, solvable_surface
 from ...core.runtime.arrays import FloatArray
 from ...core.surface.refined_net import RefinedNet
@@ -63,7 +64,7 @@ def field_values(
         raise InputError("the mesh has no faces: there is no surface to look at")
     if field == "REMOVED":
         # Normals of the shown surface, because those of the original are as noisy as it is.
-        normals = _vertex_normals(shown, triangles)
+        normals = vertex_normals_of(triangles, shown)
         removed = np.einsum("id,id->i", original - shown, normals)
         return np.where(normals.any(axis=1), removed, np.nan)
     if field in CURVATURE_FIELDS:
@@ -95,19 +96,3 @@ def shown_density(
         topology, frame.inward(positions), settings.density, settings.density_passes
     )
     return frame.to_caller(np.where(topology.is_loose, np.nan, density))
-
-
-def _vertex_normals(positions: FloatArray, triangles: NDArray[np.int32]) -> FloatArray:
-    """Compute unit normals, (n, 3), weighted by area; 0 without a triangle. Fast, for a slider."""
-    a, b, c = (positions[triangles[:, corner]] for corner in range(3))
-    of_triangles = np.cross(b - a, c - a)
-    corners = triangles.ravel()
-    normals = np.stack(
-        [
-            np.bincount(corners, np.repeat(of_triangles[:, axis], 3), len(positions))
-            for axis in range(3)
-        ],
-        axis=1,
-    )
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0)

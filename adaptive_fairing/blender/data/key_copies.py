@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .mesh_arrays import flat_float32
+from .mesh_arrays import flat_float32, read_key
 
 SETTINGS = ("interpolation", "mute", "slider_min", "slider_max", "value", "vertex_group")
 """What a key has beside its shape, its place and the key it is relative to."""
@@ -36,12 +36,8 @@ def read_keys(mesh: bpy.types.Mesh) -> KeyShapes | None:
     """Read all keys of a mesh in Object Mode; None if it has none."""
     if mesh.shape_keys is None:
         return None
-    positions = []
-    for block in mesh.shape_keys.key_blocks:
-        buffer = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-        block.points.foreach_get("co", buffer)
-        positions.append(buffer.reshape(-1, 3).astype(np.float64))
-    return KeyShapes(mesh.shape_keys, positions)
+    blocks = mesh.shape_keys.key_blocks
+    return KeyShapes(mesh.shape_keys, [read_key(block).astype(np.float64) for block in blocks])
 
 
 def write_keys(obj: bpy.types.Object, keys: KeyShapes, positions: Sequence[ArrayLike]) -> None:
@@ -57,7 +53,7 @@ def write_keys(obj: bpy.types.Object, keys: KeyShapes, positions: Sequence[Array
         (n, 3) of every key.
     """
     shown, only_this = obj.active_shape_key_index, obj.show_only_shape_key
-    _clear(obj)
+    clear_keys(obj)
     source = keys.source
     for block, shape in zip(source.key_blocks, positions, strict=True):
         if obj.data.shape_keys is not None:
@@ -87,14 +83,14 @@ def copy_settings(source: bpy.types.Key, target: bpy.types.Key) -> None:
     _copy_animation(source, target)
 
 
-def _clear(obj: bpy.types.Object) -> None:
+def clear_keys(obj: bpy.types.Object) -> None:
     """Take all keys off an object's mesh."""
     if obj.data.shape_keys is not None:
         name = obj.data.shape_keys.name
         obj.shape_key_clear()
         left = bpy.data.shape_keys.get((name, None))
         if left is not None:
-            # Blender leaves the copied block behind, counted as used, though nothing uses it.
+            # Blender leaves a copied block behind, counted as used, though nothing uses it.
             bpy.data.batch_remove([left])
 
 

@@ -30,6 +30,7 @@ from .attribute_arrays import (
 from .key_copies import read_keys, write_keys
 from .mesh_arrays import flat_float32, is_shared, n_triangles, read_positions, write_positions
 from .refinements import RefinedShape, refinement_of
+from .rollback import remove_mesh
 from .vertex_groups import read_groups, write_groups
 
 SHARP_CREASE = 1.0
@@ -217,5 +218,5 @@ def _retire(old: bpy.types.Mesh, new: bpy.types.Mesh) -> None:
     """Remove a mesh that nothing uses any more, and hand its name on."""
     if old.users == 0:
         name = old.name
-        bpy.data.meshes.remove(old)
+        remove_mesh(old)
         new.name = name

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .attribute_arrays import read_boolean
 from .mesh_building import integers
-from .stored_result import group_weights
+from .vertex_groups import group_weights
 
 MODES = ("OBJECT", "EDIT", "SCULPT")
 SCULPT_MASK = ".sculpt_mask"

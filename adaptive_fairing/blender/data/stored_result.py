@@ -23,6 +23,7 @@ import numpy as np
 from . import modifier
 from .attribute_arrays import remove_attributes
 from .mesh_arrays import read_mesh_coordinates, write_positions
+from .vertex_groups import group_weights
 
 if TYPE_CHECKING:  # enabling the add-on does not load the core
     from ...core.runtime.arrays import SingleArray
@@ -198,19 +199,6 @@ def forget_weights() -> None:
 
 
 _weights: dict[tuple[int, int], SingleArray] = {}  # of the object that was shown last
-
-
-def group_weights(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> SingleArray:
-    """Weights of a vertex group, (n,), 0 outside of it; Blender has no bulk access to them."""
-
-    def weights():
-        for index in range(len(obj.data.vertices)):
-            try:
-                yield group.weight(index)
-            except RuntimeError:  # the vertex is not in the group
-                yield 0.0
-
-    return np.fromiter(weights(), np.float32, len(obj.data.vertices))
 
 
 def _original(obj: bpy.types.Object) -> SingleArray:

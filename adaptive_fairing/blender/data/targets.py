@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ...core import FairingError
+from .key_copies import clear_keys
 from .mesh_arrays import is_shared, read_positions, write_positions
 from .shape_keys import has_foreign_keys, mixed_keys
 
@@ -86,11 +87,7 @@ def _copy_in_place(obj: bpy.types.Object) -> bpy.types.Object:
     copy.data = obj.data.copy()
     copy.data.make_local(clear_liboverride=True)
     if copy.data.shape_keys is not None:
-        keys = copy.data.shape_keys.name
-        copy.shape_key_clear()
-        if keys in bpy.data.shape_keys:
-            # Blender leaves the copied block behind, counted as used, though nothing uses it.
-            bpy.data.batch_remove([bpy.data.shape_keys[keys]])
+        clear_keys(copy)
         write_positions(copy.data, shown)
     collections = [each for each in obj.users_collection if each.library is None]
     for collection in collections or [obj.users_scene[0].collection]:

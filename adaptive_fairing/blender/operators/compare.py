@@ -198,6 +198,7 @@ def _plain_copy(source, name, vertices) -> bpy.types.Object:
     """Copy an object with a mesh of its own, without shape keys and parent."""
     from ..data import results
     from ..data.coloring import end_view
+    from ..data.key_copies import clear_keys
     from ..data.mesh_arrays import write_positions
 
     copy = source.copy()
@@ -206,8 +207,7 @@ def _plain_copy(source, name, vertices) -> bpy.types.Object:
     copy.data.name = name
     end_view(copy)
     results.clear(copy)
-    if copy.data.shape_keys is not None:
-        copy.shape_key_clear()
+    clear_keys(copy)
     write_positions(copy.data, vertices)
     copy.parent = None
     copy.matrix_world = source.matrix_world.copy()

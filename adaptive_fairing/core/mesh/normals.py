@@ -33,9 +33,14 @@ def triangle_normals(positions: FloatArray, triangles: IntArray) -> FloatArray:
 
 def vertex_normals(topology: TriangleTopology, positions: FloatArray) -> FloatArray:
     """Average the normals of the triangles around by area; unit vectors, (n, 3), 0 without any."""
-    by_area = triangle_normals(positions, topology.triangles)
-    corners = topology.triangles.T.reshape(-1)
-    sums = [np.bincount(corners, np.tile(x, 3), topology.n_vertices) for x in by_area.T]
+    return vertex_normals_of(topology.triangles, positions)
+
+
+def vertex_normals_of(triangles: IntArray, positions: FloatArray) -> FloatArray:
+    """Average normals as `vertex_normals` does, of triangles (m, 3) that need be no manifold."""
+    by_area = triangle_normals(positions, triangles)
+    corners = triangles.T.reshape(-1)
+    sums = [np.bincount(corners, np.tile(x, 3), len(positions)) for x in by_area.T]
     return unit_vectors(np.stack(sums, axis=1))
 
 
