@@ -1,33 +1,37 @@
-"""Film the head while it is faired, uniform beside adaptive timesteps.
+"""Film of the head while it is faired: the surface in grey, and the density in colours.
 
-Run `python -m research.figures.evolution [-o FILE.gif]`. Between two steps positions are linear, as
-they are between two shape keys of an evolution.
+Run `python -m research.figures.evolution [-o FILE.gif]`. It films the .blend that the README's
+first command makes, with the script that `examples/` has for it.
 """
 
 from __future__ import annotations
 
 import argparse
+import runpy
 import sys
+import tempfile
 from collections.abc import Sequence
 from pathlib import Path
 
+import bpy
 import numpy as np
-from PIL import Image
+from PIL import Image, ImageDraw
 
-from adaptive_fairing.core import fair
-from research.claims.measures import TIMESTEP_AREA, UNIFORM, Scheme, matched_tau
-from research.claims.pairs import MeshPair, sample_pair
-from research.figures.layout import FOLDER, Panel, Shot, sheet
-from research.figures.render import View
+from adaptive_fairing.blender.data.color_map import colors_srgb
+from adaptive_fairing.blender.jobs.file_job import FRAMES_PER_STEP, FairingJob, run_job
+from adaptive_fairing.core import FairingSettings
+from research.figures.layout import FOLDER, font
 
-SIDES = {"uniform timestep": UNIFORM, "adaptive timestep": TIMESTEP_AREA}
-STEPS, FRAMES_PER_STEP = 8, 3
-FIRST, EACH, LAST = 600, 100, 1100
-"""Milliseconds for which the first frame, each one between and the last frame are shown."""
+ROOT = Path(__file__).resolve().parents[2]
+WIDTH, SAMPLES, EVERY = 600, 8, 2
+CAPTION = 46
+"""Pixels above the picture for the text."""
 
-DIRECTION, SIZE, SAMPLES = (0.75, -1.0, 0.15), (270, 400), 8
-GREYS = 48
-"""Grey levels kept in the file: plenty for clay, and a third of the size."""
+FIRST, EACH, LAST = 1200, 120, 2400
+"""Milliseconds for which the first picture, each one between and the last are shown."""
+
+COLORS = 160
+"""Colours kept in the file, the same for all pictures: nothing flickers."""
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -37,37 +41,48 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "-o", "--output", type=Path, default=FOLDER / "evolution.gif", metavar="FILE.gif"
     )
     options = parser.parse_args(arguments)
-    pair = sample_pair("head")
-    # One box for all frames: the camera stands still while the mesh shrinks.
-    view = View(DIRECTION, box=(pair.noisy.min(axis=0), pair.noisy.max(axis=0)), margin=-0.11)
-    sides = {name: _evolution(pair, scheme) for name, scheme in SIDES.items()}
-    frames = []
-    for time in np.arange(STEPS * FRAMES_PER_STEP + 1) / FRAMES_PER_STEP:
-        panels = [Panel(_between(states, time), name, "") for name, states in sides.items()]
-        frames.append(sheet([panels], pair.triangles, [[Shot(view, SIZE)]], SAMPLES))
+    script = runpy.run_path(str(ROOT / "examples" / "render_evolution.py"))
+    with tempfile.TemporaryDirectory() as folder:
+        blend = Path(folder, "head.blend")
+        settings = FairingSettings()
+        run_job(FairingJob(ROOT / "assets" / "head_noisy.ply", blend, settings))
+        bpy.ops.wm.open_mainfile(filepath=str(blend))
+        numbers = {"width": WIDTH, "samples": SAMPLES, "every": EVERY}
+        script["main"]([folder, *(word for k, v in numbers.items() for word in (f"--{k}", str(v)))])
+        pictures = [Image.open(path).convert("RGB") for path in sorted(Path(folder).glob("*.png"))]
+    frames = [
+        _captioned(picture, min(EVERY * place / FRAMES_PER_STEP, settings.steps))
+        for place, picture in enumerate(pictures)
+    ]
     _write_gif(options.output, frames)
     return 0
 
 
-def _evolution(pair: MeshPair, scheme: Scheme) -> list[np.ndarray]:
-    """Return the input and all steps, at the τ that leaves the coarse parts as rough as clean."""
-    tau = matched_tau(scheme, pair.noisy, pair.clean, pair.classes, STEPS)
-    run = fair(pair.noisy, pair.triangles, scheme.settings(tau, STEPS))
-    return [pair.noisy, *(step.positions for step in run.steps)]
-
-
-def _between(states: Sequence[np.ndarray], time: float) -> np.ndarray:
-    """Return the positions at a time, 0 for the first state, 1 for the next one."""
-    first = min(int(time), len(states) - 2)
-    return states[first] + (time - first) * (states[first + 1] - states[first])
+def _captioned(picture: Image.Image, time: float) -> Image.Image:
+    """Write above a picture how far the evolution is, 1 after the first step, and a legend."""
+    sheet = Image.new("RGB", (picture.width, picture.height + CAPTION), "white")
+    sheet.paste(picture, (0, CAPTION))
+    draw = ImageDraw.Draw(sheet)
+    step = "input" if time == 0 else f"step {int(np.ceil(time))}"
+    draw.text((10, 20), "Adaptive Fairing", "black", font(16), anchor="ls")
+    draw.text((10, 38), step, "#444444", font(14), anchor="ls")
+    left = picture.width // 2
+    draw.text((left, 20), "Density: small triangles to large ones", "black", font(14), anchor="ls")
+    bar = np.round(255 * colors_srgb(np.arange(200))).astype(np.uint8)
+    sheet.paste(Image.fromarray(np.repeat(bar[None], 9, axis=0)), (left, 28))
+    return sheet
 
 
 def _write_gif(path: Path, frames: Sequence[Image.Image]) -> None:
-    # The same greys in all frames: nothing flickers.
-    levels = [round(round(v / 255 * (GREYS - 1)) * 255 / (GREYS - 1)) for v in range(256)]
-    grey = [frame.convert("L").point(levels) for frame in frames]
-    times = [FIRST, *[EACH] * (len(grey) - 2), LAST]
-    grey[0].save(path, save_all=True, append_images=grey[1:], duration=times, loop=0, optimize=True)
+    whole = Image.new("RGB", (frames[0].width, frames[0].height * 2))
+    whole.paste(frames[0], (0, 0))
+    whole.paste(frames[-1], (0, frames[0].height))
+    palette = whole.quantize(COLORS, dither=Image.Dither.NONE)
+    reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+    times = [FIRST, *[EACH] * (len(frames) - 2), LAST]
+    reduced[0].save(
+        path, save_all=True, append_images=reduced[1:], duration=times, loop=0, optimize=True
+    )
 
 
 if __name__ == "__main__":
