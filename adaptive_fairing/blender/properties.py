@@ -347,6 +347,7 @@ def fairing_settings(properties: SolverProperties) -> FairingSettings:
         values["method"] = FALLBACK_METHOD
     for name in ("stop_curvature", "stop_rate"):
         values[name] = values[name] or None
+    values["normalize"] = "box" if values["normalize"] else False
     return FairingSettings(**values)
 
 

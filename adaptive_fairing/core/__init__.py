@@ -11,7 +11,7 @@ from .denoise.progress import DenoiseProgress
 from .denoise.result import DenoiseResult
 from .denoise.settings import DenoiseSettings
 from .diffusion.results import FairingResult, FairingStep
-from .diffusion.settings import FairingSettings
+from .diffusion.settings import DENSITIES, SCHEMES, FairingSettings
 from .diffusion.steps import fair, fair_steps
 from .errors import FairingError, InputError, SettingsError, SolverError, TopologyError
 from .fem.differential_geometry import SurfaceMeasures
@@ -24,6 +24,8 @@ from .problem.prepared_mesh import PreparedMesh
 from .surface.limit_surface import LimitSurface
 
 __all__ = [
+    "DENSITIES",
+    "SCHEMES",
     "DenoisePlan",
     "DenoiseProgress",
     "DenoiseResult",

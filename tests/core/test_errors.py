@@ -20,17 +20,20 @@ from adaptive_fairing.core import (
 
 BAD_FAIRING = {
     "method": ["fast", "", None, 3],
-    "tau": [0, -0.1, float("nan"), float("inf"), "0.1", None, True],
+    "tau": [0, -0.1, float("nan"), float("inf"), "0.1", True],
+    "radius": [0, -1, float("nan"), float("inf"), "1", None, True],
     "steps": [0, -1, 2.0, "4", None, True],
     "density": ["edges", None],
     "density_passes": [-1, 1.5, None],
     "boundary": ["open", None],
+    "keep_volume": [None, 1, "yes"],
+    "max_deviation": [0, -1, float("nan"), "x"],
     "stop_curvature": [0, -1, float("nan"), "x"],
     "stop_rate": [0, -1, float("nan"), "x"],
     "cg_tolerance": [0, -1, 1, 2, float("nan"), None],
     "cg_max_iterations": [0, -5, 1.5, None],
     "quadrature_tolerance": [0, -1, 2, float("nan"), None],
-    "normalize": [None, 1, "yes"],
+    "normalize": [None, True, 0, 1, "cube"],
 }
 BAD_DENOISING = {
     "strength": [0, -1, 100, float("nan"), "1", None, True],

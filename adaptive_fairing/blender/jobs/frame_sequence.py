@@ -14,6 +14,7 @@ from ...core import (
     denoise,
     fair,
 )
+from ...core.diffusion.smoothing_radius import radius_scale, suggest_tau
 from ..data.mesh_arrays import MeshData, read_mesh
 from ..files.mesh_files import import_mesh
 from .file_job import Preparation, prepared_alone, solved_surface
@@ -114,14 +115,18 @@ def same_strength(data: MeshData, settings: Settings) -> tuple[Settings, float]:
     Returns
     -------
     DenoiseSettings or FairingSettings
-        Without anything that each frame would choose for itself.
+        Without anything that each frame would choose for itself, τ included.
     float
         Scale into the solver's frame, see `PreparedMesh`.
     """
     prepared = prepared_alone(data, settings).mesh
-    if isinstance(settings, FairingSettings) and (settings.stop_curvature or settings.stop_rate):
-        result = fair(data.vertices, data.triangles, settings, prepared=prepared)
-        settings = replace(settings, steps=len(result.steps), stop_curvature=None, stop_rate=None)
+    if isinstance(settings, FairingSettings):
+        if settings.tau is None:
+            scale = radius_scale(data.vertices, data.triangles, settings)
+            settings = replace(settings, tau=suggest_tau(scale, settings.radius, settings.steps))
+        if settings.stop_curvature or settings.stop_rate:
+            steps = len(fair(data.vertices, data.triangles, settings, prepared=prepared).steps)
+            settings = replace(settings, steps=steps, stop_curvature=None, stop_rate=None)
     return settings, prepared.own_scale
 
 

@@ -139,7 +139,7 @@ def _write_record(obj: bpy.types.Object, solve: Solve) -> None:
     record = obj.adaptive_fairing
     result = solve.denoised
     record.method = AUTO if solve.is_denoise else solve.settings.method
-    record.tau = 0.0 if solve.is_denoise else solve.settings.tau
+    record.tau = 0.0 if solve.is_denoise else solve.steps[-1].tau
     record.stop_reason = "" if solve.is_denoise else solve.stop_reason or "stopped"
     record.seconds = solve.seconds
     record.notes = "\n".join(solve.notes)

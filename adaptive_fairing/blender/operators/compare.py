@@ -188,7 +188,7 @@ def _title_and_label(solve) -> tuple[str, str]:
     else:
         is_uniform = solve.settings.method == "uniform"
         title = data_("Uniform") if is_uniform else data_("Adaptive")
-        with_what = f"τ = {solve.settings.tau:.3g}"
+        with_what = f"τ = {solve.steps[-1].tau:.3g}"
     before, after = solve.measures[0], solve.measures[solve.shown + 1]
     left = after.curvature_energy / before.curvature_energy if before.curvature_energy else 0.0
     return title, f"{title}\n{with_what}\nH {100 * left:.0f} %"

@@ -18,12 +18,14 @@ class FairingStep:
     ----------
     index : int
         1 for the first step.
+    tau : float
+        τ that ran: the settings' own, or the one that their radius asks for.
     time : float
         index · τ.
     positions : (n, 3)
         In the units of the input; vertices that are held have their input coordinates bit by bit.
     density : (n,)
-        d_i after smoothing, in the [-3, 3]³ frame, as this step used it; 0 at loose vertices.
+        d_i after smoothing, in the solver's frame, as this step used it; 0 at loose vertices.
     curvature_energy, area, volume : float
         Measures of the limit surface of `positions`, see `SurfaceMeasures`.
     solve : SolveReport
@@ -38,6 +40,7 @@ class FairingStep:
     """
 
     index: int
+    tau: float
     time: float
     positions: FloatArray
     density: FloatArray

@@ -20,7 +20,7 @@ from ..mesh.density import mesh_density
 from ..mesh.solver_mesh import SolverFrame, solvable_surface
 from ..mesh.topology import TriangleTopology, checked_triangles
 from ..runtime.arrays import FloatArray
-from .settings import FairingSettings
+from .settings import TAU_RANGE, FairingSettings
 
 EXTREME_FRACTION = 0.01
 """Fraction of the vertices that counts as the densest, and as the coarsest, part of a mesh."""
@@ -71,7 +71,7 @@ def radius_scale(vertices: ArrayLike, faces: ArrayLike, settings: FairingSetting
     faces : (m, 3)
         Triangles, as for `fair_steps`.
     settings : FairingSettings
-        The method, the density and the frame; τ and the number of steps play no part.
+        The method, the density and the frame; τ, radius and the number of steps play no part.
 
     Raises
     ------
@@ -81,12 +81,11 @@ def radius_scale(vertices: ArrayLike, faces: ArrayLike, settings: FairingSetting
     Source: T(x) = τ D(x) of section 3.2 of the paper; the radius sqrt(2T) from the heat kernel.
     """
     topology, positions, scale = _in_frame(vertices, faces, settings)
-    edges = mesh_density(topology, positions, "edge_length", smoothing_passes=0)
-    used = np.flatnonzero(edges > 0)
-    if not len(used):
-        raise InputError("no edge of the mesh has a length: there is nothing to smooth")
-    edges = edges[used]
-    radii = np.sqrt(2 * _timestep_per_tau(topology, positions, settings)[used]) / edges
+    edges, radii = _edges_and_radii(topology, positions, settings)
+    if not len(edges):
+        raise InputError(
+            "no edge of the mesh has a length, or no triangle an area: there is nothing to smooth"
+        )
     by_length = np.argsort(edges)
     n_extreme = max(round(EXTREME_FRACTION * len(by_length)), 1)
     parts = by_length[:n_extreme], by_length, by_length[-n_extreme:]
@@ -110,7 +109,8 @@ def equivalent_uniform_tau(
     """
     topology, positions, _ = _in_frame(vertices, faces, settings)
     per_tau = _timestep_per_tau(topology, positions, settings)
-    return settings.tau * float(per_tau[~topology.is_loose].mean())
+    tau = tau_of_run(topology, positions, settings)
+    return tau * float(per_tau[~topology.is_loose].mean())
 
 
 def suggest_tau(scale: RadiusScale, radius: float, steps: int) -> float:
@@ -123,7 +123,55 @@ def suggest_tau(scale: RadiusScale, radius: float, steps: int) -> float:
         Wanted radius after the last step, in local edge lengths.
     steps : int
     """
-    return (radius / scale.typical) ** 2 / steps
+    return _tau(scale.typical, radius, steps)
+
+
+def tau_of_run(
+    topology: TriangleTopology, positions: FloatArray, settings: FairingSettings
+) -> float:
+    """Find the τ that a run takes: the settings' own, or the one that their radius asks for.
+
+    Parameters
+    ----------
+    topology : TriangleTopology
+    positions : (n, 3)
+        Where the run starts, in the solver's frame.
+    settings : FairingSettings
+
+    Raises
+    ------
+    InputError
+        The radius asks for a τ out of `TAU_RANGE`.
+    """
+    if settings.tau is not None:
+        return settings.tau
+    _, radii = _edges_and_radii(topology, positions, settings)
+    if not len(radii):
+        return 1.0  # no length, or no time that could move anything, whatever τ is
+    tau = _tau(float(np.median(radii)), settings.radius, settings.steps)
+    if not TAU_RANGE[0] < tau < TAU_RANGE[1]:
+        raise InputError(
+            f"a radius of {settings.radius:g} edges means τ = {tau:g} on this mesh, which no solve "
+            'can take; choose another radius, or normalize="box"'
+        )
+    return tau
+
+
+def _tau(typical: float, radius: float, steps: int) -> float:
+    return (radius / typical) ** 2 / steps
+
+
+def _edges_and_radii(
+    topology: TriangleTopology, positions: FloatArray, settings: FairingSettings
+) -> tuple[FloatArray, FloatArray]:
+    """Measure local edges, and the smoothing radius over them after a time of 1.
+
+    (k,) each, where an edge has a length and there is any time.
+    """
+    edges = mesh_density(topology, positions, "edge_length", smoothing_passes=0)
+    per_tau = _timestep_per_tau(topology, positions, settings)
+    used = np.flatnonzero((edges > 0) & (per_tau > 0))
+    return edges[used], np.sqrt(2 * per_tau[used]) / edges[used]
 
 
 def _in_frame(

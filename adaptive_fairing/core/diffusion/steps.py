@@ -18,8 +18,10 @@ from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import CallerMesh, SolverProblem
 from ..runtime.arrays import FloatArray
 from ..runtime.precision import SINGLE
+from .deviation import limited
 from .results import FairingResult, FairingStep
 from .settings import FairingSettings
+from .smoothing_radius import tau_of_run
 
 # Diffusion lowers the curvature energy until a triangle, a tip or a thin part shrinks to nothing,
 # where curvature has no bound: a rise by this factor over the least so far is taken as its sign.
@@ -112,8 +114,13 @@ def _steps(
     space, frame, current, weights, is_held, notes = SolverProblem.posed(
         mesh, prepared, "fair", boundary=settings.boundary, normalize=normalize
     )
+    start, limit = current, settings.max_deviation
+    # Sizes of residuals must depend neither on where the mesh lies nor on how it is turned.
+    centre = start[~space.topology.is_loose].mean(axis=0)
+    tau = tau_of_run(space.topology, start, settings)
+    times = tau * weights
     solves = SuccessiveSolves()
-    density, system = _system(space, current, settings, weights, _serves_single(space, settings))
+    density, system = _system(space, current, settings, times, _serves_single(space, settings))
     initial = previous = system.measures
     least_energy = initial.curvature_energy
     for index in range(1, settings.steps + 1):
@@ -127,28 +134,29 @@ def _steps(
                 tolerance=settings.cg_tolerance,
                 max_iterations=settings.cg_max_iterations,
                 # M X(0), the right side of (3.3); its masses lumped are enough for a norm.
-                relative_to=system.lumped_mass[:, None] * current,
+                relative_to=system.lumped_mass[:, None] * (current - centre),
             )
         except SolverError as error:
             raise SolverError(f"step {index}: {error}") from error
         solves.add(increment, system.load)
-        current = current + increment
+        current = limited(current + increment, start, limit and limit * frame.scale)
         used_density = density
         # The system of the next step measures this step's surface on the way.
         if index < settings.steps and solve.converged:
             # Where single precision did not serve it is not tried again.
             in_single, in_double = system.matrix.is_single, system.in_double
-            density, system = _system(space, current, settings, weights, in_single, in_double)
+            density, system = _system(space, current, settings, times, in_single, in_double)
             measures = system.measures
         else:
             measures = space.measures(current, system.matrix.is_single)
-        reason = _stop_reason(index, settings, solve, initial, previous, measures)
+        reason = _stop_reason(index, settings, tau, solve, initial, previous, measures)
         least_energy = min(least_energy, measures.curvature_energy)
         outer = measures.scaled(1 / frame.scale)
         yield FairingStep(
             index=index,
-            time=index * settings.tau,
-            positions=frame.outward(current, mesh.points, is_held),
+            tau=tau,
+            time=index * tau,
+            positions=limited(frame.outward(current, mesh.points, is_held), mesh.points, limit),
             density=frame.to_caller(used_density),
             curvature_energy=outer.curvature_energy,
             area=outer.area,
@@ -167,15 +175,16 @@ def _system(
     space: LoopSpace,
     current: FloatArray,
     settings: FairingSettings,
-    weights: FloatArray,
+    times: FloatArray,
     in_single: bool,
     in_double: frozenset[Block] = frozenset(),
 ) -> tuple[FloatArray, StepSystem]:
-    """Density of the current surface, and the linear system (3.3) of the chosen scheme."""
+    """Density of the current surface, and the linear system (3.3) of the chosen scheme.
+
+    `times` (n,) are τ times the weights of the vertices.
+    """
     density = mesh_density(space.topology, current, settings.density, settings.density_passes)
-    field = settings.tau * weights
-    if settings.method != "uniform":
-        field *= density
+    field = times if settings.method == "uniform" else times * density
     if settings.method == "adaptive_tensor":
         system = space.step_system(
             current, diffusivity=field, in_single=in_single, in_double=in_double
@@ -190,7 +199,7 @@ def _system(
 def _serves_single(space: LoopSpace, settings: FairingSettings) -> bool:
     """Whether single precision is enough for a mesh, if its surfaces and times allow it."""
     return SINGLE.serves_mesh(
-        space.topology.n_triangles, settings.quadrature_tolerance, settings.normalize
+        space.topology.n_triangles, settings.quadrature_tolerance, settings.normalize is not False
     )
 
 
@@ -199,7 +208,7 @@ def _collapse_notes(energy: float, least: float) -> tuple[str, ...]:
         return ()
     return (
         f"the curvature energy is {energy / least:.3g} times its least so far: single triangles, "
-        "tips or thin parts are collapsing; a smaller tau or fewer steps avoid that",
+        "tips or thin parts are collapsing; a smaller radius or tau avoids that",
     )
 
 
@@ -211,6 +220,7 @@ def _positive(timestep: FloatArray) -> FloatArray:
 def _stop_reason(
     index: int,
     settings: FairingSettings,
+    tau: float,
     solve: SolveReport,
     initial: SurfaceMeasures,
     previous: SurfaceMeasures,
@@ -222,6 +232,6 @@ def _stop_reason(
     if settings.stop_curvature is not None and ratio <= settings.stop_curvature:
         return "curvature"
     change = ratio - energy_ratio(previous.curvature_energy, initial.curvature_energy)
-    if settings.stop_rate is not None and abs(change) / settings.tau <= settings.stop_rate:
+    if settings.stop_rate is not None and abs(change) / tau <= settings.stop_rate:
         return "rate"
     return "steps" if index == settings.steps else None

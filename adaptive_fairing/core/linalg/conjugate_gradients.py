@@ -53,7 +53,7 @@ class SolveReport:
     iterations : int
     residual : float
         |b - A x| / |b| in the norm of the inverse diagonal, over all coordinates together; for a
-        step b is M X(0), the right side of (3.3).
+        step b is M X(0), the right side of (3.3), with the origin amid the vertices.
     converged : bool
         Whether the residual is below the tolerance, or as small as rounding lets it be.
     """

@@ -1,23 +1,32 @@
 """Between the caller's mesh and the one that is solved on: numbering, cuts, units.
 
 The solve works on vertices in an order that keeps neighbours close in memory, on a mesh that was
-cut apart where it is no oriented manifold, and in the paper's frame [-3, 3]³.
+cut apart where it is no oriented manifold, and in a frame of its own: by default the paper's, the
+box [-3, 3]³.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Literal, TypeAlias
 
 import numpy as np
 
 from ..errors import TopologyError
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, LongArray
+from .enclosing_sphere import smallest_enclosing_sphere
 from .input_checks import bounding_box
 from .manifold import cut_to_manifold
 from .renumbering import sweep_order
 from .topology import TriangleTopology
 
 FRAME_SIZE = 6.0  # the paper resizes the mesh into the box [-3, 3]³
+
+Frame: TypeAlias = Literal["box", "sphere", False]
+"""What is scaled to `FRAME_SIZE`: the longest side of the box around the mesh, or the diameter of
+the smallest sphere around it, which does not change when the mesh is turned; or nothing."""
+
+FRAMES = ("box", "sphere")
 
 
 @dataclass(frozen=True)
@@ -72,10 +81,13 @@ class SolverFrame:
     surface: SolverSurface
 
     @classmethod
-    def of(cls, points: FloatArray, surface: SolverSurface, normalize: bool) -> SolverFrame:
-        """Fit the frame to the box of all vertices that have a triangle."""
-        low, high = bounding_box(points, surface.vertex_of[~surface.topology.is_loose])
+    def of(cls, points: FloatArray, surface: SolverSurface, normalize: Frame) -> SolverFrame:
+        """Fit the frame to all vertices that have a triangle."""
+        used = surface.vertex_of[~surface.topology.is_loose]
+        low, high = bounding_box(points, used)
         size = float((high - low).max())
+        if normalize == "sphere":
+            size = 2 * smallest_enclosing_sphere(points[used])[1]
         scale = FRAME_SIZE / size if normalize and size > 0 else 1.0
         # Always centred: far from the origin coordinates have fewer digits for the shape.
         return cls(low + (high - low) / 2, scale, surface)

@@ -12,7 +12,7 @@ from ..fem.loop_space import LoopSpace
 from ..fem.memory_estimate import Algorithm, estimated_bytes, require_memory
 from ..loop.patches import PatchSet
 from ..mesh.input_checks import checked_vertices, require_surface
-from ..mesh.solver_mesh import SolverFrame, solvable_surface
+from ..mesh.solver_mesh import Frame, SolverFrame, solvable_surface
 from ..mesh.topology import checked_triangles
 from ..runtime.arrays import FloatArray, IntArray
 
@@ -35,11 +35,11 @@ class PreparedMesh:
         As for `fair_steps`.
     quadrature_tolerance : float
         As in `FairingSettings`.
-    normalize : bool
+    normalize : "box", "sphere" or False
         As in `FairingSettings`.
     scale : float, optional
         Factor from every mesh into the solver's frame, such as `own_scale` of another preparation,
-        instead of one from each mesh's own box: one τ then means the same time, in the units of
+        instead of one from each mesh's own size: one τ then means the same time, in the units of
         the meshes, for all of them.
 
     Attributes
@@ -48,7 +48,7 @@ class PreparedMesh:
     surface : SolverSurface
         The manifold that is solved on.
     own_scale : float
-        Factor from the box of `vertices` into the solver's frame.
+        Factor from the units of `vertices` into the solver's frame.
 
     Raises
     ------
@@ -62,7 +62,7 @@ class PreparedMesh:
         faces: ArrayLike,
         *,
         quadrature_tolerance: float = DEFAULT_TOLERANCE,
-        normalize: bool = True,
+        normalize: Frame = "box",
         scale: float | None = None,
     ) -> None:
         points = checked_vertices(vertices)
@@ -114,7 +114,7 @@ class PreparedMesh:
                 f"the settings have {tolerance:g}"
             )
 
-    def frame(self, points: FloatArray, normalize: bool) -> SolverFrame:
+    def frame(self, points: FloatArray, normalize: Frame) -> SolverFrame:
         """Solver's frame for positions of this surface, with their own centre."""
         frame = SolverFrame.of(points, self.surface, normalize)
         return frame if self._scale is None else replace(frame, scale=self._scale)

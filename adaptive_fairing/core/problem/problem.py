@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from ..fem.loop_space import LoopSpace
 from ..fem.memory_estimate import Algorithm
 from ..mesh.input_checks import checked_vertices, checked_weights, require_surface
-from ..mesh.solver_mesh import SolverFrame
+from ..mesh.solver_mesh import Frame, SolverFrame
 from ..mesh.topology import checked_triangles
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
 from .diagnosis import surface_notes
@@ -82,7 +82,7 @@ class SolverProblem(NamedTuple):
         algorithm: Algorithm,
         *,
         boundary: str,
-        normalize: bool = True,
+        normalize: Frame = "box",
     ) -> SolverProblem:
         """Go over to the solver's mesh.
 

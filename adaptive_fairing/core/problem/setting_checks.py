@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from ..errors import SettingsError
+from ..mesh.solver_mesh import FRAMES
 
 # Vertices on the rim of an open mesh stay where they are, or move along with the natural boundary
 # condition.
@@ -34,6 +35,13 @@ def require_number(settings: object, name: str, *, above: float, below: float = 
             f" and less than {below:g}" if below < math.inf else ""
         )
         raise SettingsError(f"{name} must be a number {bound}, not {value!r}")
+
+
+def require_frame(settings: object, name: str) -> None:
+    """Require a frame of the solver: "box", "sphere" or False."""
+    value = getattr(settings, name)
+    if value is not False and value not in FRAMES:
+        raise SettingsError(f"{name} must be one of {', '.join(FRAMES)} or False, not {value!r}")
 
 
 def require_flag(settings: object, name: str) -> None:

@@ -1,8 +1,11 @@
 """The smoothing radius: what τ means in local edge lengths."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from support.meshes import flat_hexagon, graded_sphere, icosphere
+from scipy.spatial.transform import Rotation
+from support.meshes import flat_hexagon, graded_sphere, icosphere, noisy_ball
 
 from adaptive_fairing.core import FairingSettings, InputError, fair
 from adaptive_fairing.core.diffusion.smoothing_radius import (
@@ -92,6 +95,72 @@ def test_the_equivalent_uniform_tau_is_the_mean_local_time():
     assert equivalent_uniform_tau(vertices, faces, uniform) == 0.02
 
 
+@pytest.mark.parametrize("settings", SETTINGS, ids=lambda s: f"{s.method}-{s.density}")
+def test_without_tau_a_run_takes_the_one_that_its_radius_asks_for(settings):
+    vertices, faces = graded_sphere(2)
+    settings = replace(settings, radius=0.8, steps=3)
+    asked = suggest_tau(radius_scale(vertices, faces, settings), 0.8, 3)
+    by_radius = fair(vertices, faces, settings)
+    by_tau = fair(vertices, faces, replace(settings, tau=asked))
+    for index, (one, other) in enumerate(zip(by_radius.steps, by_tau.steps, strict=True), start=1):
+        assert one.tau == pytest.approx(asked, rel=1e-12)
+        assert other.tau == asked
+        assert one.time == pytest.approx(index * asked, rel=1e-12)
+        np.testing.assert_allclose(one.positions, other.positions, atol=1e-12)
+
+
+@pytest.mark.parametrize("density", ["edge_length", "area"])
+def test_the_default_does_the_same_to_a_coarse_and_to_a_dense_mesh(density):
+    """White noise in proportion to the edges: the part that is left does not know their number."""
+    left = []
+    for levels in (3, 4, 5):
+        vertices, faces = icosphere(levels)
+        edge = radius_scale(vertices, faces, FairingSettings()).edge_typical
+        heights = np.random.default_rng(1).normal(scale=0.2 * edge, size=len(vertices))
+        noisy = vertices * (1 + heights[:, None])
+        faired = np.linalg.norm(
+            fair(noisy, faces, FairingSettings(density=density)).positions, axis=1
+        )
+        left.append(np.std(faired) / np.std(heights))
+    assert max(left) < 0.6
+    assert left == pytest.approx([left[1]] * 3, rel=0.05)
+
+
+@pytest.mark.parametrize("normalize", ["box", "sphere", False])
+@pytest.mark.parametrize("settings", SETTINGS, ids=lambda s: f"{s.method}-{s.density}")
+def test_without_tau_the_frame_and_a_turn_change_nothing(settings, normalize):
+    vertices, faces = noisy_ball(2, 0.03)
+    vertices = vertices * (1, 2, 3)
+    turn = Rotation.from_euler("xyz", [0.3, 1.1, 2.2]).as_matrix()
+    expected = fair(vertices, faces, settings).positions
+    assert np.abs(expected - vertices).max() > 0.01
+    framed = replace(settings, normalize=normalize)
+    np.testing.assert_allclose(fair(vertices, faces, framed).positions, expected, atol=1e-12)
+    turned = fair(vertices @ turn.T, faces, framed).positions
+    np.testing.assert_allclose(turned, expected @ turn.T, atol=1e-12)
+
+
+def test_one_tau_in_the_frame_of_the_sphere_does_not_know_of_turns():
+    vertices, faces = noisy_ball(2, 0.03)
+    vertices = vertices * (1, 2, 3)
+    turn = Rotation.from_euler("xyz", [0.3, 1.1, 2.2]).as_matrix()
+    difference = {}
+    for normalize in ("box", "sphere"):
+        settings = FairingSettings(tau=0.02, normalize=normalize)
+        straight = fair(vertices, faces, settings).positions
+        turned = fair(vertices @ turn.T, faces, settings).positions
+        difference[normalize] = np.abs(turned - straight @ turn.T).max()
+    assert difference["sphere"] < 1e-12
+    assert difference["box"] > 1e-4
+
+
+def test_a_radius_beyond_all_times_is_refused():
+    vertices, faces = icosphere(1)
+    settings = FairingSettings(method="uniform", normalize=False)
+    with pytest.raises(InputError, match=r"a radius of 0\.5 edges means τ = .*box"):
+        fair(1e38 * vertices, faces, settings)
+
+
 def test_loose_vertices_change_nothing():
     vertices, faces = icosphere(2)
     more = np.concatenate([vertices, [[50.0, 0.0, 0.0]]])
@@ -105,7 +174,7 @@ def test_loose_vertices_change_nothing():
     ("vertices", "faces", "message"),
     [
         (np.zeros((0, 3)), np.zeros((0, 3), int), "no triangles"),
-        (np.zeros((3, 3)), np.array([[0, 1, 2]]), "no edge"),
+        (np.zeros((3, 3)), np.array([[0, 1, 2]]), "no edge .* has a length"),
     ],
 )
 def test_nothing_to_measure_is_refused(vertices, faces, message):

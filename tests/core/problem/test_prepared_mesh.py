@@ -10,7 +10,7 @@ from support.meshes import bumpy_disc, random_closed
 from adaptive_fairing.core import FairingSettings, InputError, LoopSpace, PreparedMesh, fair
 from adaptive_fairing.core.problem import prepared_mesh
 
-SETTINGS = FairingSettings(steps=2)
+SETTINGS = FairingSettings(tau=0.016, steps=2)
 MESHES = {
     "closed": random_closed(seed=3),
     "open": bumpy_disc(seed=3),

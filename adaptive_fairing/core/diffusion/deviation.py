@@ -1,0 +1,37 @@
+"""A bound for how far vertices may get from where they were."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..runtime.arrays import FloatArray
+
+# Room for the rounding of a distance.
+MARGIN = 1 - 8 * np.finfo(np.float64).eps
+
+
+def limited(positions: FloatArray, start: FloatArray, limit: float | None) -> FloatArray:
+    """Bring points that are too far from their start back to the sphere of that radius around it.
+
+    Parameters
+    ----------
+    positions, start : (n, 3)
+    limit : float, optional
+        Largest distance, in the units of the positions; None is no limit.
+
+    Returns
+    -------
+    (n, 3)
+        Not one point is farther than `limit`, rounding included.
+    """
+    if limit is None:
+        return positions
+    displacement = positions - start
+    distance = np.linalg.norm(displacement, axis=1)
+    far = np.flatnonzero(distance > limit)
+    result = positions.copy()
+    result[far] = start[far] + displacement[far] * (limit * MARGIN / distance[far])[:, None]
+    # Far from the origin sums lose more; one step in each coordinate makes up for it.
+    far = far[np.linalg.norm(result[far] - start[far], axis=1) > limit]
+    result[far] = np.nextafter(result[far], start[far])
+    return result
