@@ -64,6 +64,7 @@ def step_record(step: FairingStep, start: ArrayLike, seconds: float) -> Json:
     """
     return {
         "step": step.index,
+        "tau": step.tau,
         "time": step.time,
         "seconds": seconds,
         **_solve_record(step.solve),

@@ -59,12 +59,13 @@ def test_a_report_that_fails_leaves_the_old_one(tmp_path):
 
 def test_displacements_are_measured_from_the_input():
     vertices, faces = bumpy_disc(seed=0)
-    last = fair(vertices, faces, FairingSettings(steps=3)).steps[-1]
+    last = fair(vertices, faces, FairingSettings(tau=0.016, steps=3)).steps[-1]
     record = step_record(last, vertices, 1.5)
     moved = np.linalg.norm(last.positions - vertices, axis=1)
     assert record["largest_displacement"] == moved.max() > 0
     assert record["mean_displacement"] == moved.mean()
     assert record["seconds"] == 1.5
+    assert record["tau"] == 0.016
     assert record["time"] == 3 * 0.016
 
 

@@ -21,15 +21,17 @@ def surface(vertices, faces):
 
 
 class TestSameStrength:
-    def test_it_keeps_the_scale_of_the_first_frame(self):
+    def test_it_keeps_the_scale_and_the_time_of_the_first_frame(self):
         vertices, faces = random_closed(1)
         settings, scale = same_strength(surface(vertices, faces), FairingSettings())
-        assert settings == FairingSettings()
+        tau = fair(vertices, faces, FairingSettings()).steps[0].tau
+        assert settings.tau == pytest.approx(tau, rel=1e-9)
+        assert replace(settings, tau=None) == FairingSettings()
         assert scale == pytest.approx(6 / np.ptp(vertices, axis=0).max())
 
     def test_it_leaves_no_stopping_rule(self):
         data = surface(*random_closed(1))
-        asked = FairingSettings(steps=20, stop_curvature=0.86)
+        asked = FairingSettings(tau=0.016, steps=20, stop_curvature=0.86)
         settings, _ = same_strength(data, asked)
         n_steps = len(fair(data.vertices, data.triangles, asked).steps)
         assert 1 < n_steps < 20
