@@ -12,8 +12,10 @@ import glob
 import os
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
+
+from .companions import companions_of, is_same_file
 
 
 @contextlib.contextmanager
@@ -54,7 +56,8 @@ def replaced_files(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give a path of the same name in a new folder beside `path`; move all its files at the end.
 
     For formats of several files that name each other (an .obj and its .mtl). The file itself is
-    moved last, when those that it names are in place.
+    moved last, when those that it names are in place. It replaces an old one; the others replace
+    nothing, because nobody has named them: see `companions`.
 
     Parameters, yields, errors: as in `replaced_file`.
     """
@@ -65,15 +68,43 @@ def replaced_files(path: str | os.PathLike[str]) -> Iterator[Path]:
         with _named_errors(final):
             folder.mkdir()
             yield draft
-            companions = [file for file in folder.rglob("*") if file.is_file() and file != draft]
+            companions = companions_of(draft)
             for file in [*companions, draft]:
                 _require_whole(file)
-            for file in [*companions, draft]:
-                place = final.parent / file.relative_to(folder)
-                place.parent.mkdir(parents=True, exist_ok=True)
-                _move(file, place)
+            with _added(companions, folder, final.parent):
+                _move(draft, final)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def _added(files: Sequence[Path], folder: Path, destination: Path) -> Iterator[None]:
+    """Put files of a folder into another; an error of the body takes them away again."""
+    added: list[Path] = []
+    try:
+        for file in files:
+            place = destination / file.relative_to(folder)
+            place.parent.mkdir(parents=True, exist_ok=True)
+            if not is_same_file(place, file):
+                _add(file, place)
+                added.append(place)
+        yield
+    except BaseException:
+        for place in added:
+            place.unlink(missing_ok=True)
+        raise
+
+
+def _add(file: Path, place: Path) -> None:
+    """Put a finished file where there is none; one that is there stays, which is an error."""
+    try:
+        os.link(file, place)
+    except FileExistsError as error:
+        reason = f"another file is called {place.name} since a moment ago; run again"
+        raise FileExistsError(error.errno, reason) from error
+    except OSError:  # a file system without links
+        with file.open("rb") as source, place.open("xb") as target:
+            shutil.copyfileobj(source, target)
 
 
 def remove_drafts(path: str | os.PathLike[str]) -> None:

@@ -127,6 +127,33 @@ def test_companions_keep_their_names_and_folders(old):
     assert sorted(path.name for path in old.parent.iterdir()) == ["more", "name.txt"]
 
 
+@pytest.mark.parametrize("has_links", [True, False])
+def test_a_companion_replaces_nothing(old, monkeypatch, has_links):
+    """Not even what appears there at the last moment."""
+    if not has_links:
+
+        def refuse(*_):
+            raise OSError(errno.EPERM, os.strerror(errno.EPERM))
+
+        monkeypatch.setattr(os, "link", refuse)
+    beside = old.with_name("companion.bin")
+
+    def write(content):
+        with replaced_files(old) as draft:
+            draft.write_text("new")
+            (draft.parent / "companion.bin").write_text(content)
+
+    beside.write_text("of another program")
+    with pytest.raises(OSError, match=r"cannot write .*name\.txt: "):
+        write("also")
+    assert (old.read_text(), beside.read_text()) == ("old", "of another program")
+    beside.unlink()
+    for _ in range(2):  # the second time an equal file is there
+        write("also")
+        assert (old.read_text(), beside.read_text()) == ("new", "also")
+    assert sorted(path.name for path in old.parent.iterdir()) == ["companion.bin", "name.txt"]
+
+
 def test_a_symbolic_link_stays_one(old):
     link = old.with_name("link.txt")
     link.symlink_to(old)

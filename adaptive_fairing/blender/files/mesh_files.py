@@ -12,8 +12,9 @@ from typing import Any
 import bpy
 
 from ...files.atomic_files import replaced_file, replaced_files, require_space
+from ...files.companions import names_to_change, rename_in_gltf, rename_in_obj
 from ...files.errors import FileError
-from ...files.formats import BLEND, MESH_FORMATS, OBJ, PLY, suffix_of
+from ...files.formats import BLEND, GLTF, MESH_FORMATS, OBJ, PLY, suffix_of
 from ...files.inspection import inspect
 from ...files.inspection.contents import Contents
 from ...files.inspection.ply import without_faces
@@ -23,6 +24,7 @@ from ..data.targets import find_mesh_object
 from .obj_order import restore_order
 from .obj_precision import restore_precision
 from .ply_export import prepare_for_ply
+from .texture_names import write_with_other_textures
 from .validation import validate
 
 _AXES_AS_IN_FILE = {"forward_axis": "Y", "up_axis": "Z"}
@@ -108,6 +110,8 @@ def export_mesh(
         options["export_vertex_groups"] = any(
             each.vertex_groups for each in bpy.context.scene.objects
         )
+        # Without materials the .mtl file would say nothing.
+        options["export_materials"] = bool(bpy.data.materials)
     if file_format is PLY:
         # Blender's own export of UVs cuts the surface open at seams and renumbers all vertices.
         options["export_uv"] = False
@@ -117,9 +121,24 @@ def export_mesh(
     with replaced_files(path) as draft:
         if file_format.dies_without_space:
             require_space(draft.parent, _size_bound())
-        _call(path, file_format.exporter, {**options, "filepath": str(draft)})
-        if not draft.is_file():
-            raise FileError(f"cannot write {path}: Blender wrote nothing")
+
+        def write() -> None:
+            _call(path, file_format.exporter, {**options, "filepath": str(draft)})
+            if not draft.is_file():
+                raise FileError(f"cannot write {path}: Blender wrote nothing")
+
+        write()
+        names = names_to_change(draft)
+        if file_format is OBJ:
+            rename_in_obj(draft, names)
+        elif file_format is GLTF:
+            rename_in_gltf(draft, names)
+        elif names:
+            write_with_other_textures(draft, names, write)
+        notes += [
+            f"{old} is taken by another file: the output has {new} instead"
+            for old, new in names.items()
+        ]
         if file_format is OBJ:
             restore_precision(draft, keep_axes=keep_axes)
             notes += restore_order(draft)

@@ -1,0 +1,10 @@
+"""What is in a folder, to be compared with what was in it."""
+
+
+def contents_of(folder):
+    """Bytes of every file below a folder: {name: bytes}, names with slashes."""
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in folder.rglob("*")
+        if path.is_file()
+    }
