@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+import re
+import struct
 
 import numpy as np
 import pytest
 from support.meshes import icosphere
-from support.raw_files import WRITERS, write_raw
+from support.raw_files import WRITERS, glb_bytes, ply_bytes, write_raw
 
 from adaptive_fairing.files.errors import FileError
 from adaptive_fairing.files.inspection import inspect
 from adaptive_fairing.files.inspection.contents import Contents, repeated
-from adaptive_fairing.files.inspection.ply import without_faces
 
 VERTICES, FACES = icosphere(1)
 COUNTED = ("obj", "ply", "big-endian ply", "ply as text")
@@ -26,7 +26,7 @@ def test_a_good_file_is_counted(tmp_path, kind):
     assert isinstance(found, Contents)
     if kind in COUNTED:
         assert (found.n_vertices, found.n_faces) == (len(VERTICES), len(FACES))
-    assert len(found.repeated_faces) == 0
+    assert found.readable is None and found.far is None
 
 
 @pytest.mark.parametrize("kind", WRITERS)
@@ -54,9 +54,7 @@ def test_numbers_beyond_single_precision_are_not_finite(tmp_path, text):
 def test_a_large_number_that_is_finite_is_taken(tmp_path):
     path = tmp_path / "far.obj"
     path.write_text("v 0 0 0\nv 3.4028234e38 -1e-45 +.5\nv 0\t1. 0 # right\r\nf 1 2 3\n")
-    found = inspect(path)
-    assert found.repeated_faces.size == 0
-    assert replace(found, repeated_faces=None) == Contents(3, 1, repeated_faces=None)
+    assert inspect(path) == Contents(3, 1)
 
 
 @pytest.mark.parametrize("line", ["v 1,0 0 0", "v 1 2", "v one 0 0", "v 1_0 0 0"])
@@ -145,12 +143,118 @@ def test_repeated_faces_are_found_and_cut_out(tmp_path, form):
     kind = {"binary_little_endian": "ply", "ascii": "ply as text"}.get(form, "big-endian ply")
     faces = [[0, 1, 2], [3, 4, 5], [2, 1, 0], [0, 1, 2, 3], [1, 2, 0], [3, 2, 1, 0], [6, 7, 8]]
     path = write_raw(tmp_path, kind, VERTICES, faces)
-    found = inspect(path).repeated_faces
-    np.testing.assert_array_equal(found, [2, 4, 5])
-    given = without_faces(path, found)
+    given = inspect(path).readable
     kept = write_raw(tmp_path, kind, VERTICES, [faces[i] for i in (0, 1, 3, 6)])
     assert given == kept.read_bytes()
 
 
 def test_repeated_faces_of_no_faces():
     assert len(repeated([], [0])) == 0
+
+
+@pytest.mark.parametrize("kind", ["ply", "big-endian ply", "ply as text"])
+def test_a_header_with_odd_comments_is_read(tmp_path, kind):
+    """In UTF-8 "Å" ends with a byte that Latin-1 takes for the end of a line."""
+    path = write_raw(tmp_path, kind, VERTICES, FACES)
+    comment = "comment Ångström\ncomment end_header is below\nobj_info end_header".encode()
+    path.write_bytes(path.read_bytes().replace(b"comment made by a test", comment))
+    assert inspect(path) == Contents(len(VERTICES), len(FACES))
+
+
+@pytest.mark.parametrize("kind", ["ply", "big-endian ply", "ply as text"])
+def test_points_without_faces_are_counted(tmp_path, kind):
+    assert inspect(write_raw(tmp_path, kind, VERTICES, [])) == Contents(len(VERTICES), 0)
+
+
+@pytest.mark.parametrize("kind", ["ply", "ply as text"])
+def test_rows_without_properties_are_refused(tmp_path, kind):
+    path = write_raw(tmp_path, kind, VERTICES, FACES)
+    rows = b"element foo 1000000000\nend_header"
+    path.write_bytes(path.read_bytes().replace(b"end_header", rows))
+    with pytest.raises(FileError, match="promises 1000000000 rows of 'foo' without properties"):
+        inspect(path)
+
+
+def test_a_count_of_thousands_of_digits_is_refused(tmp_path):
+    with pytest.raises(FileError, match="makes no sense"):
+        inspect(write_raw(tmp_path, "ply", VERTICES, FACES, n_vertices="9" * 5000))
+
+
+@pytest.mark.parametrize(("good", "bad"), [("3 40 19", "3 4e1 19"), ("3 40 19", "3. 40 19")])
+def test_a_ply_whose_whole_numbers_are_none_is_refused(tmp_path, good, bad):
+    path = write_raw(tmp_path, "ply as text", VERTICES, FACES)
+    text = path.read_text()
+    assert f"\n{good} " in text
+    path.write_text(text.replace(f"\n{good} ", f"\n{bad} "))
+    with pytest.raises(FileError, match=r"'(4e1|3\.)' where a whole number should be"):
+        inspect(path)
+
+
+@pytest.mark.parametrize("kind", ["double ply", "obj", "stl as text"])
+@pytest.mark.parametrize("size", [1e-300, 1e-40])
+def test_a_mesh_too_small_for_single_precision_is_refused(tmp_path, kind, size):
+    if kind == "double ply":
+        path = tmp_path / "tiny.ply"
+        path.write_bytes(ply_bytes(size * VERTICES, FACES, number="double"))
+    else:
+        path = write_raw(tmp_path, kind.removeprefix("double "), np.eye(3), [[0, 1, 2]])
+        path.write_text(re.sub(r"\b1\b(?= |\n)(?=[^f]*f)", str(size), path.read_text()))
+    with pytest.raises(FileError, match=f"largest coordinate is {size:.3g}, too small"):
+        inspect(path)
+
+
+@pytest.mark.parametrize("change", [str.upper, lambda text: f"\ufeff\n {text}"])
+def test_stl_in_upper_case_or_with_a_byte_order_mark_is_read(tmp_path, change):
+    path = write_raw(tmp_path, "stl as text", VERTICES, FACES)
+    expected = path.read_bytes()
+    path.write_bytes(change(expected.decode()).encode())
+    found = inspect(path)
+    assert (path.read_bytes() if found.readable is None else found.readable).endswith(expected)
+
+
+@pytest.mark.parametrize("has_base", [True, False])
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        (3, 2.0, None),
+        (3, np.nan, "1 vertices have coordinates that are not finite numbers: 3"),
+        (len(VERTICES), 2.0, "1 values that a sparse accessor changes are not there: 0"),
+    ],
+)
+def test_sparse_accessors_are_looked_into(tmp_path, has_base, place, value, message):
+    path = tmp_path / "sparse.glb"
+    sparse = struct.pack("<I3f", place, value, 0, 0)
+
+    def change(scene):
+        start = scene["buffers"][0]["byteLength"]
+        scene["buffers"][0]["byteLength"] += len(sparse)
+        scene["bufferViews"] += [
+            {"buffer": 0, "byteOffset": start, "byteLength": 4},
+            {"buffer": 0, "byteOffset": start + 4, "byteLength": 12},
+        ]
+        indices, values = {"bufferView": 2, "componentType": 5125}, {"bufferView": 3}
+        position = scene["accessors"][0]
+        position["sparse"] = {"count": 1, "indices": indices, "values": values}
+        if not has_base:
+            del position["bufferView"]
+
+    path.write_bytes(glb_bytes(VERTICES, FACES, change=change, more=sparse))
+    if message is None:
+        assert inspect(path).n_points == len(VERTICES)
+    else:
+        with pytest.raises(FileError, match=message):
+            inspect(path)
+
+
+def test_a_sparse_accessor_that_lies_is_refused(tmp_path):
+    path = tmp_path / "sparse.glb"
+
+    def change(scene):
+        part = {"bufferView": 1, "componentType": 5125}
+        sparse = {"count": 1, "indices": part, "values": {"bufferView": 1}}
+        scene["accessors"][0] |= {"count": 4_000_000_000, "sparse": sparse}
+        del scene["accessors"][0]["bufferView"]
+
+    path.write_bytes(glb_bytes(VERTICES, FACES, change=change))
+    with pytest.raises(FileError, match="accessor 0 promises 4000000000 elements"):
+        inspect(path)

@@ -15,12 +15,14 @@ def obj_bytes(vertices, faces, *, between=""):
     return "".join(lines).encode()
 
 
-def ply_bytes(vertices, faces, *, form="binary_little_endian", n_vertices=None, n_faces=None):
+def ply_bytes(
+    vertices, faces, *, form="binary_little_endian", number="float", n_vertices=None, n_faces=None
+):
     """Write a .ply file; the header may promise other numbers than there are."""
     header = (
         f"ply\nformat {form} 1.0\ncomment made by a test\n"
         f"element vertex {len(vertices) if n_vertices is None else n_vertices}\n"
-        "property float x\nproperty float y\nproperty float z\n"
+        f"property {number} x\nproperty {number} y\nproperty {number} z\n"
         f"element face {len(faces) if n_faces is None else n_faces}\n"
         "property list uchar int vertex_indices\nend_header\n"
     ).encode()
@@ -29,7 +31,7 @@ def ply_bytes(vertices, faces, *, form="binary_little_endian", n_vertices=None, 
         rows += [" ".join(map(str, [len(face), *face])) + "\n" for face in faces]
         return header + "".join(rows).encode()
     order = ">" if "big" in form else "<"
-    points = np.asarray(vertices, dtype=f"{order}f4").tobytes()
+    points = np.asarray(vertices, dtype=order + {"float": "f4", "double": "f8"}[number]).tobytes()
     return (
         header
         + points
@@ -52,8 +54,11 @@ def stl_bytes(vertices, faces, *, form="binary", n_faces=None):
     return bytes(80) + struct.pack("<I", len(faces) if n_faces is None else n_faces) + rows
 
 
-def glb_bytes(vertices, faces, *, n_vertices=None):
-    """Write a .glb file of triangles; its accessor may promise another number of vertices."""
+def glb_bytes(vertices, faces, *, n_vertices=None, change=None, more=b""):
+    """Write a .glb file of triangles; its accessor may promise another number of vertices.
+
+    `change` alters its description; `more` are bytes behind those of the mesh.
+    """
     points = np.asarray(vertices, dtype="<f4")
     indices = np.asarray(faces, dtype="<u4").tobytes()
     binary = points.tobytes() + indices
@@ -77,6 +82,9 @@ def glb_bytes(vertices, faces, *, n_vertices=None):
             {"bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": 3 * len(faces)},
         ],
     }  # fmt: skip
+    if change is not None:
+        change(scene)
+    binary += more
     text = json.dumps(scene).encode()
     text += b" " * (-len(text) % 4)
     chunks = struct.pack("<II", len(text), 0x4E4F534A) + text

@@ -17,7 +17,6 @@ from ...files.errors import FileError
 from ...files.formats import BLEND, GLTF, MESH_FORMATS, OBJ, PLY, suffix_of
 from ...files.inspection import inspect
 from ...files.inspection.contents import Contents
-from ...files.inspection.ply import without_faces
 from ...silence import silent_output
 from ..compatibility import known_options, show_scene
 from ..data.targets import find_mesh_object
@@ -200,22 +199,22 @@ def _import_into_empty_scene(path: Path, *, split: bool, keep_axes: bool) -> Non
     if file_format.keeps_axes and keep_axes:
         options |= _AXES_AS_IN_FILE
     empty_scene()
-    with _deterministic(path, contents) as file:
+    with _readable(path, contents) as file:
         _call(path, file_format.importer, {**options, "filepath": str(file)})
     for mesh in bpy.data.meshes:
         validate(mesh)
 
 
 @contextmanager
-def _deterministic(path: Path, contents: Contents) -> Iterator[Path]:
-    """Give the file, or a copy without the faces that the importer would drop in any order."""
-    if len(contents.repeated_faces) == 0:
+def _readable(path: Path, contents: Contents) -> Iterator[Path]:
+    """Give the file, or a copy that the importer reads rightly."""
+    if contents.readable is None:
         yield path
         return
     with tempfile.TemporaryDirectory() as folder:
         # Blender names the mesh after the file.
         copy = Path(folder) / path.name
-        copy.write_bytes(without_faces(path, contents.repeated_faces))
+        copy.write_bytes(contents.readable)
         yield copy
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +12,13 @@ from ...core.errors import listed
 
 LARGEST = float(np.finfo(np.float32).max)
 """Blender keeps coordinates in single precision: what is larger becomes infinite there."""
+
+SMALLEST = float(np.finfo(np.float32).tiny / np.finfo(np.float32).eps)
+"""Of a mesh that is smaller, single precision keeps fewer digits than of others, or none."""
+
+FAR = 32
+"""So many times its size from the origin a mesh loses five of the 24 binary digits of single
+precision."""
 
 
 class DamagedError(Exception):
@@ -28,25 +35,60 @@ class Contents:
         As the file counts them; None where that cannot be compared with Blender's mesh.
     n_points
         Positions that a file holds whose vertices may be split; None for other formats.
-    repeated_faces
-        (k,) numbers of the faces that have the same vertices as an earlier one, where the importer
-        would drop them in an order left to chance.
+    readable
+        What the importer is to read instead of the file, because it would misread that; None if it
+        reads the file.
     has_faces_before_groups
         Whether an .obj file has groups, and faces before the first of them.
+    far
+        Coordinates that single precision would round much; None if there are none.
     """
 
     n_vertices: int | None = None
     n_faces: int | None = None
     n_points: int | None = None
-    repeated_faces: NDArray[np.int64] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    readable: bytes | None = None
     has_faces_before_groups: bool = False
+    far: FarPoints | None = None
 
 
-def require_finite(points: ArrayLike) -> None:
-    """Refuse points, (n, 3), with a coordinate that is not finite in single precision."""
+@dataclass(frozen=True)
+class FarPoints:
+    """Coordinates of a mesh that lies far from the origin.
+
+    Attributes
+    ----------
+    points
+        (n, 3) as the file holds them.
+    parts
+        Numbers of the points that a mesh of Blender may have, in its order: those of the whole
+        file, and those of each object in it.
+    """
+
+    points: NDArray[np.float64]
+    parts: Sequence[NDArray[np.int64]]
+
+
+def is_far(points: ArrayLike) -> bool:
+    """Whether points, (n, 3), are `FAR` times as far from the origin as from each other."""
+    given = np.asarray(points)
+    if len(given) == 0:
+        return False
+    size = np.ptp(given, axis=0).max() / 2
+    return bool(0 < size * FAR < np.abs(given).max())
+
+
+def require_single_precision(points: ArrayLike) -> None:
+    """Refuse points, (n, 3), that are not finite, or all too small, in single precision."""
+    size = np.abs(np.asarray(points))
     with np.errstate(invalid="ignore"):
-        bad = np.flatnonzero(~(np.abs(np.asarray(points)) <= LARGEST).all(axis=1))
-    refuse_not_finite(bad)
+        refuse_not_finite(np.flatnonzero(~(size <= LARGEST).all(axis=1)))
+    largest = size.max(initial=0)
+    if 0 < largest < SMALLEST:
+        raise DamagedError(
+            f"its largest coordinate is {largest:.3g}, too small for Blender's single precision: "
+            "scale the mesh up"
+        )
 
 
 def refuse_not_finite(vertices: ArrayLike) -> None:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .contents import Contents, DamagedError, refuse_unknown_vertices, require_finite
+from .contents import Contents, DamagedError, refuse_unknown_vertices, require_single_precision
 
 _MAGIC = b"Kaydara FBX Binary  \0\x1a\0"
 _FIRST_NODE = 27
@@ -47,7 +47,7 @@ def inspect_fbx(path: Path) -> Contents:
         for node in _nodes(data, _FIRST_NODE, len(data), version >= _WIDE_OFFSETS, "", 0):
             if node.path == "/Objects/Geometry/Vertices" and node.arrays:
                 points = node.arrays[0].reshape(-1, 3)
-                require_finite(points)
+                require_single_precision(points)
             elif node.path == "/Objects/Geometry/PolygonVertexIndex" and node.arrays:
                 _check_faces(node.arrays[0], len(points))
     except (struct.error, zlib.error, ValueError) as error:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import listed
-from .contents import Contents, DamagedError, require_finite
+from .contents import Contents, DamagedError, require_single_precision
 
 Json = dict[str, Any]
 
@@ -46,8 +46,9 @@ def _check(path: Path) -> int:
         if start + length > len(buffers[_natural(view["buffer"])]):
             raise DamagedError(f"cut short: its buffer view {number} ends beyond the buffer")
     accessors = scene.get("accessors", [])
+    n_bytes = sum(map(len, buffers))
     for number, accessor in enumerate(accessors):
-        _check_accessor(number, accessor, views)
+        _check_accessor(number, accessor, views, n_bytes)
     positions = set()
     for mesh in scene.get("meshes", []):
         for primitive in mesh["primitives"]:
@@ -92,11 +93,18 @@ def _buffer(described: Json, path: Path, binary: bytes | None) -> bytes:
     return data
 
 
-def _check_accessor(number: int, accessor: Json, views: list[Json]) -> None:
+def _check_accessor(number: int, accessor: Json, views: list[Json], n_bytes: int) -> None:
     count, dtype, width = _layout(accessor)
     size = dtype.itemsize * width
+    for part in _sparse_parts(accessor):
+        _check_accessor(number, part, views, n_bytes)
     if "bufferView" not in accessor:
-        # The standard reads such values as zeros. Compressed or sparse ones are stored elsewhere.
+        # The standard reads such values as zeros. Compressed ones are stored elsewhere.
+        if "sparse" in accessor and count > n_bytes:
+            raise DamagedError(
+                f"cut short: its accessor {number} promises {count} elements, its buffers have "
+                f"{n_bytes} bytes"
+            )
         return
     view = views[_natural(accessor["bufferView"])]
     stride = _natural(view.get("byteStride", 0)) or size
@@ -112,12 +120,10 @@ def _check_primitive(
     primitive: Json, accessors: list[Json], views: list[Json], buffers: list[bytes]
 ) -> None:
     position = accessors[_natural(primitive["attributes"]["POSITION"])]
-    if "bufferView" not in position:
-        if "sparse" in position:
-            return
+    if "bufferView" not in position and "sparse" not in position:
         raise DamagedError("a mesh has no coordinates")
     points = _read(position, views, buffers)
-    require_finite(points)
+    require_single_precision(points)
     if "indices" in primitive:
         corners = _read(accessors[_natural(primitive["indices"])], views, buffers).reshape(-1)
         bad = np.flatnonzero(corners >= len(points))
@@ -130,9 +136,35 @@ def _check_primitive(
 
 def _read(accessor: Json, views: list[Json], buffers: list[bytes]) -> NDArray[Any]:
     """Numbers of an accessor, (count, width); all that it needs was checked to be there."""
+    values = _read_view(accessor, views, buffers)
+    parts = _sparse_parts(accessor)
+    if parts:
+        places, changed = (_read_view(part, views, buffers) for part in parts)
+        bad = np.flatnonzero(places >= len(values))
+        if len(bad):
+            raise DamagedError(
+                f"{len(bad)} values that a sparse accessor changes are not there: {listed(bad)}"
+            )
+        values = values.copy()
+        values[places.reshape(-1)] = changed
+    return values
+
+
+def _sparse_parts(accessor: Json) -> list[Json]:
+    """Describe the places and the values of a sparse accessor as accessors of their own."""
+    if "sparse" not in accessor:
+        return []
+    sparse, values = accessor["sparse"], {"componentType": accessor["componentType"]}
+    return [
+        {"type": "SCALAR", **sparse["indices"], "count": sparse["count"]},
+        {"type": accessor["type"], **values, **sparse["values"], "count": sparse["count"]},
+    ]
+
+
+def _read_view(accessor: Json, views: list[Json], buffers: list[bytes]) -> NDArray[Any]:
     count, dtype, width = _layout(accessor)
     if "bufferView" not in accessor:
-        return np.zeros((0, width), dtype=dtype)
+        return np.zeros((count if "sparse" in accessor else 0, width), dtype=dtype)
     view = views[accessor["bufferView"]]
     start = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
     stride = view.get("byteStride", 0) or dtype.itemsize * width

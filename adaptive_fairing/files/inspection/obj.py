@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import warnings
+from collections.abc import Iterator
 from itertools import islice
 from pathlib import Path
 
@@ -11,13 +12,29 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import listed
-from .contents import LARGEST, Contents, DamagedError, refuse_not_finite, refuse_unknown_vertices
+from .contents import (
+    FAR,
+    LARGEST,
+    SMALLEST,
+    Contents,
+    DamagedError,
+    FarPoints,
+    is_far,
+    refuse_not_finite,
+    refuse_unknown_vertices,
+    require_single_precision,
+)
 
 _VERTEX = re.compile(rb"^[ \t]*v[ \t]", re.MULTILINE)
 _FACE = re.compile(rb"^[ \t]*f[ \t]+([^\r\n]*)", re.MULTILINE)
 _GROUP = re.compile(rb"^[ \t]*g[ \t]", re.MULTILINE)
+_OBJECT = re.compile(rb"^[ \t]*o[ \t]", re.MULTILINE)
+_POINT = re.compile(rb"^[ \t]*v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE)
 
 _CHUNK = 100_000
+
+_SAMPLE = 1000
+"""Vertices that tell whether all must be read: if a mesh is far or tiny, so are its first ones."""
 
 # Matches numbers that are certainly finite in single precision, as nearly all are. Vertices with
 # other numbers are read one by one, which is slow.
@@ -38,7 +55,12 @@ def inspect_obj(path: Path) -> Contents:
     _check_faces(data, faces, vertices)
     group = _GROUP.search(data)
     is_crossed = group is not None and len(faces) > 0 and bool(faces[0] < group.start())
-    return Contents(len(vertices), len(faces), has_faces_before_groups=is_crossed)
+    return Contents(
+        len(vertices),
+        len(faces),
+        has_faces_before_groups=is_crossed,
+        far=_far_points(data, faces, vertices),
+    )
 
 
 def _places(pattern: re.Pattern[bytes], data: bytes) -> NDArray[np.int64]:
@@ -65,26 +87,37 @@ def _check_coordinates(data: bytes, vertices: NDArray[np.int64]) -> None:
 
 
 def _check_faces(data: bytes, faces: NDArray[np.int64], vertices: NDArray[np.int64]) -> None:
-    lines = (match[1] for match in _FACE.finditer(data))
-    bad = []
-    for start in range(0, len(faces), _CHUNK):
-        # A face may name only vertices above it; negative numbers count back from there.
-        known = np.searchsorted(vertices, faces[start : start + _CHUNK])
-        bad.append(start + _with_unknown_vertices(list(islice(lines, _CHUNK)), known))
+    bad = [
+        np.unique(face_of[(corners < 0) | (corners >= known)])
+        for face_of, corners, known in _corners(data, faces, vertices)
+    ]
     refuse_unknown_vertices(np.concatenate(bad) if bad else [], len(vertices))
 
 
-def _with_unknown_vertices(faces: list[bytes], known: NDArray[np.intp]) -> NDArray[np.int64]:
-    """Find the faces that name other vertices than the first `known` ones, (m,)."""
-    # In "12/3/4" the vertex is the first number.
-    text = re.sub(rb"/\S*|#[^\n]*", b"", b"\n".join(faces))
-    sizes = [len(line.split()) for line in text.split(b"\n")]
-    face_of = np.repeat(np.arange(len(faces)), sizes)
-    corners = _numbers(text)
-    if len(corners) != len(face_of):
-        raise DamagedError("a face has text where the number of a vertex should be")
-    known = known[face_of]
-    return np.unique(face_of[(corners == 0) | (corners > known) | (corners < -known)])
+def _corners(
+    data: bytes, faces: NDArray[np.int64], vertices: NDArray[np.int64]
+) -> Iterator[tuple[NDArray[np.int64], ...]]:
+    """Read the corners of many faces at a time.
+
+    Yields
+    ------
+    face_of, corners, known
+        (k,) each: the number of the face, the vertex, and how many vertices stand above the face,
+        which are all that it may name.
+    """
+    lines = (match[1] for match in _FACE.finditer(data))
+    for start in range(0, len(faces), _CHUNK):
+        chunk = list(islice(lines, _CHUNK))
+        # In "12/3/4" the vertex is the first number.
+        text = re.sub(rb"/\S*|#[^\n]*", b"", b"\n".join(chunk))
+        sizes = [len(line.split()) for line in text.split(b"\n")]
+        face_of = np.repeat(np.arange(len(chunk)), sizes)
+        given = _numbers(text)
+        if len(given) != len(face_of):
+            raise DamagedError("a face has text where the number of a vertex should be")
+        known = np.searchsorted(vertices, faces[start : start + _CHUNK])[face_of]
+        # Negative numbers count back from the face; 0 names none.
+        yield start + face_of, np.where(given < 0, known + given, given - 1), known
 
 
 def _numbers(text: bytes) -> NDArray[np.int64]:
@@ -96,3 +129,29 @@ def _numbers(text: bytes) -> NDArray[np.int64]:
             return np.fromstring(text.decode("ascii", "replace"), dtype=np.int64, sep=" ")
         except ValueError:
             return np.empty(0, dtype=np.int64)
+
+
+def _far_points(
+    data: bytes, faces: NDArray[np.int64], vertices: NDArray[np.int64]
+) -> FarPoints | None:
+    """Read all coordinates if they are far from the origin; refuse a mesh that is too small."""
+    sample = _points(data, _SAMPLE)
+    largest = np.abs(sample).max(initial=0)
+    if SMALLEST < largest < (FAR - 2) * np.ptp(sample, axis=0).max() / 2:
+        return None
+    points = _points(data)
+    require_single_precision(points)
+    if not is_far(points):
+        return None
+    found = list(_corners(data, faces, vertices))
+    face_of, corners = (np.concatenate([part[i] for part in found]) for i in (0, 1))
+    # Blender drops vertices that no face uses.
+    ends = np.searchsorted(face_of, np.searchsorted(faces, _places(_OBJECT, data)))
+    parts = [np.unique(corners), *map(np.unique, np.split(corners, ends))]
+    return FarPoints(points, parts)
+
+
+def _points(data: bytes, limit: int | None = None) -> NDArray[np.float64]:
+    """Read the coordinates of the first vertices, or of all; they were checked before."""
+    words = [match.groups() for match in islice(_POINT.finditer(data), limit)]
+    return np.array(words, dtype=np.bytes_).astype(np.float64).reshape(-1, 3)

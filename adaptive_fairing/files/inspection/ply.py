@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,7 +11,15 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .contents import Contents, DamagedError, refuse_unknown_vertices, repeated, require_finite
+from .contents import (
+    Contents,
+    DamagedError,
+    FarPoints,
+    is_far,
+    refuse_unknown_vertices,
+    repeated,
+    require_single_precision,
+)
 
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "i2", "int16": "i2",
@@ -18,7 +27,9 @@ _TYPES = {
     "float": "f4", "float32": "f4", "double": "f8", "float64": "f8",
 }  # fmt: skip
 _BYTE_ORDERS = {"ascii": "=", "binary_little_endian": "<", "binary_big_endian": ">"}
+_HEADER_END = re.compile(rb"^end_header[^\n]*\n?", re.MULTILINE)
 _LONGEST_HEADER = 1 << 20
+_LONGEST_COUNT = 18
 _LONGEST_NUMBER = 64
 
 
@@ -71,24 +82,31 @@ class Rows:
 def inspect_ply(path: Path) -> Contents:
     """Check that all rows are there, the coordinates and the vertices of faces; count both."""
     data = path.read_bytes()
-    rows = read_rows(data, read_header(data))
+    header = read_header(data)
+    rows = read_rows(data, header)
     vertex = rows.get("vertex")
     if vertex is None or not {"x", "y", "z"} <= vertex.columns.keys():
         raise DamagedError("its header names no vertices with x, y and z")
     points = np.column_stack([vertex.columns[axis] for axis in "xyz"])
-    require_finite(points)
+    require_single_precision(points)
     corners, starts = _corners(rows)
     is_bad = (corners < 0) | (corners >= len(points))
     face_of = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
     refuse_unknown_vertices(np.unique(face_of[is_bad]), len(points))
-    return Contents(len(points), len(starts) - 1, repeated_faces=repeated(corners, starts))
+    again = repeated(corners, starts)
+    return Contents(
+        len(points),
+        len(starts) - 1,
+        # The importer would drop faces that repeat others in an order left to chance.
+        readable=_without_faces(data, header, rows["face"].starts, again) if len(again) else None,
+        far=FarPoints(points.astype(float), [np.arange(len(points))]) if is_far(points) else None,
+    )
 
 
-def without_faces(path: Path, faces: NDArray[np.int64]) -> bytes:
+def _without_faces(
+    data: bytes, header: Header, starts: NDArray[np.int64], faces: NDArray[np.int64]
+) -> bytes:
     """Give a .ply file without some of its faces, (k,) numbers; all else stays byte by byte."""
-    data = path.read_bytes()
-    header = read_header(data)
-    starts = read_rows(data, header)["face"].starts
     kept = np.ones(len(starts) - 1, dtype=bool)
     kept[faces] = False
     lines = [
@@ -109,14 +127,13 @@ def read_header(data: bytes) -> Header:
     DamagedError
         There is none, or it makes no sense.
     """
-    end = data.find(b"end_header", 0, _LONGEST_HEADER)
-    if data[:3] != b"ply" or end < 0:
+    end = _HEADER_END.search(data, 0, _LONGEST_HEADER)
+    if data[:3] != b"ply" or end is None:
         raise DamagedError("it has no header of a .ply file")
-    line_end = data.find(b"\n", end)
-    n_bytes = line_end + 1 if line_end >= 0 else len(data)
     elements: list[Element] = []
     byte_order = ""
-    for line in data[:end].decode("latin-1").splitlines()[1:]:
+    # Bytes are split at ends of lines only, text also at characters that a comment may have.
+    for line in (each.decode("latin-1") for each in data[: end.start()].splitlines()[1:]):
         words = line.split()
         try:
             match words:
@@ -124,7 +141,7 @@ def read_header(data: bytes) -> Header:
                     pass
                 case ["format", name, _]:
                     byte_order = _BYTE_ORDERS[name]
-                case ["element", name, count] if count.isdecimal():
+                case ["element", name, count] if count.isdecimal() and len(count) <= _LONGEST_COUNT:
                     elements.append(Element(name, int(count), []))
                 case ["property", "list", length, kind, name]:
                     dtypes = [np.dtype(byte_order + _TYPES[each]) for each in (kind, length)]
@@ -140,7 +157,12 @@ def read_header(data: bytes) -> Header:
             ) from error
     if not byte_order:
         raise DamagedError("its header does not name the format")
-    return Header(elements, byte_order == "=", n_bytes)
+    for element in elements:
+        if element.count and not element.properties:
+            raise DamagedError(
+                f"its header promises {element.count} rows of {element.name!r} without properties"
+            )
+    return Header(elements, byte_order == "=", end.end())
 
 
 def read_rows(data: bytes, header: Header) -> dict[str, Rows]:
@@ -257,7 +279,7 @@ def _walk_binary(data: bytes, place: int, element: Element) -> Rows:
         ends = np.concatenate([[0], np.cumsum(lengths[each.name])]).astype(np.int64)
         # Where the bytes of all values are: those of a row follow its place without gaps.
         width = each.dtype.itemsize
-        shift = np.array(places[each.name]) - width * ends[:-1]
+        shift = np.array(places[each.name], dtype=np.int64) - width * ends[:-1]
         index = np.arange(width * ends[-1]) + np.repeat(shift, width * np.diff(ends))
         values = np.frombuffer(data, np.uint8)[index].view(each.dtype)
         if each.length_dtype is None:
@@ -277,7 +299,8 @@ def _read_text(data: bytes, place: int, element: Element) -> Rows:
     lines = data[place : starts[-1]].split(b"\n")[: element.count]
     columns: dict[str, NDArray[Any]] = {}
     lists: dict[str, tuple[NDArray[Any], NDArray[np.int64]]] = {}
-    table = _numbers(lines, element)
+    words = b"\n".join(lines).split()
+    table = _numbers(words, element)
     sizes = np.array([len(line.split()) for line in lines], dtype=np.int64)
     at = np.cumsum(sizes) - sizes
     row_ends = at + sizes
@@ -296,12 +319,27 @@ def _read_text(data: bytes, place: int, element: Element) -> Rows:
         ends_of = np.concatenate([[0], np.cumsum(lengths)])
         index = np.arange(ends_of[-1]) + np.repeat(at + 1 - ends_of[:-1], lengths)
         lists[each.name] = table[index], ends_of
+        _require_whole_numbers(words, at, element)
+        if each.dtype.kind in "iu":
+            _require_whole_numbers(words, index, element)
         at = at + 1 + lengths
     return Rows(columns, lists, starts)
 
 
-def _numbers(lines: Sequence[bytes], element: Element) -> NDArray[np.float64]:
-    words = b"\n".join(lines).split()
+def _require_whole_numbers(
+    words: Sequence[bytes], index: NDArray[np.int64], element: Element
+) -> None:
+    """Refuse 1e1 and 10.0 where 10 should be, of which the importer would read the 1 or nothing."""
+    chosen = [words[at] for at in index.tolist()]
+    if b"".join(chosen).translate(None, b"+-0123456789"):
+        bad = next(word for word in chosen if not word.lstrip(b"+-").isdigit())
+        raise DamagedError(
+            f"a row of {element.name!r} has {bad.decode('latin-1')!r} where a whole number should "
+            "be"
+        )
+
+
+def _numbers(words: Sequence[bytes], element: Element) -> NDArray[np.float64]:
     if max(map(len, words), default=0) > _LONGEST_NUMBER:
         raise DamagedError(f"a row of {element.name!r} has text where a number should be")
     try:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import codecs
 import re
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .contents import Contents, DamagedError, require_finite
+from .contents import Contents, DamagedError, require_single_precision
 
 HEADER_BYTES, TRIANGLE_BYTES = 84, 50
 
@@ -17,20 +18,27 @@ _CORNER = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)")
 
 def inspect_stl(path: Path) -> Contents:
     """Check triangles and coordinates; Blender joins corners, so their number tells nothing."""
-    data = path.read_bytes()
+    data, readable = path.read_bytes(), None
     promised = int.from_bytes(data[80:84], "little") if len(data) >= HEADER_BYTES else -1
     if len(data) == HEADER_BYTES + TRIANGLE_BYTES * promised:
         rows = np.frombuffer(data, np.uint8, offset=HEADER_BYTES).reshape(-1, TRIANGLE_BYTES)
         corners = np.ascontiguousarray(rows[:, 12:48]).view("<f4").reshape(-1, 3)
-    elif data.lstrip()[:5] == b"solid" and b"\0" not in data:
-        corners = _corners_of_text(data)
+    elif (text := _lower_case(data)).startswith(b"solid") and b"\0" not in data:
+        corners = _corners_of_text(text)
+        # The importer knows words in lower case only.
+        readable = None if text in data else text
     elif promised < 0:
         raise DamagedError(f"it has {len(data)} bytes, too few for a .stl file")
     else:
         there = (len(data) - HEADER_BYTES) // TRIANGLE_BYTES
         raise DamagedError(f"its header promises {promised} triangles, it has room for {there}")
-    require_finite(corners)
-    return Contents()
+    require_single_precision(corners)
+    return Contents(readable=readable)
+
+
+def _lower_case(data: bytes) -> bytes:
+    """Give text in lower case, without what may stand before it."""
+    return data.removeprefix(codecs.BOM_UTF8).lstrip().lower()
 
 
 def _corners_of_text(data: bytes) -> NDArray[np.float64]:
