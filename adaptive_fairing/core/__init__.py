@@ -13,6 +13,7 @@ from .denoise.settings import DenoiseSettings
 from .diffusion.results import FairingResult, FairingStep
 from .diffusion.settings import DENSITIES, SCHEMES, FairingSettings
 from .diffusion.steps import fair, fair_steps
+from .diffusion.values import fair_values
 from .errors import FairingError, InputError, SettingsError, SolverError, TopologyError
 from .fem.differential_geometry import SurfaceMeasures
 from .fem.loop_space import LoopSpace
@@ -48,5 +49,6 @@ __all__ = [
     "denoise",
     "fair",
     "fair_steps",
+    "fair_values",
     "mesh_density",
 ]

@@ -7,7 +7,15 @@ import pytest
 
 import adaptive_fairing.core
 
-PUBLIC = ["denoise", "fair", "LimitSurface", "LoopSpace", "TriangleTopology", "mesh_density"]
+PUBLIC = [
+    "denoise",
+    "fair",
+    "fair_values",
+    "LimitSurface",
+    "LoopSpace",
+    "TriangleTopology",
+    "mesh_density",
+]
 
 
 @pytest.mark.parametrize("name", PUBLIC)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import SolverError
@@ -20,6 +19,7 @@ from ..runtime.arrays import FloatArray
 from ..runtime.precision import SINGLE
 from .deviation import limited
 from .results import FairingResult, FairingStep
+from .scheme import scheme_fields
 from .settings import FairingSettings
 from .smoothing_radius import tau_of_run
 
@@ -184,15 +184,8 @@ def _system(
     `times` (n,) are τ times the weights of the vertices.
     """
     density = mesh_density(space.topology, current, settings.density, settings.density_passes)
-    field = times if settings.method == "uniform" else times * density
-    if settings.method == "adaptive_tensor":
-        system = space.step_system(
-            current, diffusivity=field, in_single=in_single, in_double=in_double
-        )
-    else:
-        system = space.step_system(
-            current, timestep=_positive(field), in_single=in_single, in_double=in_double
-        )
+    fields = scheme_fields(settings, times, density)
+    system = space.step_system(current, **fields, in_single=in_single, in_double=in_double)
     return density, system
 
 
@@ -210,11 +203,6 @@ def _collapse_notes(energy: float, least: float) -> tuple[str, ...]:
         f"the curvature energy is {energy / least:.3g} times its least so far: single triangles, "
         "tips or thin parts are collapsing; a smaller radius or tau avoids that",
     )
-
-
-def _positive(timestep: FloatArray) -> FloatArray:
-    """Keep the timestep positive where it is 0: only in the equations of held vertices."""
-    return np.maximum(timestep, 1e-12 * timestep.max(initial=0) or 1.0)
 
 
 def _stop_reason(

@@ -174,13 +174,7 @@ class LoopSpace:
 
         Source: (3.3) with (3.4) (`timestep`) or (3.9) (`diffusivity`), less M X(0) on both sides.
         """
-        if timestep is not None and diffusivity is not None:
-            raise InputError("give either a timestep or a diffusivity, not both")
-        form = ScalarForm(
-            inverse_mass=timestep is not None,
-            scaled_stiffness=diffusivity is not None,
-            measured=True,
-        )
+        form = self._form(timestep, diffusivity)._replace(measured=True)
         columns = self._columns(positions, timestep if diffusivity is None else diffusivity)
         if in_single and all(SINGLE.serves_times(field) for field in columns[3:]):
             system = self._step_system(form, columns, np.float32, in_double)
@@ -188,6 +182,22 @@ class LoopSpace:
             if SINGLE.serves_masses(system.lumped_mass[used], system.matrix.diagonal()[used]):
                 return system
         return self._step_system(form, columns, np.float64)
+
+    def flow_matrices(
+        self,
+        positions: ArrayLike,
+        *,
+        timestep: ArrayLike | None = None,
+        diffusivity: ArrayLike | None = None,
+    ) -> tuple[SymmetricMatrix, SymmetricMatrix]:
+        """Assemble M and L of a step together, (n_vertices, n_vertices) each.
+
+        Parameters: as in `step_system`.
+        """
+        form = self._form(timestep, diffusivity)
+        columns = self._columns(positions, timestep if diffusivity is None else diffusivity)
+        mass, stiffness = self._assemble(form, columns, MASS, STIFFNESS).matrices
+        return mass, stiffness
 
     def measures(self, positions: ArrayLike, in_single: bool = False) -> SurfaceMeasures:
         """Integrate curvature energy, area and volume of the limit surface of `positions`.
@@ -205,6 +215,14 @@ class LoopSpace:
 
         totals = ordered_map(of_chunk, self._chunks)
         return self._as_measures(sum(totals, np.zeros(3)))
+
+    @staticmethod
+    def _form(timestep: ArrayLike | None, diffusivity: ArrayLike | None) -> ScalarForm:
+        if timestep is not None and diffusivity is not None:
+            raise InputError("give either a timestep or a diffusivity, not both")
+        return ScalarForm(
+            inverse_mass=timestep is not None, scaled_stiffness=diffusivity is not None
+        )
 
     def _step_system(
         self,

@@ -1,0 +1,34 @@
+"""The three schemes of the paper: where the local time stands in the linear system."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..runtime.arrays import FloatArray
+from .settings import FairingSettings
+
+
+def scheme_fields(
+    settings: FairingSettings, times: FloatArray, density: FloatArray
+) -> dict[str, FloatArray]:
+    """Give the field that the matrices of a step need, by its name in `LoopSpace`.
+
+    Parameters
+    ----------
+    settings : FairingSettings
+    times : (n,)
+        τ times the weights of the vertices.
+    density : (n,)
+        d_i of the surface.
+
+    Returns
+    -------
+    {"timestep": (n,)} or {"diffusivity": (n,)}
+
+    Source: (3.4) and (3.9) of the paper.
+    """
+    field = times if settings.method == "uniform" else times * density
+    if settings.method == "adaptive_tensor":
+        return {"diffusivity": field}
+    # Positive where it is 0, which is only in the equations of held vertices.
+    return {"timestep": np.maximum(field, 1e-12 * field.max(initial=0) or 1.0)}
