@@ -56,7 +56,10 @@ def write_color(
     high: float | None = None,
     anchors: NDArray[np.float64] = ANCHORS,
 ) -> None:
-    """Store one colour per vertex; the active colour and that of renders stay what they were.
+    """Store one colour per vertex.
+
+    On a mesh without colours of its own they are the active ones and those of renders; otherwise
+    those stay what they were.
 
     Parameters
     ----------
@@ -72,10 +75,7 @@ def write_color(
         The map, see `colors_srgb`.
     """
     values = _per_vertex(mesh, values)
-    active, rendered = mesh.attributes.active_color_name, mesh.attributes.default_color_name
-    attribute = _point_attribute(mesh, name, "FLOAT_COLOR")
-    # Blender makes the first colours of a mesh the active ones, which exporters write.
-    mesh.attributes.active_color_name, mesh.attributes.default_color_name = active, rendered
+    attribute = _point_attribute(mesh, name, "FLOAT_COLOR")  # the first one is made active
     colors = np.ones((len(values), 4), dtype=np.float32)
     colors[:, :3] = srgb_to_linear(colors_srgb(values, low, high, anchors))
     attribute.data.foreach_set("color", colors.ravel())

@@ -1,4 +1,8 @@
-"""Colour a mesh by a field, and remember on the object what the colours mean."""
+"""Colour a mesh by a field, and remember on the object what the colours mean.
+
+While a field is shown its colours are the active ones of the mesh, which 3D views show, and those
+of renders. What was active before is noted on the mesh and comes back.
+"""
 
 from __future__ import annotations
 
@@ -6,10 +10,14 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core import FairingSettings, InputError
+from . import color_material
 from .attribute_arrays import remove_attributes
 from .attributes import FIELD_ATTRIBUTES, color_name, write_color, write_scalar
 from .color_map import ANCHORS, DIVERGING_ANCHORS, SIGNED_FIELDS, field_range
-from .fields import field_values
+from .fields import measure_field
+
+COLORS_BEFORE = "fairing_colors_before"
+"""Custom property of a mesh: names of the active colours and of those of renders before a view."""
 
 
 def color_by_field(
@@ -17,7 +25,7 @@ def color_by_field(
     field: str,
     settings: FairingSettings,
 ) -> None:
-    """Store a field of the shape that an object shows, as numbers and as colours.
+    """Store a field of the shape that an object shows, as numbers and as the active colours.
 
     Parameters
     ----------
@@ -26,33 +34,68 @@ def color_by_field(
     field
         Key of `FIELD_ATTRIBUTES`.
     settings
-        As in `field_values`.
+        As in `measure_field`.
 
     Raises
     ------
     InputError
-        The mesh is linked from another file, or as in `field_values`.
+        The mesh is linked from another file, or as in `measure_field`.
     """
-    if obj.data.library is not None:
+    mesh, record = obj.data, obj.adaptive_fairing
+    if mesh.library is not None:
         raise InputError(rpt_("the mesh is linked from another file: make it local to colour it"))
-    values = field_values(obj, field, settings)
-    low, high = field_range(field, values)
+    found = measure_field(obj, field, settings)
+    low, high = field_range(field, found.values)
     anchors = DIVERGING_ANCHORS if field in SIGNED_FIELDS else ANCHORS
-    if obj.adaptive_fairing.view != field:
-        end_view(obj)
+    if record.view != field:
+        pause_view(obj)
     name = FIELD_ATTRIBUTES[field]
-    write_scalar(obj.data, name, values)
-    write_color(obj.data, color_name(name), values, low, high, anchors)
-    obj.adaptive_fairing.view = field
-    obj.adaptive_fairing.view_range = low, high
+    attributes = mesh.attributes
+    if COLORS_BEFORE not in mesh:
+        mesh[COLORS_BEFORE] = {
+            "active": attributes.active_color_name,
+            "rendered": attributes.default_color_name,
+        }
+    write_scalar(mesh, name, found.values)
+    write_color(mesh, color_name(name), found.values, low, high, anchors)
+    attributes.active_color_name = attributes.default_color_name = color_name(name)
+    record.view = field
+    record.view_range = low * found.unit, high * found.unit
+    record.view_power = found.power
+    if record.wants_material:
+        color_material.assign(obj, field)
 
 
 def end_view(obj: bpy.types.Object) -> None:
-    """Remove the colours of a view and the numbers behind them, but for a density to keep."""
-    record = obj.adaptive_fairing
-    if not record.view:
-        return
-    name = FIELD_ATTRIBUTES[record.view]
-    if record.view != "DENSITY" or not record.keeps_density:
-        remove_attributes(obj.data, (name, color_name(name)))
+    """Take the colours of a view off for good: nothing of it is left."""
+    obj.adaptive_fairing.wants_material = False
+    pause_view(obj)
+
+
+def pause_view(obj: bpy.types.Object) -> str:
+    """Remove the colours of a view and the numbers behind them, but for a density to keep.
+
+    Returns
+    -------
+    str
+        The field, for `color_by_field`; empty if there was no view.
+    """
+    mesh, record = obj.data, obj.adaptive_fairing
+    view = record.view
+    if not view:
+        return view
+    color_material.take_off(obj)
+    name = FIELD_ATTRIBUTES[view]
+    shown = color_name(name)
+    before = mesh.pop(COLORS_BEFORE, None)
+    chosen = [mesh.attributes.active_color_name, mesh.attributes.default_color_name]
+    if view != "DENSITY" or not record.keeps_density:
+        remove_attributes(mesh, (name, shown))
+    if before is not None:
+        # Whoever has chosen other colours in the meantime keeps them.
+        if chosen[0] == shown and before["active"] in mesh.attributes:
+            mesh.attributes.active_color_name = before["active"]
+        if chosen[1] == shown and before["rendered"] in mesh.attributes:
+            mesh.attributes.default_color_name = before["rendered"]
     record.view = ""
+    return view

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
@@ -12,12 +14,35 @@ from ...core.mesh.normals import vertex_normals_of
 from ...core.mesh.solver_mesh import SolverFrame, solvable_surface
 from ...core.runtime.arrays import FloatArray
 from ...core.surface.refined_net import RefinedNet
-from .attributes import COMPARED_FIELDS
 from .color_map import CURVATURE_FIELDS
 from .control_mesh import LEVELS, control_read, is_refined
 from .mesh_arrays import read_positions, read_triangles
 from .refined_object import control_surface
 from .results import original_positions, shown_positions
+
+
+class Field(NamedTuple):
+    """Numbers per vertex, (n,), and what they are: value · unit is in object units to a power."""
+
+    values: FloatArray
+    unit: float
+    power: int
+
+
+POWERS = {"DISPLACEMENT": 1, "REMOVED": 1, "CURVATURE": -1, "GAUSSIAN": -2}
+"""Power of a length that a value is; that of the density depends on its measure."""
+
+
+def measure_field(obj: bpy.types.Object, field: str, settings: FairingSettings) -> Field:
+    """Compute a field on the shape that an object shows, and its unit.
+
+    Parameters, errors: as in `field_values`.
+    """
+    if field != "DENSITY":
+        return Field(field_values(obj, field, settings), 1.0, POWERS[field])
+    values, scale = _density_and_scale(*_surface_shown(obj), settings)
+    power = 1 if settings.density == "edge_length" else 2
+    return Field(values, scale**-power, power)
 
 
 def field_values(
@@ -50,26 +75,35 @@ def field_values(
         The mesh has no faces, which all but the displacement need; or the shape before is not
         known, which displacement and what was removed are measured from.
     """
-    shown = shown_positions(obj).astype(np.float64)
-    original = original_positions(obj)
-    if original is None:
-        original = read_positions(obj.data)
-        if field in COMPARED_FIELDS and obj.adaptive_fairing.shapes:
-            raise InputError(rpt_("the shape before the smoothing was not kept"))
-    original = original.astype(np.float64)
-    triangles = read_triangles(obj.data)
     if field == "DISPLACEMENT":
-        return np.linalg.norm(shown - original, axis=1)
-    if not len(triangles):
-        raise InputError("the mesh has no faces: there is no surface to look at")
-    if field == "REMOVED":
-        # Normals of the shown surface, because those of the original are as noisy as it is.
-        normals = vertex_normals_of(triangles, shown)
-        removed = np.einsum("id,id->i", original - shown, normals)
-        return np.where(normals.any(axis=1), removed, np.nan)
+        return np.linalg.norm(shown_positions(obj) - _positions_before(obj), axis=1)
+    shown, triangles = _surface_shown(obj)
+    if field == "DENSITY":
+        return shown_density(shown, triangles, settings)
     if field in CURVATURE_FIELDS:
         return _curvatures(obj)[CURVATURE_FIELDS.index(field)]
-    return shown_density(shown, triangles, settings)
+    # Normals of the shown surface, because those of the original are as noisy as it is.
+    normals = vertex_normals_of(triangles, shown)
+    removed = np.einsum("id,id->i", _positions_before(obj) - shown, normals)
+    return np.where(normals.any(axis=1), removed, np.nan)
+
+
+def _surface_shown(obj: bpy.types.Object) -> tuple[FloatArray, NDArray[np.int32]]:
+    """Read the shape that an object shows: positions (n, 3), triangles (m, 3)."""
+    triangles = read_triangles(obj.data)
+    if not len(triangles):
+        raise InputError("the mesh has no faces: there is no surface to look at")
+    return shown_positions(obj).astype(np.float64), triangles
+
+
+def _positions_before(obj: bpy.types.Object) -> FloatArray:
+    """Read the shape before the runs, (n, 3); the mesh's own if there was none."""
+    original = original_positions(obj)
+    if original is None:
+        if obj.adaptive_fairing.shapes:
+            raise InputError(rpt_("the shape before the smoothing was not kept"))
+        original = read_positions(obj.data)
+    return original.astype(np.float64)
 
 
 def _curvatures(obj: bpy.types.Object) -> FloatArray:
@@ -89,10 +123,17 @@ def shown_density(
     positions: FloatArray, triangles: NDArray[np.int32], settings: FairingSettings
 ) -> FloatArray:
     """Compute the density d_i, (n,), in the solver's frame; NaN at loose vertices."""
+    return _density_and_scale(positions, triangles, settings)[0]
+
+
+def _density_and_scale(
+    positions: FloatArray, triangles: NDArray[np.int32], settings: FairingSettings
+) -> tuple[FloatArray, float]:
+    """Compute the density as `shown_density` does, and the length of a unit in that frame."""
     surface = solvable_surface(positions, triangles)
     frame = SolverFrame.of(positions, surface, settings.normalize)
     topology = surface.topology
     density = mesh_density(
         topology, frame.inward(positions), settings.density, settings.density_passes
     )
-    return frame.to_caller(np.where(topology.is_loose, np.nan, density))
+    return frame.to_caller(np.where(topology.is_loose, np.nan, density)), frame.scale

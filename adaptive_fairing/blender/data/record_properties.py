@@ -55,6 +55,15 @@ class FairingShapeMeasures(bpy.types.PropertyGroup):
     displacement: FloatProperty()
 
 
+class FairingSlotBefore(bpy.types.PropertyGroup):
+    """What a material slot of the object had before it got the colours of a field."""
+
+    __slots__ = ()
+
+    link: StringProperty()
+    material: PointerProperty(type=bpy.types.Material, description="Of the slot of the object")
+
+
 def _shown_evolution(record: FairingRecord) -> float:
     keys = evolution_keys(record.id_data)
     if keys is None:
@@ -70,6 +79,7 @@ def _show_evolution(record: FairingRecord, value: float) -> None:
 
         record.held = NOT_HELD
         show_time(keys, value * keys.key_blocks[-1].frame)
+        _color_anew(record)
 
 
 def _strength(record: FairingRecord) -> float:
@@ -92,11 +102,16 @@ def _show_strength(record: FairingRecord, strength: float) -> None:
         modifier.set_strength(obj, strength)
     else:
         write_shown(obj, shown_by(obj))
+    _color_anew(record)
+
+
+def _color_anew(record: FairingRecord) -> None:
+    """Let the colours follow the shape that is shown, where they tell it from the original."""
     if record.view in COMPARED_FIELDS:
         from ...core import FairingSettings
         from .coloring import color_by_field
 
-        color_by_field(obj, record.view, FairingSettings())
+        color_by_field(record.id_data, record.view, FairingSettings())
 
 
 # No methods: the bpy module of Blender 4.2 crashes at its end after a group of properties that has
@@ -152,7 +167,11 @@ class FairingRecord(bpy.types.PropertyGroup):
     is_sharp: BoolProperty()
     keeps_density: BoolProperty(description="The density is a result, not only looked at")
     view: StringProperty()
-    view_range: FloatVectorProperty(size=2)
+    view_range: FloatVectorProperty(size=2, description="Values at the ends of the legend")
+    view_power: IntProperty(description="They are object units of length to this power")
+    wants_material: BoolProperty(description="Renders have the colours of the view")
+    slots_before: CollectionProperty(type=FairingSlotBefore)
+    has_new_slot: BoolProperty(description="The mesh had no material slot")
     swatch_0: _swatch(0)
     swatch_1: _swatch(1)
     swatch_2: _swatch(2)
@@ -172,7 +191,7 @@ class FairingRecord(bpy.types.PropertyGroup):
 
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(
-    (FairingShapeMeasures, FairingRecord)
+    (FairingShapeMeasures, FairingSlotBefore, FairingRecord)
 )
 
 

@@ -20,7 +20,7 @@ import bpy
 
 from ...core import FairingSettings
 from .attribute_arrays import read_attributes
-from .coloring import color_by_field, end_view
+from .coloring import color_by_field, pause_view
 from .control_mesh import CONTROL, LEVELS, is_refined, net_print, show_again, take_control
 from .mesh_arrays import is_shared, n_triangles, read_key
 from .refined_object import RENEWED, RefineOptions, refine_object
@@ -62,8 +62,7 @@ def show_surface(obj: bpy.types.Object, surface: str) -> tuple[tuple[str, ...], 
         As `refine_result`.
     """
     record = obj.adaptive_fairing
-    view = record.view
-    end_view(obj)
+    view = pause_view(obj)
     kept = show_control(obj)
     record.surface = surface
     notes = refine_result(obj)
@@ -82,7 +81,7 @@ def show_control(obj: bpy.types.Object) -> str | None:
     """
     if not is_refined(obj):
         return None
-    end_view(obj)
+    pause_view(obj)
     refined, record = obj.data, obj.adaptive_fairing
     is_changed = _print_of(obj.data) != record.refined_print
     take_control(obj)
@@ -113,8 +112,7 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
     if record.surface not in LEVELS or not has_result(obj):
         record.surface = CONTROL
         return ()
-    view = record.view
-    end_view(obj)
+    view = pause_view(obj)
     if is_shared(obj.data):
         obj.data = obj.data.copy()
     control = obj.data

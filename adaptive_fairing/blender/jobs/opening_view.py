@@ -8,6 +8,7 @@ from mathutils import Vector
 
 from ...core import DenoiseSettings
 from ..data.attributes import DENSITY, color_name
+from ..data.color_material import field_material
 from ..data.mesh_arrays import write_positions
 from .solve import Solve
 
@@ -64,15 +65,10 @@ def denoised_beside(
 
 
 def color_by_density(obj: bpy.types.Object) -> None:
-    """Make the stored density the colour of views and renders, unless the mesh has its own.
-
-    A mesh without colours gets them active; one without a material gets one that renders them.
-    """
-    mesh, name = obj.data, color_name(DENSITY)
-    if not mesh.attributes.active_color_name:
-        mesh.attributes.active_color_name = mesh.attributes.default_color_name = name
-        if not mesh.materials:
-            mesh.materials.append(_color_material(name))
+    """Let the stored density be rendered, unless the mesh has colours or materials of its own."""
+    mesh = obj.data
+    if mesh.attributes.active_color_name == color_name(DENSITY) and not mesh.materials:
+        mesh.materials.append(field_material("DENSITY"))
 
 
 def frame_views(objects: list[bpy.types.Object]) -> None:
@@ -93,20 +89,6 @@ def frame_views(objects: list[bpy.types.Object]) -> None:
                 view.view_rotation = Vector((0.3, -1.0, 0.15)).to_track_quat("Z", "Y")
                 # With the usual 50 mm it then sees 1.4 times their size across the middle.
                 view.view_distance = size * space.lens / 50.0
-
-
-def _color_material(name: str) -> bpy.types.Material:
-    """Make a material whose colour is a colour attribute."""
-    material = bpy.data.materials.new("Fairing Density")
-    if material.node_tree is None:  # Blender 5 gives every material its nodes
-        material.use_nodes = True
-    nodes = material.node_tree.nodes
-    (shader,) = (node for node in nodes if node.type == "BSDF_PRINCIPLED")
-    colors = nodes.new("ShaderNodeAttribute")
-    colors.attribute_name = name
-    colors.location = shader.location.x - 250.0, shader.location.y
-    material.node_tree.links.new(colors.outputs["Color"], shader.inputs["Base Color"])
-    return material
 
 
 def _corners(objects: list[bpy.types.Object]) -> tuple[Vector, Vector]:

@@ -10,7 +10,7 @@ from ...core import FairingError, FairingSettings
 from ..choices import AUTO
 from ..data import results
 from ..data.attributes import COMPARED_FIELDS, write_density
-from ..data.coloring import color_by_field, end_view
+from ..data.coloring import color_by_field, pause_view
 from ..data.control_mesh import control_read
 from ..data.fields import shown_density
 from ..data.rollback import written_or_restored
@@ -73,8 +73,7 @@ def write_result(
 
     Parameters: as in `store_solve`.
     """
-    view = obj.adaptive_fairing.view
-    end_view(obj)
+    view = pause_view(obj)
     start = solve.vertices.astype(np.float32)
     if solve.is_denoise:
         result = solve.denoised

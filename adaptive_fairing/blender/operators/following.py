@@ -1,4 +1,4 @@
-"""What follows changes that others make: painted weights, and what is remembered of meshes."""
+"""What follows changes that others make: painted weights, the shading of 3D views, memories."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ _weights_before: dict[int, np.ndarray] = {}  # of the object being painted, by i
 
 @bpy.app.handlers.persistent
 def _follow_change(scene, graph) -> None:
-    """Show the result by the weights that have just been painted."""
+    """Show the result by the weights just painted; end the colours of objects that are gone."""
+    viewport.end_without_fields()
     for update in graph.updates:
         if not (update.is_updated_geometry and isinstance(update.id, bpy.types.Object)):
             continue
         obj = update.id.original
-        viewport.forget(obj)
         if obj.mode == "WEIGHT_PAINT" and obj.adaptive_fairing.result == "LIVE":
             follow_weights(obj)
 
@@ -40,14 +40,33 @@ def _forget(*_arguments) -> None:
     """Forget what was remembered of meshes: undo or another file has replaced them."""
     stored_result.forget_weights()
     _weights_before.clear()
-    viewport.forget_all()
+
+
+@bpy.app.handlers.persistent
+def _follow_history(*_arguments) -> None:
+    """After undo and redo, show the colours of fields where there are some, and only there."""
+    _forget()
+    viewport.end_without_fields()
+    viewport.show()
+
+
+@bpy.app.handlers.persistent
+def _leave_file(*_arguments) -> None:
+    _forget()
+    viewport.put_back()  # the views may stay for the next file
+
+
+@bpy.app.handlers.persistent
+def _enter_file(*_arguments) -> None:
+    viewport.adopt()
 
 
 _HANDLERS = (
     ("depsgraph_update_post", _follow_change),
-    ("undo_post", _forget),
-    ("redo_post", _forget),
-    ("load_pre", _forget),
+    ("undo_post", _follow_history),
+    ("redo_post", _follow_history),
+    ("load_pre", _leave_file),
+    ("load_post", _enter_file),
 )
 
 

@@ -16,7 +16,8 @@ FIELDS = (
     (
         "DENSITY",
         "Density",
-        "How coarse the mesh is: where it is bright, the adaptive methods smooth more",
+        "How dense the mesh is: dark where it is dense, bright where it is coarse and the adaptive "
+        "methods smooth more",
     ),
     ("DISPLACEMENT", "Displacement", "How far the smoothing has moved each vertex"),
     (
@@ -42,7 +43,10 @@ FIELDS = (
 class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_view"
     bl_label = "Show Fairing Field"
-    bl_description = "Colour the selected meshes, as they are shown now, by a field"
+    bl_description = (
+        "Colour the selected meshes, as they are shown now, by a field. Its colors are the active "
+        "ones until it is hidden; then everything is as it was before"
+    )
     bl_options = {"REGISTER", "UNDO"}
 
     field: bpy.props.EnumProperty(
@@ -74,12 +78,16 @@ class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
         shown = 0
         with object_mode(context):
             for obj in objects:
+                record = obj.adaptive_fairing
+                record.wants_material = record.wants_material and bool(record.view)
                 try:
                     color_by_field(obj, self.field, settings)
                     shown += 1
                 except FairingError as error:
                     self.report({"WARNING"}, f"{obj.name}: {error}")
-        viewport.redraw(context)
+        # A view that renders shows the colours by itself.
+        is_rendered = all(obj.adaptive_fairing.wants_material for obj in objects)
+        viewport.show(None if is_rendered else _asked_view(context))
         return {"FINISHED"} if shown else {"CANCELLED"}
 
 
@@ -93,11 +101,17 @@ class OBJECT_OT_adaptive_fairing_view_end(bpy.types.Operator):
         from ..data.coloring import end_view
 
         with object_mode(context):
-            for obj in context.scene.objects:
+            for obj in bpy.data.objects:
                 if obj.type == "MESH" and obj.adaptive_fairing.view and obj.data.library is None:
                     end_view(obj)
-        viewport.redraw(context)
+        viewport.end_without_fields()
         return {"FINISHED"}
+
+
+def _asked_view(context: bpy.types.Context) -> bpy.types.SpaceView3D | None:
+    """Give the 3D view whose button was pressed; None for a script."""
+    space = context.space_data
+    return space if isinstance(space, bpy.types.SpaceView3D) else None
 
 
 register, unregister = bpy.utils.register_classes_factory(

@@ -1,99 +1,96 @@
-"""Draw the colours of a field over the object in 3D views.
+"""The shading of 3D views while a field is shown: solid, lit, with the active colours of meshes.
 
-Nothing of the view's shading and of the mesh's own colours changes, and other objects stay as they
-are.
+Every view that is solid shows them, and the one in which the button was pressed becomes solid. What
+was there before comes back when no object shows a field any more; what somebody has changed in the
+meantime stays.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import bpy
-import numpy as np
 
-from ..data.attributes import FIELD_ATTRIBUTES, color_name
+# Highlights would hide the dark colours of dense parts.
+SHOWN = {
+    "color_type": "VERTEX",
+    "light": "STUDIO",
+    "show_specular_highlight": False,
+    "type": "SOLID",
+}
+"""Shading of a view that shows the colours."""
 
-BIAS = 2e-4
-"""How much nearer than the surface the colours are drawn, as a part of the depth."""
+BLENDERS = {"color_type": "MATERIAL", "show_specular_highlight": True}
+"""What Blender itself has instead, for a view that was saved as it shows the colours."""
 
-_batches: dict[int, object] = {}  # by the object's session_uid
-_handles: list[object] = []
-
-
-def forget(obj: bpy.types.Object) -> None:
-    """Have the colours of an object read again: its shape or its colours are others."""
-    _batches.pop(obj.session_uid, None)
-
-
-def forget_all() -> None:
-    """Have all colours read again."""
-    _batches.clear()
+_before: dict[int, dict[str, str | bool]] = {}  # by the address of a view that was changed
 
 
-def redraw(context: bpy.types.Context) -> None:
-    """Draw all 3D views anew."""
-    forget_all()
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "VIEW_3D":
-                area.tag_redraw()
+def show(asked: bpy.types.SpaceView3D | None = None) -> None:
+    """Show the colours of fields, if any object has some.
 
-
-def _draw() -> None:
-    import gpu
-
-    graph = bpy.context.evaluated_depsgraph_get()
-    space = bpy.context.space_data
-    shown = [
-        obj
-        for obj in bpy.context.visible_objects
-        if obj.type == "MESH" and obj.adaptive_fairing.view and obj.visible_in_viewport_get(space)
-    ]
-    if not shown:
+    Parameters
+    ----------
+    asked
+        View that becomes solid if it is not.
+    """
+    if not _has_fields():
         return
-    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
-    gpu.state.depth_test_set("LESS_EQUAL")
-    projection = gpu.matrix.get_projection_matrix().copy()
-    projection[2] -= BIAS * projection[3]
-    with gpu.matrix.push_pop_projection():
-        gpu.matrix.load_projection_matrix(projection)
-        for obj in shown:
-            if obj.session_uid not in _batches:
-                _batches[obj.session_uid] = _batch(obj.evaluated_get(graph), obj, shader)
-            batch = _batches[obj.session_uid]
-            if batch is not None:
-                with gpu.matrix.push_pop():
-                    gpu.matrix.multiply_matrix(obj.matrix_world)
-                    batch.draw(shader)
-    gpu.state.depth_test_set("NONE")
+    for address, space in _views():
+        shading = space.shading
+        if shading.type == "SOLID" or space == asked:
+            found = {name: getattr(shading, name) for name in SHOWN}
+            if found != SHOWN:
+                _before.setdefault(address, found)
+                for name, value in SHOWN.items():
+                    setattr(shading, name, value)
 
 
-def _batch(evaluated: bpy.types.Object, obj: bpy.types.Object, shader):
-    """Make triangles with the colours of a field; None if the mesh has lost them."""
-    from gpu_extras.batch import batch_for_shader
+def end_without_fields() -> None:
+    """Put the shading back if no object shows a field any more."""
+    if _before and not _has_fields():
+        put_back()
 
-    mesh = evaluated.data
-    colors = mesh.attributes.get(color_name(FIELD_ATTRIBUTES[obj.adaptive_fairing.view]))
-    if colors is None or colors.domain != "POINT":
-        return None
-    n_vertices = len(mesh.vertices)
-    positions = np.empty((n_vertices, 3), dtype=np.float32)
-    mesh.attributes["position"].data.foreach_get("vector", positions.ravel())
-    values = np.empty((n_vertices, 4), dtype=np.float32)
-    colors.data.foreach_get("color_srgb", values.ravel())
-    mesh.calc_loop_triangles()
-    triangles = np.empty((len(mesh.loop_triangles), 3), dtype=np.int32)
-    mesh.loop_triangles.foreach_get("vertices", triangles.ravel())
-    return batch_for_shader(shader, "TRIS", {"pos": positions, "color": values}, indices=triangles)
+
+def put_back() -> None:
+    """Put the shading of all views back, but for what was changed since."""
+    for address, space in _views():
+        for name, value in _before.get(address, {}).items():
+            if getattr(space.shading, name) == SHOWN[name]:
+                setattr(space.shading, name, value)
+    _before.clear()
+
+
+def adopt() -> None:
+    """Take the views of a file for changed that was saved while they showed the colours.
+
+    What was there before is not known any more: they will be put back to Blender's own.
+    """
+    if _has_fields():
+        for address, space in _views():
+            if all(getattr(space.shading, name) == SHOWN[name] for name in SHOWN):
+                _before[address] = SHOWN | BLENDERS
+        show()
+
+
+def _has_fields() -> bool:
+    return any(obj.adaptive_fairing.view for obj in bpy.data.objects)
+
+
+def _views() -> Iterator[tuple[int, bpy.types.SpaceView3D]]:
+    """Give every 3D view of the file, in all its screens, with its address."""
+    for screen in bpy.data.screens:
+        for area in screen.areas:
+            for space in area.spaces:
+                if space.type == "VIEW_3D":
+                    yield space.as_pointer(), space
 
 
 def register() -> None:
-    """Draw from now on, where there is a window."""
-    if not bpy.app.background:
-        handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_VIEW")
-        _handles.append(handle)
+    """Nothing was changed yet."""
+    _before.clear()
 
 
 def unregister() -> None:
-    """Draw no more."""
-    while _handles:
-        bpy.types.SpaceView3D.draw_handler_remove(_handles.pop(), "WINDOW")
-    forget_all()
+    """Leave the views as they were."""
+    put_back()

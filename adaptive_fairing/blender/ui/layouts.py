@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 
 import bpy
@@ -37,34 +38,47 @@ def draw_lines(context: bpy.types.Context, layout, text: str, *, icon: str) -> N
         icon = "BLANK1" if icon != "NONE" else icon
 
 
-def length_text(context: bpy.types.Context, length: float) -> str:
-    """Write a length of the world, in three digits, in the units of the scene."""
-    length = float(f"{length:.3g}")
+def length_text(context: bpy.types.Context, value: float, power: int = 1) -> str:
+    """Write a length of the world, or an area, in three digits, in the units of the scene.
+
+    Parameters
+    ----------
+    context
+    value
+        In Blender's units of length, or their squares.
+    power
+        1 of a length, 2 of an area.
+    """
     units = context.scene.unit_settings
     if units.system == "NONE":
-        return f"{length:.3g}"
-    return bpy.utils.units.to_string(
-        units.system, "LENGTH", length * units.scale_length, precision=5, split_unit=False
-    )
+        return f"{value:.3g}"
+    kind = "LENGTH" if power == 1 else "AREA"
+    value *= units.scale_length**power
+    text = bpy.utils.units.to_string(units.system, kind, value, precision=5, split_unit=False)
+    # Its precision counts the digits after the point.
+    return re.sub(r"[\d.]+", lambda number: f"{float(f'{float(number[0]):.3g}'):g}", text)
 
 
 def world_length_text(
     context: bpy.types.Context, record: bpy.types.PropertyGroup, length: float
 ) -> str:
     """Write a length of a mesh as it is in the world, where the object may be scaled."""
-    return length_text(context, length * record.id_data.matrix_world.median_scale)
+    return world_text(context, record, length, 1)
 
 
-def curvature_text(
+def world_text(
     context: bpy.types.Context, record: bpy.types.PropertyGroup, value: float, power: int
 ) -> str:
-    """Write a curvature of a mesh as it is in the world, in 1 / length to a power.
+    """Write a length of a mesh to a power as it is in the world, where the object may be scaled.
 
-    In metres or feet where the scene has units, otherwise in Blender's units.
+    Lengths and areas in the units of the scene; curvatures per metre or foot, or per Blender unit
+    in a scene without units.
     """
+    value *= record.id_data.matrix_world.median_scale**power
+    if power > 0:
+        return length_text(context, value, power)
     units = context.scene.unit_settings
     unit, scale = UNITS[units.system]
     if units.system != "NONE":
         scale *= units.scale_length
-    value /= (record.id_data.matrix_world.median_scale * scale) ** power
-    return f"{value:.3g} / {unit or iface_('unit')}{'²' if power == 2 else ''}"
+    return f"{value * scale**power:.3g} / {unit or iface_('unit')}{'²' if power == -2 else ''}"

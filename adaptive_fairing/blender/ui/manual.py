@@ -24,6 +24,8 @@ OPERATORS = {
     "_select_problems": "troubleshooting/#the-result",
     "_view": "colours/#what-the-colours-mean",
     "_view_end": "colours/#what-the-colours-mean",
+    "_material": "colours/#render-the-colours",
+    "_material_end": "colours/#render-the-colours",
     "_sequence": "sequences/#in-blender",
     "_measure": "settings/#τ-and-the-smoothing-radius",
     "_suggest_tau": "settings/#τ-and-the-smoothing-radius",

@@ -1,12 +1,10 @@
-"""Panels for what a run has done: statistics, colours, comparison."""
+"""Panels for what a run has done: animation, statistics, comparison."""
 
 from __future__ import annotations
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..data.attributes import COMPARED_FIELDS
-from ..data.record_properties import N_SWATCHES, swatch_name
 from ..data.run_record import evolution_keys, is_of_strengths, result_measures
 from ..operators.animate import (
     OBJECT_OT_adaptive_fairing_animate,
@@ -15,13 +13,8 @@ from ..operators.animate import (
 )
 from ..operators.compare import OBJECT_OT_adaptive_fairing_compare, comparison_of
 from ..operators.select_problems import OBJECT_OT_adaptive_fairing_select_problems
-from ..operators.view import (
-    FIELDS,
-    OBJECT_OT_adaptive_fairing_view,
-    OBJECT_OT_adaptive_fairing_view_end,
-)
 from ..properties import CONTEXT, copy_settings, copy_solver
-from .layouts import FairingPanel, curvature_text, draw_lines, world_length_text
+from .layouts import FairingPanel, draw_lines, world_length_text
 
 STOP_REASONS = {
     "steps": "All steps done",
@@ -29,9 +22,6 @@ STOP_REASONS = {
     "rate": "Hardly any change left",
     "stopped": "Stopped by hand",
 }
-
-CURVATURE_POWERS = {"CURVATURE": 1, "GAUSSIAN": 2}
-"""Power of 1 / length that a curvature is."""
 
 
 def active_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:
@@ -85,25 +75,6 @@ class VIEW3D_PT_adaptive_fairing_statistics(FairingPanel, bpy.types.Panel):
             draw_lines(context, layout, note, icon="INFO")
         if record.notes:
             layout.operator(OBJECT_OT_adaptive_fairing_select_problems.bl_idname)
-
-
-class VIEW3D_PT_adaptive_fairing_view(FairingPanel, bpy.types.Panel):
-    bl_label = "Colors"
-    bl_options = {"DEFAULT_CLOSED"}
-
-    def draw(self, context):
-        layout, obj = self.layout, context.active_object
-        shown = obj.adaptive_fairing.view if obj is not None else ""
-        grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
-        for field, title, _ in FIELDS:
-            if field == shown:  # a lit button switches off
-                end = OBJECT_OT_adaptive_fairing_view_end.bl_idname
-                grid.operator(end, text=iface_(title), depress=True)
-            else:
-                view = grid.operator(OBJECT_OT_adaptive_fairing_view.bl_idname, text=iface_(title))
-                view.field = field
-        if shown:
-            _draw_legend(context, layout, obj.adaptive_fairing)
 
 
 class VIEW3D_PT_adaptive_fairing_compare(FairingPanel, bpy.types.Panel):
@@ -173,27 +144,9 @@ def change_text(before: float, after: float) -> str:
     return f"{100 * (after - before) / abs(before):+.2f} %"
 
 
-def _draw_legend(context, layout, record) -> None:
-    """Draw the colours from high to low, with their values."""
-    low, high = record.view_range
-    column = layout.box().column(align=True)
-    for number in reversed(range(N_SWATCHES)):
-        value = low + (high - low) * number / (N_SWATCHES - 1)
-        split = column.split(factor=0.3)
-        split.prop(record, swatch_name(number), text="")
-        if record.view in COMPARED_FIELDS:
-            text = world_length_text(context, record, value)
-        elif record.view in CURVATURE_POWERS:
-            text = curvature_text(context, record, value, CURVATURE_POWERS[record.view])
-        else:
-            text = iface_("{:.4g} in the box [-3, 3]³").format(value)
-        split.label(text=text, translate=False)
-
-
 register, unregister = bpy.utils.register_classes_factory(
     (
         VIEW3D_PT_adaptive_fairing_animation,
-        VIEW3D_PT_adaptive_fairing_view,
         VIEW3D_PT_adaptive_fairing_statistics,
         VIEW3D_PT_adaptive_fairing_compare,
     )

@@ -40,10 +40,14 @@ def test_colors_are_those_of_the_map(mesh, values):
     np.testing.assert_allclose(shown, colors_srgb(values, 0, 2), atol=1e-4)
 
 
-def test_the_active_colour_and_that_of_renders_stay(mesh, values):
-    attributes = mesh.attributes
+def test_the_first_colours_of_a_mesh_are_active_and_rendered(mesh, values):
     write_color(mesh, "weight_color", values)
-    assert (attributes.active_color_name, attributes.default_color_name) == ("", "")
+    attributes = mesh.attributes
+    assert attributes.active_color_name == attributes.default_color_name == "weight_color"
+
+
+def test_on_a_mesh_with_colours_the_active_one_and_that_of_renders_stay(mesh, values):
+    attributes = mesh.attributes
     for name in ("scan", "other"):
         attributes.new(name, "FLOAT_COLOR", "POINT")
     attributes.active_color_name, attributes.default_color_name = "other", "scan"

@@ -11,7 +11,7 @@ from support.objects import add_object
 
 from adaptive_fairing.blender.jobs.solve import Solve
 from adaptive_fairing.blender.operators import modal_run
-from adaptive_fairing.blender.ui import results_panel, sequence_panel, settings_panel
+from adaptive_fairing.blender.ui import colors_panel, results_panel, sequence_panel, settings_panel
 from adaptive_fairing.core import DenoiseSettings
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -19,7 +19,7 @@ pytestmark = pytest.mark.usefixtures("addon")
 TESTS = Path(__file__).resolve().parents[2]
 PANELS = [
     panel
-    for module in (settings_panel, sequence_panel, results_panel)
+    for module in (settings_panel, sequence_panel, colors_panel, results_panel)
     for name, panel in vars(module).items()
     if name.startswith("VIEW3D_PT_adaptive") and panel.__module__ == module.__name__
 ]
@@ -38,6 +38,8 @@ def buttons():
     found = shown_buttons()
     bpy.ops.object.adaptive_fairing()
     bpy.ops.object.adaptive_fairing_view(field="REMOVED")
+    found |= shown_buttons()
+    bpy.ops.object.adaptive_fairing_material()
     found |= shown_buttons()
     bpy.context.scene.adaptive_fairing.method = "uniform"
     bpy.ops.object.adaptive_fairing(method="uniform", steps=2, tau=0.001)

@@ -13,14 +13,14 @@ from support.objects import add_object
 from adaptive_fairing.blender.jobs.solve import Solve, run_solves
 from adaptive_fairing.blender.operators import mesh_scale, modal_run, settings_layout
 from adaptive_fairing.blender.properties import DENOISE_NAMES, FAIRING_NAMES, OUTPUT_NAMES
-from adaptive_fairing.blender.ui import results_panel, sequence_panel, settings_panel
+from adaptive_fairing.blender.ui import colors_panel, results_panel, sequence_panel, settings_panel
 from adaptive_fairing.core import FairingSettings
 
 pytestmark = pytest.mark.usefixtures("addon")
 
 PANELS = [
     panel
-    for module in (settings_panel, sequence_panel, results_panel)
+    for module in (settings_panel, sequence_panel, colors_panel, results_panel)
     for name, panel in vars(module).items()
     if name.startswith("VIEW3D_PT_adaptive") and panel.__module__ == module.__name__
 ]
@@ -246,31 +246,6 @@ class TestAfterTheRun:
         bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1)
         drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics)
         assert "more than two triangles" in " ".join(drawn.texts)
-
-    def test_the_legend_shows_both_ends(self, sphere):
-        bpy.ops.object.adaptive_fairing_view(field="DENSITY")
-        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_view)
-        low, high = sphere.adaptive_fairing.view_range
-        assert drawn.texts[0] == f"{high:.4g} in the box [-3, 3]³"
-        assert drawn.texts[-1] == f"{low:.4g} in the box [-3, 3]³"
-        (pressed,) = [each for each in drawn.operators if each["depress"]]
-        assert (pressed["name"], pressed["text"]) == ("object.adaptive_fairing_view_end", "Density")
-
-    @pytest.mark.parametrize(
-        ("system", "unit", "length"),
-        [("NONE", "unit", 1.0), ("METRIC", "m", 0.5), ("IMPERIAL", "ft", 0.5 / 0.3048)],
-    )
-    def test_curvatures_have_their_units(self, sphere, system, unit, length):
-        """`length` is what Blender's unit is worth."""
-        units = bpy.context.scene.unit_settings
-        units.system, units.scale_length = system, 0.5
-        sphere.scale = (2.0, 2.0, 2.0)
-        bpy.context.view_layer.update()
-        for field, power, ending in (("CURVATURE", 1, unit), ("GAUSSIAN", 2, f"{unit}²")):
-            bpy.ops.object.adaptive_fairing_view(field=field)
-            high = sphere.adaptive_fairing.view_range[1] / (2.0 * length) ** power
-            drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_view)
-            assert drawn.texts[0] == f"{high:.3g} / {ending}"
 
 
 def test_the_redo_panel_offers_every_property_that_the_method_uses(sphere):
