@@ -11,6 +11,8 @@ import os
 import sys
 from pathlib import Path
 
+import pytest
+
 TESTS = Path(__file__).resolve().parent
 
 for folder in (TESTS, TESTS.parent):  # the last one inserted is searched first
@@ -34,6 +36,13 @@ def leave() -> None:
 
 
 atexit.register(leave)  # before bpy registers its own cleaning up, so it is called after that
+
+
+def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
+    """One process for paths that somebody names, some for all tests: each takes 1 GB with bpy."""
+    if config.args_source is pytest.Config.ArgsSource.ARGS:
+        return 0
+    return min(os.cpu_count() or 1, 4)
 
 
 def pytest_sessionfinish(session, exitstatus):

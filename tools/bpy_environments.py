@@ -17,7 +17,9 @@ from pathlib import Path
 from fetch_wheels import WHEELS
 
 DEFAULT_CACHE = Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache"), "adaptive-fairing")
-TEST_REQUIREMENTS = ("pytest>=8", "hypothesis>=6.100", "psutil>=5.9", "tqdm>=4.60")
+TEST_REQUIREMENTS = (
+    "pytest>=8", "pytest-xdist>=3.6", "hypothesis>=6.100", "psutil>=5.9", "tqdm>=4.60",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -1,3 +1,6 @@
 """Test set-up of the research: that of the product's tests."""
 
-from tests.conftest import pytest_sessionfinish  # noqa: F401  ends the process as they do
+from tests.conftest import (  # noqa: F401  hooks of pytest
+    pytest_sessionfinish,
+    pytest_xdist_auto_num_workers,
+)
