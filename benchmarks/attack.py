@@ -134,7 +134,7 @@ def run_batch(given: list[Path], folder: Path) -> tuple[dict[str, str], list[str
     """Run all files as a batch; give what became of each, and what was wrong."""
     out, report = folder / "out", folder / "report.json"
     options = ["--format", "ply", "--jobs", "2", "--memory", "8G"]
-    run = run_program(*given, "--out-dir", out, "--report", report, *options)
+    run = run_program("denoise", *given, "--out-dir", out, "--report", report, *options)
     outcomes, problems = {}, []
     for mesh in json.loads(report.read_text())["meshes"]:
         name, error = Path(mesh["input"]).name, mesh["error"] or ""
@@ -154,7 +154,7 @@ def run_alone(path: Path, folder: Path) -> list[str]:
     place = folder / "alone"
     place.mkdir(exist_ok=True)
     output = place / f"{path.name}.ply"
-    run = run_program(path, "-o", output, "--quiet")
+    run = run_program("denoise", path, "-o", output, "--quiet")
     problems = problems_of_run(run)
     if len(run.messages) != run.status:
         problems.append(f"{len(run.messages)} lines")

@@ -154,7 +154,9 @@ def run_batch(given: Path, output: Path, *options: str, kill_at: int | None = No
         if kill_at is not None and len(list(output.glob(f"{RECORDS}/*"))) >= kill_at:
             process.kill()
 
-    run = run_program(given, "--out-dir", output, "--report", report, *options, look=look)
+    run = run_program(
+        "denoise", given, "--out-dir", output, "--report", report, *options, look=look
+    )
     summary = json.loads(report.read_text()) if report.exists() else {}
     return Run(run.status, run.seconds, run.processor_seconds, largest, summary)
 
@@ -183,7 +185,7 @@ def print_runs(runs: dict[str, Run]) -> None:
             "killed" if run.status < 0 else str(run.status),
             f"{run.seconds:.1f}", f"{run.processor_seconds:.1f}", f"{run.largest_bytes / 1e6:.0f}",
         ])  # fmt: skip
-    header = ("run", "faired", "skipped", "failed", "exit", "s", "processor s", "held MB")
+    header = ("run", "done", "skipped", "failed", "exit", "s", "processor s", "held MB")
     print("\n" + table(header, rows))
 
 

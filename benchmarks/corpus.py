@@ -1,6 +1,6 @@
 """Run every mesh file of a folder through the command line and print what became of it.
 
-    python -m benchmarks.corpus FOLDER [-- ARGUMENTS OF adaptive-fairing]
+    python -m benchmarks.corpus FOLDER [-- OPTIONS OF adaptive-fairing denoise]
 
 One process per mesh. The files that come out are read by meshio, not by Blender, and are compared
 with the files that went in. Exit status 1 if anything looks wrong: a traceback, a message
@@ -53,7 +53,7 @@ def main() -> int:
     """Run the folder and print the table."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("folder", type=Path)
-    parser.add_argument("arguments", nargs="*", help="for adaptive-fairing, after --")
+    parser.add_argument("arguments", nargs="*", help="for adaptive-fairing denoise, after --")
     options = parser.parse_args()
     files = sorted(path for path in options.folder.iterdir() if path.suffix.lower() in READ)
     rows, n_suspicious = [], 0
@@ -71,7 +71,7 @@ def examine(file: Path, arguments: list[str]) -> tuple[list[str], bool]:
     """Run one file; give its row of the table, and whether something looks wrong."""
     with tempfile.TemporaryDirectory() as folder:
         output, report = Path(folder) / f"out{file.suffix}", Path(folder) / "report.json"
-        run = run_program(file, "-o", output, "--report", report, *arguments)
+        run = run_program("denoise", file, "-o", output, "--report", report, *arguments)
         texts = [line.removeprefix(PREFIX) for line in run.messages]
         problems = problems_of_run(run)
         counts = ["", "", ""]

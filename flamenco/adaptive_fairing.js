@@ -76,27 +76,34 @@ const JOB_TYPE = {
             description: "Mesh object to fair, if a file holds several",
         },
         {
-            key: "method", type: "string", default: "auto",
-            choices: ["auto", "timestep", "tensor", "uniform"],
-            description: "auto estimates the noise and needs Strength only. The others need Tau, " +
-                "Steps and Density: the density sets the timestep, the diffusion tensor, or nothing",
+            key: "algorithm", type: "string", default: "denoise", choices: ["denoise", "fair"],
+            description: "denoise estimates the noise and needs Strength only. fair is the " +
+                "diffusion of the paper and needs Scheme, Radius, Steps and Density",
         },
         {
             key: "strength", type: "float", default: 1.0,
-            description: "Of the method auto: factor of the noise that it estimates",
+            description: "Of denoise: factor of the noise that it estimates",
         },
         {
-            key: "tau", type: "float", default: 0.016,
-            description: "Time of a step. Unused by the method auto",
+            key: "scheme", type: "string", default: "timestep",
+            choices: ["timestep", "tensor", "uniform"],
+            description: "Of fair: the density sets the timestep, the diffusion tensor, or nothing",
+        },
+        {
+            key: "radius", type: "float", default: 0.5,
+            description: "Of fair: smoothing radius after all steps, in local edge lengths",
+        },
+        {
+            key: "tau", type: "float", default: 0.0,
+            description: "Of fair: time of a step, instead of Radius. 0 takes the radius",
         },
         {
             key: "steps", type: "int32", default: 4,
-            description: "Number of steps. Unused by the method auto",
+            description: "Of fair: number of steps",
         },
         {
             key: "density", type: "string", default: "edge", choices: ["edge", "area"],
-            description: "Measure of the density: mean edge length or area around a vertex. Unused " +
-                "by the method auto",
+            description: "Of fair: measure of the density, mean edge length or area around a vertex",
         },
         {
             key: "boundary", type: "string", default: "fixed", choices: ["fixed", "free"],
@@ -186,9 +193,10 @@ function checkSettings(settings) {
     for (const key of ["chunk_size", "jobs", "steps"]) {
         check(settings[key] >= 1, `${nameOf(key)} must be at least 1`);
     }
-    for (const key of ["tau", "strength"]) {
+    for (const key of ["radius", "strength"]) {
         check(settings[key] > 0 && isFinite(settings[key]), `${nameOf(key)} must be above 0`);
     }
+    check(settings.tau >= 0 && isFinite(settings.tau), "Tau must be above 0, or 0 to take Radius");
     check(/^(\d+(\.\d+)?\s*[KMGT]?B?)?$/i.test(settings.memory),
         `Memory is "${settings.memory}": give a size such as 8G, or nothing`);
     const suffix = "." + settings.format.toLowerCase().replace(/^\./, "");
@@ -282,7 +290,7 @@ function blenderCommand(settings, options, steps) {
         argsBefore: ["--addons", settings.addon],
         blendfile: "",
         // What follows -c belongs to the program.
-        args: ["-c", "adaptive_fairing", settings.input_path].concat(
+        args: ["-c", "adaptive_fairing", settings.algorithm, settings.input_path].concat(
             commonOptions(settings), options),
     }, steps);
 }
@@ -292,14 +300,15 @@ function blenderCommand(settings, options, steps) {
 function commonOptions(settings) {
     const options = [
         "--out-dir", settings.output_path,
-        "--method", settings.method,
         "--boundary", settings.boundary,
     ];
-    if (settings.method === "auto") {
+    if (settings.algorithm === "denoise") {
         options.push("--strength", decimal(settings.strength));
     } else {
         options.push(
-            "--tau", decimal(settings.tau),
+            "--scheme", settings.scheme,
+            ...(settings.tau > 0
+                ? ["--tau", decimal(settings.tau)] : ["--radius", decimal(settings.radius)]),
             "--steps", String(settings.steps),
             "--density", settings.density);
     }

@@ -29,11 +29,10 @@ NOISE = 0.15  # standard deviation in local edge lengths
 BEND = 1.0  # of one end against the other, in radians
 SEED = 20260009
 
-PAPER = ["--method", "timestep", "--tau"]
 CASES = {
-    "fixed τ, mean edge": [*PAPER, "0.004"],
+    "fixed τ, mean edge": ["--tau", "0.004"],
     "until 60 % of the curvature is left": [
-        *PAPER, "0.001", "--steps", "12", "--stop-curvature", "0.6",
+        "--tau", "0.001", "--steps", "12", "--stop-curvature", "0.6",
     ],
 }  # fmt: skip
 WAYS = {"each its own": [], "same strength": ["--same-strength"]}
@@ -125,7 +124,7 @@ def write_frames(sequence: Sequence, folder: Path) -> None:
 def fair_frames(given: Path, output: Path, arguments: list[str]) -> list[int]:
     """Fair all frames with the command line; give the number of steps of each."""
     report = output.with_suffix(".json")
-    run_program(given, "--sequence", "--out-dir", output, "--report", report, *arguments)
+    run_program("fair", given, "--sequence", "--out-dir", output, "--report", report, *arguments)
     return [mesh["steps"] for mesh in json.loads(report.read_text())["meshes"]]
 
 

@@ -148,8 +148,8 @@ def check_blender(
     _take(row, installed)
     if installed["failed"] is None:
         # The program comes first: "use" ends with uninstalling, and with that goes the scipy.
-        arguments = [str(work / "noisy.ply"), "-o", str(work / "program.ply")]
-        arguments += ["--method", "timestep", "--steps", "2"]
+        arguments = ["fair", str(work / "noisy.ply"), "-o", str(work / "program.ply")]
+        arguments += ["--steps", "2"]
         done = run_isolated([*program, *arguments, "--quiet"], work, **environment)
         _take(row, run_phase(start, "use", work))
         written = [work / "program.ply", work / "command.ply"]

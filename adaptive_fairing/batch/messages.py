@@ -24,8 +24,10 @@ class Job:
 
     Attributes
     ----------
-    input, frame, object_name, settings
-        As in `FairingJob`; the settings as a dictionary.
+    input, frame, object_name
+        As in `FairingJob`.
+    settings
+        A `settings_record`.
     output
         File to write; None only measures what frames of one strength have in common.
     reference

@@ -68,7 +68,7 @@ class Batch:
         """Name what an output is made with: all that a finished one is compared by."""
         known = {
             "version": program_version(),
-            "settings": settings_record(self.settings),
+            **settings_record(self.settings),
             "object": self.object_name,
             # If the result replaces its input, nothing is left to compare with.
             "input_files": None if _replaces_input(item) else input_stamp(item.input),
@@ -182,7 +182,7 @@ def _summary(batch: Batch, entries: list[Json], started: float) -> Json:
     return summary(
         entries,
         version=program_version(),
-        settings=settings_record(batch.settings),
+        algorithm=settings_record(batch.settings),
         arguments={
             "object": batch.object_name,
             "is_sequence": batch.reference is not None,

@@ -59,7 +59,7 @@ def outcome_of(report: Json) -> Json:
 
 
 def summary(
-    entries: Sequence[Json], *, version: str, settings: Json, arguments: Json, seconds: float
+    entries: Sequence[Json], *, version: str, algorithm: Json, arguments: Json, seconds: float
 ) -> Json:
     """Put the account of a batch together.
 
@@ -69,8 +69,8 @@ def summary(
         One `mesh_entry` each.
     version
         Of the program.
-    settings
-        For the solver, as asked for.
+    algorithm
+        With its settings, see `settings_record`.
     arguments
         What else was asked for.
     seconds
@@ -79,7 +79,7 @@ def summary(
     statuses = [entry["status"] for entry in entries]
     return {
         "program": {"name": "adaptive-fairing", "version": version},
-        "settings": settings,
+        **algorithm,
         **arguments,
         "seconds": seconds,
         "counts": {"meshes": len(entries)}

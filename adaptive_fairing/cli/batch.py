@@ -1,4 +1,4 @@
-"""The command line of batches and sequences: options, checks, the run."""
+"""Batches and sequences as the arguments ask for them: checks, the run."""
 
 from __future__ import annotations
 
@@ -23,7 +23,8 @@ from ..batch.plan import (
     shard_of,
 )
 from ..batch.summary import DONE, FAILED, MISSING, SKIPPED, is_complete
-from ..files.formats import BLEND, suffix_of
+from ..files.formats import BLEND, SUFFIXES, suffix_of
+from .options import ENDINGS
 
 if TYPE_CHECKING:
     from ..core import DenoiseSettings, FairingSettings
@@ -57,63 +58,6 @@ class Plan:
     memory: int | None
 
 
-def add_options(parser: argparse.ArgumentParser) -> None:
-    """Add the options of batches and sequences to the program's."""
-    batch = parser.add_argument_group(
-        "many meshes",
-        "Several INPUTs, a folder (all mesh files in it) or a pattern in quotes make a batch. "
-        "Finished outputs are skipped; a mesh that fails does not keep the others from it. "
-        "--report writes the summary.",
-    )
-    batch.add_argument(
-        "--out-dir", type=Path, metavar="DIR", help="folder for the outputs, made if missing"
-    )
-    batch.add_argument(
-        "--format", metavar="KIND", help="kind of the outputs, such as ply (default: the input's)"
-    )
-    batch.add_argument("--jobs", type=int, metavar="N", help="worker processes (default: 1)")
-    batch.add_argument(
-        "--memory",
-        metavar="SIZE",
-        help="memory that the workers may hold together, such as 8G (default: what is free)",
-    )
-    batch.add_argument(
-        "--shard", metavar="I/N", help="do the I-th of N parts only, on one of N machines"
-    )
-    batch.add_argument(
-        "--merge",
-        action="store_true",
-        help="fair nothing, sum up what earlier runs, such as shards, have done",
-    )
-    batch.add_argument(
-        "--allow-failures",
-        action="store_true",
-        help="exit with 0 although meshes have failed; the summary and the messages tell them",
-    )
-    batch.add_argument(
-        "--flamenco",
-        action="store_true",
-        help="write a line for every mesh to standard output, which Flamenco counts as progress",
-    )
-    sequence = parser.add_argument_group(
-        "frames of one surface",
-        "With -o FILE.blend the frames also become one object, keyframed.",
-    )
-    sequence.add_argument(
-        "--sequence", action="store_true", help="the INPUTs are numbered frames of one surface"
-    )
-    sequence.add_argument(
-        "--frames",
-        metavar="LIST",
-        help="frames of an animated INPUT to fair as it is shown there, such as 1-50 or 1,5,10-20",
-    )
-    sequence.add_argument(
-        "--same-strength",
-        action="store_true",
-        help="smooth every frame as the first one, so that nothing flickers",
-    )
-
-
 def plan_of(arguments: argparse.Namespace) -> Plan | None:
     """Plan the batch that the arguments ask for; None if they name a single mesh.
 
@@ -129,7 +73,7 @@ def plan_of(arguments: argparse.Namespace) -> Plan | None:
     folder = arguments.out_dir
     if folder is None:
         if keyed is None:
-            raise ArgumentsError("give the folder for the outputs with --out-dir")
+            raise ArgumentsError(_no_folder(arguments))
         folder = keyed.with_name(f"{keyed.stem}_frames")
     if arguments.same_strength and not is_sequence:
         raise ArgumentsError("--same-strength is for frames: add --sequence or --frames")
@@ -225,7 +169,7 @@ def refinement(arguments: argparse.Namespace) -> int | None:
 def describe(account: dict[str, Any]) -> str:
     """Sum a summary up in one line."""
     counts = account["counts"]
-    parts = [f"{counts['meshes']} meshes: {counts[DONE]} faired"]
+    parts = [f"{counts['meshes']} meshes: {counts[DONE]} {DONE}"]
     if counts[SKIPPED]:
         parts.append(f"{counts[SKIPPED]} finished before")
     parts += [f"{counts[status]} {status}" for status in (FAILED, MISSING) if counts[status]]
@@ -237,6 +181,20 @@ def _is_batch(arguments: argparse.Namespace) -> bool:
     inputs = arguments.input
     is_asked_for = any(getattr(arguments, name) not in (None, False) for name in BATCH_OPTIONS)
     return is_asked_for or len(inputs) > 1 or Path(inputs[0]).is_dir() or is_pattern(inputs[0])
+
+
+def _no_folder(arguments: argparse.Namespace) -> str:
+    """Say that there is no output folder, or that the second of two files looks like an output."""
+    first, last = Path(arguments.input[0]), arguments.input[-1]
+    is_pair = len(arguments.input) == 2 and not Path(last).is_dir() and not is_pattern(last)
+    if not is_pair:
+        return "give the folder for the outputs with --out-dir"
+    if Path(last).exists():
+        return f"two INPUTs need a folder for the outputs, --out-dir; or did you mean -o {last}?"
+    suffix = f".{last.lower().removeprefix('.')}"
+    if suffix in SUFFIXES:
+        last = f"{first.with_name(first.stem)}{ENDINGS[arguments.algorithm]}{suffix}"
+    return f"{arguments.input[-1]} does not exist: did you mean -o {last}?"
 
 
 def _check_conflicts(

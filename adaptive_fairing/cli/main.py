@@ -1,4 +1,4 @@
-"""The command line of the program, of ``python -m`` and of ``blender -c adaptive_fairing``.
+"""The program: ``adaptive-fairing``, ``python -m`` and ``blender -c adaptive_fairing``.
 
 Exit status: 0 done; 1 could not (file, mesh or solver); 2 wrong arguments. Errors are one line on
 standard error that says what to do; standard output stays empty.
@@ -21,9 +21,11 @@ from .apart import (
     keep_to_own_messages,
     run_apart,
 )
+from .arguments import parse, settings_of
 from .interrupts import INTERRUPTED, raise_at_interrupt
 from .messages import PROGRAM, say
-from .options import WRONG_ARGUMENTS, parse, settings_of
+from .options import FAIR, REFINE
+from .parser import WRONG_ARGUMENTS
 
 DONE, COULD_NOT = 0, 1
 WORKER = "--worker"
@@ -76,13 +78,15 @@ def main(
             f"the address space is limited to {in_gigabytes(space)} (ulimit -v), Blender takes "
             f"{in_gigabytes(ADDRESS_SPACE)} when it starts"
         )
+    if not arguments.plan and not arguments.input.exists():  # told before Blender takes its time
+        return _fail(f"cannot read {arguments.input}: there is no such file")
     command = list(worker_command or (sys.executable, "-m", "adaptive_fairing"))
     if is_apart and not is_child and not arguments.plan:
         return _run_apart(arguments, [*command, CHILD, *given])
     try:
         if arguments.plan:
             return _run_batch(arguments, [*command, WORKER])
-        return _run(arguments)
+        return _refine(arguments) if arguments.algorithm == REFINE else _run(arguments)
     except ModuleNotFoundError as error:
         if error.name not in _MISSING:
             raise
@@ -126,7 +130,7 @@ def _run(arguments: argparse.Namespace) -> int:
     try:
         settings = settings_of(arguments)
     except SettingsError as error:
-        return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
+        return _wrong_settings(arguments, error)
 
     from ..silence import silent_output
     from .progress import part_progress, step_progress
@@ -142,6 +146,7 @@ def _run(arguments: argparse.Namespace) -> int:
         arguments.object,
         arguments.report,
         refine=batch.refinement(arguments),
+        denoised_beside=arguments.algorithm == FAIR and not arguments.no_denoised,
     )
     show = not arguments.quiet and sys.stderr.isatty()
     try:
@@ -153,11 +158,34 @@ def _run(arguments: argparse.Namespace) -> int:
                 report = run_job(job, on_step)
     except (FairingError, OSError) as error:
         return _fail(str(error))
+    _tell(arguments, report, _summary(report))
+    return DONE
+
+
+def _refine(arguments: argparse.Namespace) -> int:
+    from ..core import FairingError
+    from ..silence import silent_output
+
+    with silent_output():
+        from ..blender.jobs.refine_job import RefineJob, refine_file
+
+    raise_at_interrupt()
+    levels = 0 if arguments.limit else arguments.levels
+    job = RefineJob(arguments.input, arguments.output, levels, arguments.object, arguments.report)
+    try:
+        report = refine_file(job)
+    except (FairingError, OSError) as error:
+        return _fail(str(error))
+    what = "on the limit surface" if levels == 0 else f"refined {levels} times"
+    _tell(arguments, report, f"{what}, {_size(report)}; wrote {report['output']}")
+    return DONE
+
+
+def _tell(arguments: argparse.Namespace, report: dict[str, Any], summary: str) -> None:
     if not arguments.quiet:
         for note in report["notes"]:
             say(f"note: {note}")
-        say(_summary(report))
-    return DONE
+        say(summary)
 
 
 def _run_batch(arguments: argparse.Namespace, worker_command: Sequence[str]) -> int:
@@ -166,7 +194,7 @@ def _run_batch(arguments: argparse.Namespace, worker_command: Sequence[str]) -> 
     try:
         settings = settings_of(arguments)
     except SettingsError as error:
-        return _fail(f"{error} (see {PROGRAM} --help)", WRONG_ARGUMENTS)
+        return _wrong_settings(arguments, error)
     raise_at_interrupt()
     try:
         account, problem = batch.run_plan(arguments, settings, worker_command)
@@ -208,12 +236,22 @@ def _summary(report: dict[str, Any]) -> str:
             "lengths"
         )
     else:
-        how = f"{outcome['step']} steps ({_ENDS[report['stop_reason']]})"
+        end = _ENDS[report["stop_reason"]]
+        how = f"{outcome['step']} steps ({end}), tau {outcome['tau']:.3g}"
     return (
-        f"{report['mesh']['vertices']} vertices, {how}, curvature energy "
+        f"{_size(report)}, {how}, curvature energy "
         f"{outcome['curvature_ratio']:.3g} times the input's, largest displacement "
         f"{outcome['largest_displacement']:.3g}; wrote {report['output']}"
     )
+
+
+def _size(report: dict[str, Any]) -> str:
+    """Count the mesh that was written."""
+    return f"{report['written']['vertices']} vertices"
+
+
+def _wrong_settings(arguments: argparse.Namespace, error: Exception) -> int:
+    return _fail(f"{error} (see {PROGRAM} {arguments.algorithm} --help)", WRONG_ARGUMENTS)
 
 
 def _fail(message: str, status: int = COULD_NOT) -> int:

@@ -1,238 +1,354 @@
-"""Options of the command line, their checks, and the settings that they mean."""
+"""The commands of the program and their options.
+
+Words and numbers of the core stand here as texts, because `--help` must not need numpy.
+"""
 
 from __future__ import annotations
 
 import argparse
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import Any
 
-from ..batch.conflicts import Pair, require_no_conflict
-from ..batch.inputs import ArgumentsError
-from ..files.formats import BLEND, SUFFIXES, is_supported
+from ..files.formats import SUFFIXES
 from ..version import program_version
-from . import batch
-from .messages import PROGRAM, say
+from .messages import PROGRAM
+from .parser import Parser, did_you_mean, one_of
 
-if TYPE_CHECKING:
-    from ..core import DenoiseSettings, FairingSettings
+DENOISE, FAIR, REFINE = "denoise", "fair", "refine"
 
-WRONG_ARGUMENTS = 2
-"""Exit status."""
-
-AUTO = "auto"
-PAPER_METHODS = {
-    "timestep": "adaptive_timestep",
-    "tensor": "adaptive_tensor",
-    "uniform": "uniform",
+SUMMARIES = {
+    DENOISE: "find out how noisy the mesh is, and remove that much; needs no parameter",
+    FAIR: "run the paper: geometric diffusion that follows the mesh density, step by step",
+    REFINE: "subdivide the mesh onto the smooth limit surface, without fairing",
 }
-MOST_STEPS = 100_000
-"""More would not end in a lifetime; each is a shape of its own in a .blend file."""
 
-DENSITIES = {"edge": "edge_length", "area": "area"}
+SCHEMES = ("timestep", "tensor", "uniform")
+DENSITIES = ("edge", "area")
 
-OF_AUTO = ("strength", "features", "clean")
-OF_THE_PAPER = ("tau", "steps", "density", "density_passes", "stop_curvature", "stop_rate")
-"""Arguments that belong to `--method auto`, or to the other methods."""
+_HELP = f"""\
+Remove noise from triangle meshes.
 
+commands:
+  denoise   {SUMMARIES[DENOISE]}
+  fair      {SUMMARIES[FAIR]}
+  refine    {SUMMARIES[REFINE]}
 
-def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
-    """Parse and check the arguments; an error ends the process with status 2, as argparse does."""
-    parser = build_parser()
-    arguments = parser.parse_args(argv)
-    try:
-        arguments.plan = batch.plan_of(arguments)
-    except ArgumentsError as error:
-        parser.error(str(error))
-    for name in ("steps", "density_passes"):
-        number = getattr(arguments, name)
-        if number is not None and number > MOST_STEPS:
-            parser.error(f"--{name.replace('_', '-')} {number}: give at most {MOST_STEPS}")
-    misplaced = _misplaced(arguments)
-    if misplaced is not None:
-        parser.error(misplaced)
-    if arguments.plan is not None:
-        return arguments
-    arguments.input = Path(arguments.input[0])
-    if arguments.output is None:
-        arguments.output = default_output(arguments.input)
-    for path in (arguments.input, arguments.output):
-        if not is_supported(path):
-            parser.error(f"{path}: unknown kind of file; use one of {' '.join(SUFFIXES)}")
-    try:
-        require_no_conflict(
-            [Pair(arguments.input, arguments.output)],
-            reports=[arguments.report] if arguments.report is not None else [],
-            may_overwrite=arguments.overwrite_inputs,
-        )
-    except ArgumentsError as error:
-        parser.error(str(error))
-    return arguments
+examples:
+  {PROGRAM} denoise scan.ply                 writes scan_denoised.blend
+  {PROGRAM} denoise scan.ply -o clean.ply --strength 1.5
+  {PROGRAM} fair scan.ply -o steps.blend     every step a shape key, animated
+  {PROGRAM} refine part.obj -o fine.obj --levels 2
+  {PROGRAM} denoise "scans/*.ply" --out-dir clean --jobs 4
+
+files: {" ".join(SUFFIXES)}
+
+{PROGRAM} COMMAND --help shows the options of a command, --version the version.
+Exit status: 0 done, 1 could not (file, mesh or solver), 2 wrong arguments.
+"""
 
 
-def default_output(source: Path) -> Path:
-    """Where the result goes if nobody says: a .blend file beside the input."""
-    return source.with_name(f"{source.stem}_faired{BLEND}")
-
-
-class _Parser(argparse.ArgumentParser):
-    """A parser whose errors are one line."""
-
-    def error(self, message: str) -> NoReturn:
-        say(f"error: {message} (see {PROGRAM} --help)")
-        raise SystemExit(WRONG_ARGUMENTS)
-
-
-def build_parser() -> argparse.ArgumentParser:
-    """Make the parser."""
-    parser = _Parser(
+def build_parsers() -> tuple[Parser, dict[str, Parser]]:
+    """Make the parser of the program, and those of its commands by their names."""
+    program = Parser(
         prog=PROGRAM,
         allow_abbrev=False,  # an abbreviation would break when an option is added
-        description="Remove noise from a surface mesh by geometric diffusion that follows the "
-        "mesh density.",
-        epilog="Exit status: 0 done, 1 could not (file, mesh or solver), 2 wrong arguments. "
-        "If a later step fails, the steps before it are written and the status is 1.",
+        usage=f"{PROGRAM} {{{','.join(SUMMARIES)}}} INPUT... [-o OUTPUT] [options]",
+        description=_HELP,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        add_help=False,
     )
-    parser.add_argument(
-        "input",
-        nargs="+",
-        metavar="INPUT",
-        help=f"file with a mesh: {' '.join(SUFFIXES)}; or several files, folders and patterns, "
-        "see below",
+    program.add_argument("-h", "--help", action="help", help=argparse.SUPPRESS)
+    version = f"%(prog)s {program_version()}"
+    program.add_argument("--version", action="version", version=version, help=argparse.SUPPRESS)
+    commands = program.add_subparsers(
+        dest="algorithm", metavar="COMMAND", prog=PROGRAM, help=argparse.SUPPRESS
     )
-    parser.add_argument(
+    parsers: dict[str, Parser] = {}
+    for name, summary in SUMMARIES.items():
+        parsers[name] = parser = commands.add_parser(
+            name,
+            allow_abbrev=False,
+            add_help=False,
+            usage=f"%(prog)s INPUT{'' if name == REFINE else '...'} [-o OUTPUT] [options]",
+            description=f"{summary[0].upper()}{summary[1:]}.",
+        )
+        parser.add_argument(
+            "input",
+            nargs="+",
+            metavar="INPUT",
+            help=f"file with a mesh: {' '.join(SUFFIXES)}"
+            + ("" if name == REFINE else "; or several files, folders and patterns, see below"),
+        )
+        common = parser.add_argument_group("common options")
+        _add_output(common, name)
+        _OWN_OPTIONS[name](parser, common)
+        _add_file_options(parser, name)
+        if name != REFINE:
+            _add_batch(parser)
+            _add_sequence(parser)
+    return program, parsers
+
+
+def require_command(program: Parser, words: list[str]) -> None:
+    """End with an error that names the commands unless the first word is one, or asks for help."""
+    first = words[0] if words else None
+    if first in SUMMARIES or first in ("-h", "--help", "--version"):
+        return
+    names = f"{DENOISE}, {FAIR} or {REFINE}"
+    if first is None:
+        program.error(f"say what to do: {names}, as in {PROGRAM} {DENOISE} scan.ply")
+    hint = did_you_mean(first, SUMMARIES)
+    is_word = Path(first).suffix == "" and not first.startswith("-")
+    if hint or (is_word and not Path(first).exists()):
+        program.error(f"there is no command {first}{hint or f': say {names}'}")
+    program.error(f"{first}: say first what to do: {names}, as in {PROGRAM} {DENOISE} scan.ply")
+
+
+def refuse_unknown(parsers: dict[str, Parser], algorithm: str, words: Sequence[str]) -> None:
+    """End with an error if there are words that the command does not take.
+
+    Not by argparse itself, which would not say what was meant.
+    """
+    parser = parsers[algorithm]
+    option = next((word.partition("=")[0] for word in words if word.startswith("-")), None)
+    if option is not None:
+        owner = next((name for name in parsers if option in parsers[name].option_names), None)
+        if owner is not None:
+            parser.error(f"{option} belongs to {owner}, not to {algorithm}")
+        parser.error(f"there is no {option}{did_you_mean(option, parser.option_names)}")
+    if words:
+        parser.error(f"{words[0]} stands apart: name all INPUTs one after the other")
+
+
+def _add_output(group: Any, algorithm: str) -> None:
+    contents = {
+        DENOISE: ".blend (all strengths, as shape keys) or a mesh format (the one asked for)",
+        FAIR: ".blend (every step as a shape key, animated) or a mesh format (the last step)",
+        REFINE: ".blend or a mesh format",
+    }[algorithm]
+    group.add_argument(
         "-o",
         "--output",
         type=Path,
         metavar="OUTPUT",
-        help="result: .blend (every step as a shape key, animated) or a mesh format (the last "
-        "step); default: INPUT's name with _faired.blend, beside it",
+        help=f"result: {contents}; default: INPUT's name with {ENDINGS[algorithm]}.blend",
     )
-    parser.add_argument(
-        "--object", metavar="NAME", help="mesh object to fair, if INPUT holds several"
-    )
-    parser.add_argument(
-        "--method",
-        choices=(AUTO, *PAPER_METHODS),
-        default=AUTO,
-        help="auto estimates the noise and removes it; the others are geometric diffusion, which "
-        "follows the mesh density by the timestep, by the diffusion tensor, or not at all "
-        "(default: %(default)s)",
-    )
-    parser.add_argument(
+
+
+ENDINGS = {DENOISE: "_denoised", FAIR: "_faired", REFINE: "_refined"}
+"""What is added to the name of the input for the default output."""
+
+
+def _add_denoise(parser: Parser, common: Any) -> None:
+    common.add_argument(
         "--strength",
         type=float,
         metavar="X",
-        help="of auto: factor of the noise that it estimates (default: 1.0)",
+        help="factor of the noise that is found (default: 1.0)",
     )
-    parser.add_argument(
+    _add_choice(
+        common,
         "--features",
-        choices=("auto", "sharp", "smooth"),
-        help="of auto: whether there are creases to keep (default: auto, per place)",
+        ("auto", "sharp", "smooth"),
+        help="whether there are creases to keep (default: auto, per place)",
     )
-    parser.add_argument(
+    _add_choice(
+        common,
         "--clean",
-        choices=("keep", "detail", "denoise"),
-        help="of auto: leave a mesh alone that looks like a model without noise; also keep detail "
-        "that looks like the smooth noise of a scanner; or take all that is rough for noise "
+        ("keep", "detail", "denoise"),
+        help="leave a mesh alone that looks like a model without noise; also keep detail that "
+        "looks like the smooth noise of a scanner; or take all that is rough for noise "
         "(default: keep)",
     )
-    parser.add_argument(
+    _add_boundary(common)
+
+
+def _add_fair(parser: Parser, common: Any) -> None:
+    _add_choice(
+        common,
+        "--scheme",
+        SCHEMES,
+        help="how time follows the density: by the timestep, by the diffusion tensor, or not at "
+        "all (default: timestep)",
+    )
+    common.add_argument(
+        "--radius",
+        type=float,
+        metavar="EDGES",
+        help="smoothing radius after all steps, in local edge lengths (default: 0.5)",
+    )
+    common.add_argument("--steps", type=int, metavar="N", help="number of steps (default: 4)")
+    _add_choice(
+        common,
+        "--density",
+        DENSITIES,
+        help="measure of the density: mean edge length or area around a vertex (default: edge)",
+    )
+    common.add_argument(
+        "--keep-volume",
+        action="store_true",
+        default=None,
+        help="keep the volume of every closed part, step by step",
+    )
+    _add_max_deviation(common)
+    common.add_argument(
+        "--no-denoised",
+        action="store_true",
+        help="leave out what denoise makes of the mesh, which a .blend gets beside the steps",
+    )
+    more = parser.add_argument_group("more of the method")
+    more.add_argument(
         "--tau",
         type=float,
         metavar="T",
-        help="of the others: time of a step, in the frame where the mesh fits [-3, 3]^3 "
-        "(default: 0.016)",
+        help="instead of --radius: time of a step, in the frame where the mesh fits [-3, 3]^3",
     )
-    parser.add_argument(
-        "--steps", type=int, metavar="N", help="of the others: number of steps (default: 4)"
-    )
-    parser.add_argument(
-        "--density",
-        choices=tuple(DENSITIES),
-        help="of the others: measure of the density: mean edge length or area around a vertex "
-        "(default: edge)",
-    )
-    parser.add_argument(
+    more.add_argument(
         "--density-passes",
         type=int,
         metavar="N",
-        help="of the others: smoothing passes over the density (default: 3)",
+        help="smoothing passes over the density (default: 3)",
     )
-    parser.add_argument(
-        "--boundary",
-        choices=("fixed", "free"),
-        default="fixed",
-        help="whether the rims of an open mesh stay or move along (default: %(default)s)",
-    )
-    parser.add_argument(
+    _add_boundary(more)
+    more.add_argument(
         "--stop-curvature",
         type=float,
         metavar="X",
-        help="of the others: stop once the curvature energy is at most X times that of the input",
+        help="stop once the curvature energy is at most X times that of the input",
     )
-    parser.add_argument(
+    more.add_argument(
         "--stop-rate",
         type=float,
         metavar="X",
-        help="of the others: stop once the curvature energy, relative to that of the input, "
-        "changes by at most X per unit of time",
+        help="stop once the curvature energy, relative to that of the input, changes by at most X "
+        "per unit of time",
     )
-    parser.add_argument(
-        "--refine",
+
+
+def _add_refine(parser: Parser, common: Any) -> None:
+    amount = common.add_mutually_exclusive_group()
+    amount.add_argument(
+        "--levels",
         type=int,
         choices=(1, 2, 3),
-        metavar="N",
-        help="refine the result by N steps of Loop subdivision, 1 to 3, onto the smooth limit "
-        "surface; edges marked sharp stay sharp",
+        default=1,
+        metavar="1|2|3",
+        help="steps of Loop subdivision; each cuts every triangle into four (default: 1)",
     )
-    parser.add_argument(
+    amount.add_argument(
         "--limit",
         action="store_true",
-        help="put the vertices of the result on the smooth limit surface, without new ones",
+        help="put the vertices on the smooth limit surface, without new ones",
     )
-    parser.add_argument(
+
+
+_OWN_OPTIONS = {DENOISE: _add_denoise, FAIR: _add_fair, REFINE: _add_refine}
+
+
+def _add_max_deviation(group: Any) -> None:
+    group.add_argument(
+        "--max-deviation",
+        type=float,
+        metavar="LENGTH",
+        help="move no vertex further than this, in units of the mesh",
+    )
+
+
+def _add_boundary(group: Any) -> None:
+    _add_choice(
+        group,
+        "--boundary",
+        ("fixed", "free"),
+        help="whether the rims of an open mesh stay or move along (default: fixed)",
+    )
+
+
+def _add_file_options(parser: Parser, algorithm: str) -> None:
+    group = parser.add_argument_group("input and output")
+    group.add_argument("--object", metavar="NAME", help="mesh object, if INPUT holds several")
+    if algorithm != REFINE:
+        group.add_argument(
+            "--refine",
+            type=int,
+            choices=(1, 2, 3),
+            metavar="1|2|3",
+            help="refine the result by so many steps of Loop subdivision, onto the smooth limit "
+            "surface; edges marked sharp stay sharp",
+        )
+        group.add_argument(
+            "--limit",
+            action="store_true",
+            help="put the vertices of the result on the smooth limit surface, without new ones",
+        )
+    group.add_argument(
         "--report", type=Path, metavar="FILE.json", help="write settings and measures as JSON"
     )
-    parser.add_argument(
+    group.add_argument(
         "--overwrite-inputs", action="store_true", help="let a result replace its own input"
     )
-    parser.add_argument("--quiet", action="store_true", help="show errors only")
-    batch.add_options(parser)
-    parser.add_argument("--version", action="version", version=f"%(prog)s {program_version()}")
-    return parser
+    group.add_argument("--quiet", action="store_true", help="show errors only")
+    group.add_argument("-h", "--help", action="help", help="show this page")
 
 
-def _misplaced(arguments: argparse.Namespace) -> str | None:
-    """Say which argument belongs to another method than the one that was chosen."""
-    names: tuple[str, ...]
-    if arguments.method == AUTO:
-        names, owner = OF_THE_PAPER, f"--method {', '.join(PAPER_METHODS)}"
-    else:
-        names, owner = OF_AUTO, f"--method {AUTO}"
-    for name in names:
-        if getattr(arguments, name) is not None:
-            option = name.replace("_", "-")
-            return f"--{option} belongs to {owner}, not to --method {arguments.method}"
-    return None
+def _add_batch(parser: Parser) -> None:
+    group = parser.add_argument_group(
+        "many meshes",
+        "Several INPUTs, a folder (all mesh files in it) or a pattern in quotes make a batch. "
+        "Finished outputs are skipped; a mesh that fails does not keep the others from it. "
+        "--report writes the summary.",
+    )
+    group.add_argument(
+        "--out-dir", type=Path, metavar="DIR", help="folder for the outputs, made if missing"
+    )
+    group.add_argument(
+        "--format", metavar="KIND", help="kind of the outputs, such as ply (default: the input's)"
+    )
+    group.add_argument("--jobs", type=int, metavar="N", help="worker processes (default: 1)")
+    group.add_argument(
+        "--memory",
+        metavar="SIZE",
+        help="memory that the workers may hold together, such as 8G (default: what is free)",
+    )
+    group.add_argument(
+        "--shard", metavar="I/N", help="do the I-th of N parts only, on one of N machines"
+    )
+    group.add_argument(
+        "--merge",
+        action="store_true",
+        help="compute nothing, sum up what earlier runs, such as shards, have done",
+    )
+    group.add_argument(
+        "--allow-failures",
+        action="store_true",
+        help="exit with 0 although meshes have failed; the summary and the messages tell them",
+    )
+    group.add_argument(
+        "--flamenco",
+        action="store_true",
+        help="write a line for every mesh to standard output, which Flamenco counts as progress",
+    )
 
 
-def settings_of(arguments: argparse.Namespace) -> DenoiseSettings | FairingSettings:
-    """Translate the arguments into settings of the algorithm that they choose.
+def _add_sequence(parser: Parser) -> None:
+    group = parser.add_argument_group(
+        "frames of one surface",
+        "With -o FILE.blend the frames also become one object, keyframed.",
+    )
+    group.add_argument(
+        "--sequence", action="store_true", help="the INPUTs are numbered frames of one surface"
+    )
+    group.add_argument(
+        "--frames",
+        metavar="LIST",
+        help="frames of an animated INPUT, as it is shown there, such as 1-50 or 1,5,10-20",
+    )
+    group.add_argument(
+        "--same-strength",
+        action="store_true",
+        help="smooth every frame as the first one, so that nothing flickers",
+    )
 
-    Raises
-    ------
-    SettingsError
-        A value makes no sense.
-    """
-    from ..core import DenoiseSettings, FairingSettings
 
-    is_auto = arguments.method == AUTO
-    values = {name: getattr(arguments, name) for name in (OF_AUTO if is_auto else OF_THE_PAPER)}
-    given = {name: value for name, value in values.items() if value is not None}
-    given["boundary"] = arguments.boundary
-    if is_auto:
-        return DenoiseSettings(**given)
-    if "density" in given:
-        given["density"] = DENSITIES[given["density"]]
-    return FairingSettings(method=PAPER_METHODS[arguments.method], **given)
+def _add_choice(group: Any, option: str, names: tuple[str, ...], help: str) -> None:
+    group.add_argument(option, type=one_of(*names), metavar="|".join(names), help=help)

@@ -25,6 +25,7 @@ from ..core import (
     SolveReport,
     SurfaceMeasures,
 )
+from ..core.diffusion.settings import DENSITIES, SCHEMES
 from ..core.fem.differential_geometry import energy_ratio
 from .atomic_files import replaced_file
 
@@ -32,22 +33,38 @@ Json = dict[str, Any]
 
 
 def settings_record(settings: DenoiseSettings | FairingSettings) -> Json:
-    """Write the settings of either algorithm, so that `settings_of_record` can read them."""
-    is_denoise = isinstance(settings, DenoiseSettings)
-    return {"algorithm": "denoise" if is_denoise else "fair", **asdict(settings)}
+    """Name the algorithm and its settings, in the words of the command line.
+
+    `settings_of_record` reads it.
+    """
+    values = asdict(settings)
+    if isinstance(settings, DenoiseSettings):
+        return {"algorithm": "denoise", "settings": values}
+    scheme, density = values.pop("method"), values.pop("density")
+    words = {"scheme": _word_of(scheme, SCHEMES), "density": _word_of(density, DENSITIES)}
+    return {"algorithm": "fair", "settings": {**words, **values}}
 
 
 def settings_of_record(record: Mapping[str, Any]) -> DenoiseSettings | FairingSettings:
-    """Read a `settings_record`.
+    """Read a `settings_record`; what it leaves out has its default.
 
     Raises
     ------
     SettingsError
         A value makes no sense.
     """
-    values = {name: value for name, value in record.items() if name != "algorithm"}
-    is_denoise = record["algorithm"] == "denoise"
-    return DenoiseSettings(**values) if is_denoise else FairingSettings(**values)
+    values = dict(record["settings"])
+    if record["algorithm"] == "denoise":
+        return DenoiseSettings(**values)
+    if "scheme" in values:
+        values["method"] = SCHEMES[values.pop("scheme")]
+    if "density" in values:
+        values["density"] = DENSITIES[values["density"]]
+    return FairingSettings(**values)
+
+
+def _word_of(value: str, words: Mapping[str, str]) -> str:
+    return next(word for word, meaning in words.items() if meaning == value)
 
 
 def step_record(step: FairingStep, start: ArrayLike, seconds: float) -> Json:
@@ -127,6 +144,7 @@ def build_report(
     program: Mapping[str, Any],
     files: Mapping[str, Any],
     mesh: Mapping[str, Any],
+    written: Mapping[str, Any],
     initial: SurfaceMeasures | None,
     denoise: Json | None,
     steps: Sequence[Json],
@@ -144,8 +162,8 @@ def build_report(
         Names and versions of what ran.
     files
         Input, output and object.
-    mesh
-        Counts of the mesh; empty if it could not be read.
+    mesh, written
+        Counts of the mesh as it was read and as it was written; empty if it was not.
     initial
         Measures of the input surface; None if the run did not reach its first step.
     denoise
@@ -162,9 +180,9 @@ def build_report(
     return {
         "program": dict(program),
         **files,
-        "algorithm": "denoise" if isinstance(settings, DenoiseSettings) else "fair",
-        "settings": asdict(settings),
+        **settings_record(settings),
         "mesh": dict(mesh),
+        "written": dict(written),
         "initial": None if initial is None else asdict(initial),
         "denoise": denoise,
         "steps": list(steps),

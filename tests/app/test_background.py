@@ -27,7 +27,7 @@ def test_the_operator_blocks_in_a_script_and_gives_the_cores_result(script):
 def command(app, script) -> dict:
     folder = script["folder"]
     output = folder / "command.blend"
-    arguments = [folder / "noisy.obj", "-o", output, "--method", "timestep"]
+    arguments = ["fair", folder / "noisy.obj", "-o", output, "--no-denoised"]
     assert app.blender(["-c", "adaptive_fairing", *arguments]) == 0
     return app.script("inspect", output, folder)
 
@@ -52,7 +52,7 @@ def test_the_command_and_the_operator_agree(app, script, command):
 
 @pytest.mark.parametrize(
     ("arguments", "code"),
-    [(["missing.obj"], 1), (["noisy.obj", "--method", "timestep", "--steps", "0"], 2), ([], 2)],
+    [(["fair", "missing.obj"], 1), (["fair", "noisy.obj", "--steps", "0"], 2), ([], 2)],
 )
 def test_the_commands_exit_code_says_what_is_wrong(app, script, arguments, code):
     paths = [str(script["folder"] / each) if each.endswith(".obj") else each for each in arguments]

@@ -23,8 +23,8 @@ pytestmark = pytest.mark.app
 
 SCRIPT = ROOT / "flamenco" / "adaptive_fairing.js"
 N_MESHES = 12
-SETTINGS = {"method": "timestep", "steps": 2, "tau": 0.008, "density": "area"}
-ARGUMENTS = ["--method", "timestep", "--steps", "2", "--tau", "0.008", "--density", "area"]
+SETTINGS = {"algorithm": "fair", "steps": 2, "tau": 0.008, "density": "area"}
+ARGUMENTS = ["--steps", "2", "--tau", "0.008", "--density", "area"]
 
 
 class Farm:
@@ -120,7 +120,17 @@ def printed(tmp_path_factory):
 def alone(app, given) -> dict[str, bytes]:
     """The same meshes as a batch on one machine, without Flamenco."""
     folder = given.with_name("alone")
-    command = ["-c", "adaptive_fairing", given, "--out-dir", folder, "--jobs", "2", *ARGUMENTS]
+    command = [
+        "-c",
+        "adaptive_fairing",
+        "fair",
+        given,
+        "--out-dir",
+        folder,
+        "--jobs",
+        "2",
+        *ARGUMENTS,
+    ]
     assert app.blender(command) == 1, "one mesh is broken"
     return results(folder)
 
@@ -185,7 +195,7 @@ def test_frames_become_one_keyed_object_on_the_farm(app, given):
     assert farm.codes == {"fair-1-of-2": [0], "fair-2-of-2": [0], "merge": [0]}
     one = given.with_name("one machine")
     command = [
-        "-c", "adaptive_fairing", frames, "--sequence", "--same-strength", "--out-dir", one,
+        "-c", "adaptive_fairing", "fair", frames, "--sequence", "--same-strength", "--out-dir", one,
         "--format", "ply", *ARGUMENTS,
     ]  # fmt: skip
     assert app.blender(command) == 0

@@ -22,7 +22,7 @@ def folder(tmp_path, monkeypatch):
 
 def refused(capsys, *arguments):
     """Arguments that are refused before anything is done: the line."""
-    assert cli.main(list(map(str, arguments))) == 2
+    assert cli.main(["denoise", *map(str, arguments)]) == 2
     err = capsys.readouterr().err
     assert err.count("\n") == 1
     return err

@@ -58,6 +58,6 @@ def five_faired(five_meshes, tmp_path_factory):
 
     folder = tmp_path_factory.mktemp("one by one")
     for path in five_meshes.iterdir():
-        arguments = [str(path), "-o", str(folder / path.name), "--quiet"]
+        arguments = ["denoise", str(path), "-o", str(folder / path.name), "--quiet"]
         assert cli.main(arguments) == 0
     return folder

@@ -19,12 +19,10 @@ from adaptive_fairing.blender.files.mesh_files import (
     save_blend,
 )
 from adaptive_fairing.cli import main as cli
-from adaptive_fairing.cli import options
-from adaptive_fairing.core import DenoiseSettings, FairingSettings
+from adaptive_fairing.core import FairingSettings
 from adaptive_fairing.version import program_version
 
 ROOT = Path(__file__).resolve().parents[2]
-PAPER = ("--method", "timestep")
 
 
 @pytest.fixture
@@ -46,10 +44,6 @@ def run(*arguments, **options):
     )
 
 
-def settings_for(*arguments):
-    return options.settings_of(options.parse(["in.ply", *arguments]))
-
-
 def error_of(capsys, *arguments, status):
     """Run in this process; check the status and that the message is one line; give the line."""
     assert cli.main([str(argument) for argument in arguments]) == status
@@ -61,43 +55,46 @@ def error_of(capsys, *arguments, status):
 
 def test_the_main_job_end_to_end(noisy, tmp_path):
     out, report = tmp_path / "out.blend", tmp_path / "r.json"
-    options = [*PAPER, "--steps", 2, "--report", report]
-    result = run(noisy, "-o", out, *options)
+    options = ["--steps", 2, "--report", report]
+    result = run("fair", noisy, "-o", out, *options)
     assert result.returncode == 0
     assert result.stdout == ""
     assert result.stderr.endswith(f"wrote {tmp_path / 'out.blend'}\n")
-    obj = import_mesh(tmp_path / "out.blend")
+    obj = import_mesh(tmp_path / "out.blend", "noisy")
     assert len(obj.data.shape_keys.key_blocks) == 3
     assert len(json.loads((tmp_path / "r.json").read_text())["steps"]) == 2
 
 
 @pytest.mark.parametrize("suffix", [".obj", ".glb", ".fbx", ".usda", ".abc", ".stl", ".blend"])
 def test_standard_output_stays_empty(noisy, tmp_path, suffix):
-    assert cli.main([str(noisy), "-o", str(tmp_path / f"one{suffix}"), *PAPER, "--steps", "1"]) == 0
-    result = run(tmp_path / f"one{suffix}", "-o", tmp_path / f"two{suffix}", *PAPER, "--steps", 1)
+    one, two = tmp_path / f"one{suffix}", tmp_path / f"two{suffix}"
+    assert cli.main(["fair", str(noisy), "-o", str(one), "--steps", "1", "--no-denoised"]) == 0
+    result = run("fair", one, "-o", two, "--steps", 1)
     assert (result.returncode, result.stdout) == (0, "")
 
 
 @pytest.mark.parametrize(
     ("arguments", "end"),
     [
-        ([*PAPER, "--steps", "2"], "2 steps (all done)"),
-        ([*PAPER, "--stop-curvature", "100"], "1 steps (ended by --stop-curvature)"),
-        ([*PAPER, "--stop-rate", "1e9"], "1 steps (ended by --stop-rate)"),
+        (["--steps", "2"], "2 steps (all done)"),
+        (["--stop-curvature", "100"], "1 steps (ended by --stop-curvature)"),
+        (["--stop-rate", "1e9"], "1 steps (ended by --stop-rate)"),
     ],
 )
 def test_the_summary_says_why_the_run_ended(noisy, tmp_path, capsys, arguments, end):
     out = tmp_path / "out.ply"
-    assert cli.main([str(noisy), "-o", str(out), *arguments]) == 0
+    assert cli.main(["fair", str(noisy), "-o", str(out), *arguments]) == 0
     shown = capsys.readouterr().err
-    assert shown.startswith(f"adaptive-fairing: 42 vertices, {end}, curvature energy ")
+    assert re.match(
+        rf"adaptive-fairing: 42 vertices, {re.escape(end)}, tau \S+, curvature energy ", shown
+    )
     assert shown.endswith(f"; wrote {out}\n")
 
 
-def test_the_summary_of_auto_tells_noise_and_radius(tmp_path, capsys):
+def test_the_summary_of_denoise_tells_noise_and_radius(tmp_path, capsys):
     path = tmp_path / "ball.ply"
     export_mesh(add_object(*noisy_ball()), path, alone=True)
-    assert cli.main([str(path), "-o", str(tmp_path / "out.ply"), "--method", "auto"]) == 0
+    assert cli.main(["denoise", str(path), "-o", str(tmp_path / "out.ply")]) == 0
     shown = capsys.readouterr().err
     assert re.match(
         r"adaptive-fairing: 642 vertices, noise \S+, smoothing radius \S+ local edge lengths, "
@@ -106,19 +103,11 @@ def test_the_summary_of_auto_tells_noise_and_radius(tmp_path, capsys):
     )
 
 
-def test_auto_has_settings_of_its_own():
-    expected = DenoiseSettings(strength=0.5, features="sharp")
-    assert settings_for("--strength", "0.5", "--features", "sharp") == expected
-    assert settings_for("--method", "auto", "--boundary", "free") == DenoiseSettings(
-        boundary="free"
-    )
-
-
 def test_what_the_format_cannot_hold_is_said(tmp_path, capsys):
     obj = add_object(*random_closed(seed=1))
     obj.data.uv_layers.new(name="UVMap").uv[0].vector = (0.3, 0.7)
     save_blend(tmp_path / "in.blend")
-    assert cli.main([str(tmp_path / "in.blend"), "-o", str(tmp_path / "out.ply")]) == 0
+    assert cli.main(["denoise", str(tmp_path / "in.blend"), "-o", str(tmp_path / "out.ply")]) == 0
     assert "adaptive-fairing: note: UVs are left out" in capsys.readouterr().err
 
 
@@ -128,117 +117,37 @@ def test_too_little_memory_is_status_1(capsys, noisy, tmp_path, monkeypatch):
 
     monkeypatch.setattr("adaptive_fairing.blender.jobs.solve.fair_steps", give_up)
     line = error_of(
-        capsys, noisy, *PAPER, "-o", tmp_path / "o.ply", "--report", tmp_path / "r.json", status=1
+        capsys, "fair", noisy, "-o", tmp_path / "o.ply", "--report", tmp_path / "r.json", status=1
     )
     assert "not enough memory for this mesh" in line
     assert json.loads((tmp_path / "r.json").read_text())["error"] == "not enough memory"
 
 
 def test_quiet_says_nothing(noisy, tmp_path, capfd):
-    assert cli.main([str(noisy), "-o", str(tmp_path / "out.ply"), "--quiet"]) == 0
+    assert cli.main(["denoise", str(noisy), "-o", str(tmp_path / "out.ply"), "--quiet"]) == 0
     assert capfd.readouterr() == ("", "")
 
 
-def test_default_output_lies_beside_the_input(noisy):
-    assert cli.main([str(noisy), "--quiet"]) == 0
-    assert noisy.with_name("noisy_faired.blend").is_file()
-
-
-def test_defaults_are_those_of_the_core():
-    assert settings_for() == DenoiseSettings()
-    assert settings_for(*PAPER) == FairingSettings()
-
-
-@pytest.mark.parametrize("name", ["tau", "steps", "density_passes"])
-def test_help_tells_the_defaults_of_the_core(name):
-    option = f"--{name.replace('_', '-')}"
-    actions = options.build_parser()._actions
-    told = next(action.help for action in actions if option in action.option_strings)
-    assert told.endswith(f"(default: {getattr(FairingSettings(), name)})")
-
-
 @pytest.mark.parametrize(
-    ("arguments", "field", "value"),
-    [
-        (["--method", "uniform"], "method", "uniform"),
-        (["--method", "timestep"], "method", "adaptive_timestep"),
-        (["--method", "tensor"], "method", "adaptive_tensor"),
-        ([*PAPER, "--tau", "0.5"], "tau", 0.5),
-        ([*PAPER, "--steps", "7"], "steps", 7),
-        ([*PAPER, "--density", "edge"], "density", "edge_length"),
-        ([*PAPER, "--density", "area"], "density", "area"),
-        ([*PAPER, "--density-passes", "0"], "density_passes", 0),
-        ([*PAPER, "--boundary", "free"], "boundary", "free"),
-        ([*PAPER, "--stop-curvature", "0.4"], "stop_curvature", 0.4),
-        ([*PAPER, "--stop-rate", "2"], "stop_rate", 2.0),
-    ],
+    ("algorithm", "name"), [("denoise", "denoised"), ("fair", "faired"), ("refine", "refined")]
 )
-def test_every_argument_reaches_its_setting(arguments, field, value):
-    assert settings_for(*arguments) == FairingSettings(**{field: value})
-
-
-PAPER_OPTIONS = [
-    ("--tau", "0.016"),
-    ("--steps", "4"),
-    ("--density", "edge"),
-    ("--density-passes", "3"),
-    ("--stop-rate", "2"),
-    ("--stop-curvature", "0.4"),
-]
-
-
-@pytest.mark.parametrize("option", PAPER_OPTIONS)
-@pytest.mark.parametrize("method", [[], ["--method", "auto"]])
-def test_an_option_of_the_papers_methods_beside_auto_is_refused(capsys, method, option):
-    line = error_of(capsys, "a.ply", *method, *option, status=2)
-    owners = "--method timestep, tensor, uniform"
-    assert f"{option[0]} belongs to {owners}, not to --method auto" in line
-
-
-@pytest.mark.parametrize(
-    "option", [("--strength", "2"), ("--features", "sharp"), ("--clean", "keep")]
-)
-@pytest.mark.parametrize("method", ["timestep", "tensor", "uniform"])
-def test_an_option_of_auto_beside_a_method_of_the_paper_is_refused(capsys, method, option):
-    line = error_of(capsys, "a.ply", "--method", method, *option, status=2)
-    assert f"{option[0]} belongs to --method auto, not to --method {method}" in line
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ([], "the following arguments are required: INPUT"),
-        (["a.ply", "--what"], "unrecognized arguments: --what"),
-        (["a.ply", "--tau", "much"], "argument --tau: invalid float value: 'much'"),
-        (["a.ply", *PAPER, "--tau", "-1"], "tau must be a number greater than"),
-        (["a.ply", *PAPER, "--tau", "nan"], "tau must be a number"),
-        (["a.ply", *PAPER, "--steps", "0"], "steps must be a whole number of at least 1, not 0"),
-        (["a.ply", *PAPER, "--density-passes", "-1"], "density_passes must be"),
-        (["a.ply", *PAPER, "--stop-rate", "0"], "stop_rate must be"),
-        (["a.ply", "--method", "magic"], "argument --method: invalid choice: 'magic'"),
-        (["a.txt"], "a.txt: unknown kind of file; use one of .blend .obj .ply"),
-        (["a"], "a: unknown kind of file"),
-        (["a.ply", "-o", "b.jpg"], "b.jpg: unknown kind of file"),
-    ],
-)
-def test_wrong_arguments_are_status_2(capsys, arguments, message):
-    line = error_of(capsys, *arguments, status=2)
-    assert message in line
-    assert line.endswith("(see adaptive-fairing --help)\n")
+def test_default_output_lies_beside_the_input_and_bears_the_commands_name(noisy, algorithm, name):
+    assert cli.main([algorithm, str(noisy), "--quiet"]) == 0
+    assert noisy.with_name(f"noisy_{name}.blend").is_file()
 
 
 def test_names_of_files_may_be_in_capitals(tmp_path):
     path = tmp_path / "NOISY.PLY"
     export_mesh(add_object(*random_closed(seed=1)), path, alone=True)
     assert (
-        cli.main([str(path), "-o", str(tmp_path / "OUT.OBJ"), "--quiet", *PAPER, "--steps", "1"])
+        cli.main(["fair", str(path), "-o", str(tmp_path / "OUT.OBJ"), "--quiet", "--steps", "1"])
         == 0
     )
     assert (tmp_path / "OUT.OBJ").is_file()
 
 
 def test_a_missing_file_is_status_1(capsys, tmp_path):
-    line = error_of(capsys, tmp_path / "no.ply", status=1)
+    line = error_of(capsys, "denoise", tmp_path / "no.ply", status=1)
     assert "no.ply: there is no such file" in line
 
 
@@ -246,14 +155,11 @@ def test_several_meshes_without_a_name_are_status_1(capsys, tmp_path):
     for name in ("One", "Two"):
         add_object(*random_closed(seed=1), name=name)
     save_blend(tmp_path / "two.blend")
-    line = error_of(capsys, tmp_path / "two.blend", status=1)
+    line = error_of(capsys, "denoise", tmp_path / "two.blend", status=1)
     assert "two.blend holds 2 meshes: choose one with --object: 'One', 'Two'" in line
     out = tmp_path / "out.blend"
-    assert cli.main([str(tmp_path / "two.blend"), "--object", "Two", "-o", str(out), "-q"]) == 2
-    capsys.readouterr()
-    assert (
-        cli.main([str(tmp_path / "two.blend"), "--object", "Two", "-o", str(out), "--quiet"]) == 0
-    )
+    arguments = [str(tmp_path / "two.blend"), "--object", "Two", "-o", str(out), "--quiet"]
+    assert cli.main(["denoise", *arguments]) == 0
     assert import_mesh(out, "Two").data.shape_keys is not None
     assert bpy.data.objects["One"].data.shape_keys is None
 
@@ -263,19 +169,19 @@ def test_an_object_that_is_no_mesh_is_status_1(capsys, tmp_path):
     camera = bpy.data.objects.new("Eye", bpy.data.cameras.new("Eye"))
     bpy.context.scene.collection.objects.link(camera)
     save_blend(tmp_path / "a.blend")
-    line = error_of(capsys, tmp_path / "a.blend", "--object", "Eye", status=1)
+    line = error_of(capsys, "denoise", tmp_path / "a.blend", "--object", "Eye", status=1)
     assert "'Eye' in a.blend is a camera, not a mesh; its meshes are: 'Thing'" in line
 
 
 def test_a_file_without_a_mesh_is_status_1(capsys, tmp_path):
     save_blend(tmp_path / "a.blend")
-    assert "a.blend holds no mesh" in error_of(capsys, tmp_path / "a.blend", status=1)
+    assert "a.blend holds no mesh" in error_of(capsys, "denoise", tmp_path / "a.blend", status=1)
 
 
 def test_a_solve_that_does_not_converge_is_status_1(capsys, noisy, tmp_path, monkeypatch):
     settings = FairingSettings(cg_max_iterations=1, cg_tolerance=1e-12)
     monkeypatch.setattr(cli, "settings_of", lambda arguments: settings)
-    line = error_of(capsys, noisy, *PAPER, "-o", tmp_path / "out.ply", status=1)
+    line = error_of(capsys, "fair", noisy, "-o", tmp_path / "out.ply", status=1)
     assert "step 1 did not converge: residual" in line
     assert "choose a smaller tau" in line
 
@@ -283,7 +189,7 @@ def test_a_solve_that_does_not_converge_is_status_1(capsys, noisy, tmp_path, mon
 @pytest.mark.parametrize("target", ["missing/out.ply", "folder.ply"])
 def test_an_unwritable_output_is_status_1(capsys, noisy, tmp_path, target):
     (tmp_path / "folder.ply").mkdir()
-    line = error_of(capsys, noisy, "-o", tmp_path / target, status=1)
+    line = error_of(capsys, "denoise", noisy, "-o", tmp_path / target, status=1)
     assert "cannot write" in line
 
 
@@ -305,7 +211,7 @@ def test_a_full_disk_is_status_1_and_leaves_the_old_file(tmp_path, suffix):
     export_mesh(add_object(*icosphere(3)), given / "in.ply", alone=True)
     out = tmp_path / f"out{suffix}"
     out.write_text("old")
-    result = run(given / "in.ply", "-o", out, *PAPER, "--steps", 1, preexec_fn=full_disk)
+    result = run("fair", given / "in.ply", "-o", out, "--steps", 1, preexec_fn=full_disk)
     assert result.returncode == 1
     assert result.stdout == ""
     assert result.stderr.splitlines()[-1].startswith("adaptive-fairing: error: cannot write")
@@ -338,7 +244,7 @@ def test_a_missing_package_is_status_1_and_named(noisy, module):
         "from adaptive_fairing.cli.main import main; sys.exit(main(sys.argv[1:]))"
     )
     result = subprocess.run(
-        [sys.executable, "-c", code, str(noisy)],
+        [sys.executable, "-c", code, "denoise", str(noisy)],
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -376,9 +282,9 @@ def _read(terminal):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo terminals")
 def test_a_terminal_gets_a_progress_bar(noisy, tmp_path):
-    options = [*PAPER, "--steps", 3]
+    options = ["--steps", 3]
     status, shown = on_a_terminal(
-        "-m", "adaptive_fairing", noisy, "-o", tmp_path / "out.ply", *options
+        "-m", "adaptive_fairing", "fair", noisy, "-o", tmp_path / "out.ply", *options
     )
     assert status == 0
     assert "fairing: 100%" in shown
@@ -386,11 +292,11 @@ def test_a_terminal_gets_a_progress_bar(noisy, tmp_path):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo terminals")
-def test_a_terminal_gets_a_progress_bar_of_auto(tmp_path):
+def test_a_terminal_gets_a_progress_bar_of_denoise(tmp_path):
     path = tmp_path / "ball.ply"
     export_mesh(add_object(*noisy_ball()), path, alone=True)
     status, shown = on_a_terminal(
-        "-m", "adaptive_fairing", path, "-o", tmp_path / "out.ply", "--method", "auto"
+        "-m", "adaptive_fairing", "denoise", path, "-o", tmp_path / "out.ply"
     )
     assert status == 0
     assert "denoising: 100%" in shown
@@ -399,7 +305,7 @@ def test_a_terminal_gets_a_progress_bar_of_auto(tmp_path):
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo terminals")
 def test_a_quiet_terminal_gets_none(noisy, tmp_path):
     status, shown = on_a_terminal(
-        "-m", "adaptive_fairing", noisy, "-o", tmp_path / "out.ply", "--quiet"
+        "-m", "adaptive_fairing", "fair", noisy, "-o", tmp_path / "out.ply", "--quiet"
     )
     assert (status, shown) == (0, "")
 
@@ -410,8 +316,8 @@ def test_without_tqdm_a_terminal_gets_a_line_per_step(noisy, tmp_path):
         "import sys; sys.modules['tqdm'] = None\n"
         "from adaptive_fairing.cli.main import main; sys.exit(main(sys.argv[1:]))"
     )
-    options = [*PAPER, "--steps", 3]
-    status, shown = on_a_terminal("-c", code, noisy, "-o", tmp_path / "out.ply", *options)
+    options = ["--steps", 3]
+    status, shown = on_a_terminal("-c", code, "fair", noisy, "-o", tmp_path / "out.ply", *options)
     assert status == 0
     lines = shown.splitlines()
     assert [line[: len("fairing: step 1 of 3")] for line in lines[:3]] == [
@@ -429,7 +335,7 @@ def test_ctrl_c_leaves_nothing_behind(capsys, noisy, tmp_path, monkeypatch):
     monkeypatch.setattr(solve, "fair_steps", interrupt)
     out = tmp_path / "out.ply"
     out.write_text("old")
-    line = error_of(capsys, noisy, *PAPER, "-o", out, status=130)
+    line = error_of(capsys, "fair", noisy, "-o", out, status=130)
     assert "interrupted: no output was written" in line
     assert out.read_text() == "old"
 
@@ -439,6 +345,6 @@ def test_a_second_run_in_one_process_starts_afresh(noisy, tmp_path):
     export_mesh(add_object(*bumpy_disc(seed=0)), tmp_path / "disc.ply", alone=True)
     for name in ("noisy", "disc"):
         source, out = tmp_path / f"{name}.ply", tmp_path / f"{name}.blend"
-        assert cli.main([str(source), "-o", str(out), "--quiet", *PAPER, "--steps", "1"]) == 0
+        assert cli.main(["denoise", str(source), "-o", str(out), "--quiet"]) == 0
     import_mesh(tmp_path / "disc.blend")
     assert [obj.name for obj in bpy.data.objects] == ["disc"]

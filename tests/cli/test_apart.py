@@ -54,7 +54,7 @@ def test_a_crash_while_a_file_is_read_is_one_line(tmp_path, name):
     out.write_text("old")
     (tmp_path / "sitecustomize.py").write_text(DIES_AT.format(name=given.name, signal=name))
     result = subprocess.run(
-        [*PROGRAM, given, "-o", out],
+        [*PROGRAM, "denoise", given, "-o", out],
         cwd=ROOT,
         env={**os.environ, "PYTHONPATH": str(tmp_path)},
         capture_output=True,
@@ -83,9 +83,9 @@ run()
 @pytest.mark.parametrize("seed", range(5))
 def test_an_interrupt_at_any_time_is_status_130_and_at_most_one_line(tmp_path, seed):
     given, out = write_raw(tmp_path, "obj", *icosphere(5)), tmp_path / "out.ply"
-    options = ["--method", "timestep", "--steps", "1000"]  # long enough
+    options = ["--steps", "1000"]  # long enough
     process = subprocess.Popen(
-        [sys.executable, "-c", READY, given, "-o", out, *options],
+        [sys.executable, "-c", READY, "fair", given, "-o", out, *options],
         cwd=ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
@@ -111,7 +111,7 @@ def test_standard_streams_may_be_closed(tmp_path, closed):
 
     for source, status in ((given, 0), (tmp_path / "no.obj", 1)):
         result = subprocess.run(
-            [*PROGRAM, source, "-o", out],
+            [*PROGRAM, "denoise", source, "-o", out],
             cwd=ROOT,
             preexec_fn=close,
             capture_output=True,
@@ -130,7 +130,9 @@ def test_nobody_needs_to_listen(tmp_path):
     given, out = write_raw(tmp_path, "obj", *icosphere(1)), tmp_path / "out.ply"
     reader, writer = os.pipe()
     os.close(reader)
-    result = subprocess.run([*PROGRAM, given, "-o", out], cwd=ROOT, stderr=writer, check=False)
+    result = subprocess.run(
+        [*PROGRAM, "denoise", given, "-o", out], cwd=ROOT, stderr=writer, check=False
+    )
     os.close(writer)
     assert result.returncode == 0
     assert out.exists()
@@ -144,7 +146,13 @@ def test_a_limit_of_the_address_space_is_told_in_one_line(tmp_path, megabytes, m
     given, out = write_raw(tmp_path, "obj", *icosphere(1)), tmp_path / "out"
     out.mkdir()
     result = subprocess.run(
-        [*PROGRAM, given, *(["--out-dir", out] if many else ["-o", out / "given.obj"]), "--quiet"],
+        [
+            *PROGRAM,
+            "denoise",
+            given,
+            *(["--out-dir", out] if many else ["-o", out / "given.obj"]),
+            "--quiet",
+        ],
         cwd=ROOT,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (megabytes << 20,) * 2),
         capture_output=True,
@@ -162,7 +170,7 @@ def test_a_limit_of_the_address_space_is_told_in_one_line(tmp_path, megabytes, m
 def test_numbers_of_steps_beyond_reason_are_refused(tmp_path, option, number):
     given = write_raw(tmp_path, "obj", *icosphere(1))
     result = subprocess.run(
-        [*PROGRAM, given, "--method", "timestep", option, number],
+        [*PROGRAM, "fair", given, option, number],
         cwd=ROOT,
         capture_output=True,
         text=True,

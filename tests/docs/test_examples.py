@@ -10,7 +10,7 @@ import pytest
 from support.meshes import icosphere
 from support.pages import blocks
 
-from adaptive_fairing.cli.options import parse
+from adaptive_fairing.cli.arguments import parse
 
 PYTHON = [block for block in blocks("python") if "import bpy" not in block.text]
 COMMANDS = [

@@ -171,13 +171,13 @@ def check_command(options: argparse.Namespace) -> str:
     """Run the registered command's function: output, and the exit codes 0, 1 and 2."""
     command = importlib.import_module(f"{MODULE}.{EXTENSION}.blender.command")
     source, output = options.work / "noisy.ply", options.work / "command.ply"
-    settings = ["--method", "timestep", "--steps", str(STEPS)]
-    status = command.run([str(source), "-o", str(output), *settings, "--quiet"])
+    settings = ["--steps", str(STEPS)]
+    status = command.run(["fair", str(source), "-o", str(output), *settings, "--quiet"])
     assert status == 0, f"exit code {status} for a good mesh"
     assert output.stat().st_size > 0
-    status = command.run([str(options.work / "missing.ply"), "-o", str(output), "--quiet"])
+    status = command.run(["fair", str(options.work / "missing.ply"), "-o", str(output), "--quiet"])
     assert status == 1, f"exit code {status} for a missing file"
-    status = command.run(["--no-such-option"])
+    status = command.run(["fair", "--no-such-option"])
     assert status == 2, f"exit code {status} for a wrong argument"
     return "0 1 2"
 

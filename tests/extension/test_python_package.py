@@ -81,8 +81,8 @@ def test_installed_from_the_wheel_it_does_the_main_job(distributions, tmp_path):
     program = python.with_name("adaptive-fairing")
     assert program_version() in run(program, "--version", cwd=tmp_path)
     (tmp_path / "octahedron.obj").write_text(OCTAHEDRON)
-    options = ["-o", "faired.blend", "--method", "timestep", "--steps", "2"]
-    run(program, "octahedron.obj", *options, cwd=tmp_path)
+    options = ["-o", "faired.blend", "--steps", "2"]
+    run(program, "fair", "octahedron.obj", *options, cwd=tmp_path)
     count = (
         "import bpy; bpy.ops.wm.open_mainfile(filepath='faired.blend');"
         "print([len(mesh.shape_keys.key_blocks) for mesh in bpy.data.meshes if mesh.shape_keys])"

@@ -91,6 +91,7 @@ def test_a_run_that_never_started_is_reported_too(settings, algorithm):
         program={"name": "x"},
         files={"input": "in", "output": "out", "object": None},
         mesh={},
+        written={},
         initial=None,
         denoise=None,
         steps=[],

@@ -8,8 +8,12 @@ import pytest
 from support.flamenco import CompileError, JobType, check_definition
 
 from adaptive_fairing.batch.inputs import parse_frames
-from adaptive_fairing.cli.options import DENSITIES, build_parser, parse
+from adaptive_fairing.cli.arguments import parse
+from adaptive_fairing.cli.options import build_parsers
 from adaptive_fairing.core import DenoiseSettings, FairingSettings
+from adaptive_fairing.core.diffusion.settings import DENSITIES, SCHEMES
+from adaptive_fairing.core.problem.setting_checks import BOUNDARIES
+from adaptive_fairing.files.report import settings_record
 
 SCRIPT = Path(__file__).resolve().parents[2] / "flamenco" / "adaptive_fairing.js"
 MESHES = {"input": "/farm/scans", "output_dir": "/farm/out", "mesh_count": 25}
@@ -31,7 +35,8 @@ def program_arguments(task):
 
 def parsed(task):
     """What the program's own parser makes of a task; it must not refuse it."""
-    return build_parser().parse_args(program_arguments(task))
+    program, _ = build_parsers()
+    return program.parse_args(program_arguments(task))
 
 
 def test_the_definition_is_one_that_a_manager_takes(job_type):
@@ -80,30 +85,32 @@ def test_paths_may_start_at_the_blend_file(job_type):
 
 def test_choices_and_defaults_are_the_programs(job_type):
     by_key = {setting["key"]: setting for setting in job_type.definition["settings"]}
-    options = {
-        option: action for action in build_parser()._actions for option in action.option_strings
-    }
-    paper, denoise = FairingSettings(), DenoiseSettings()
-    density = next(name for name, value in DENSITIES.items() if value == paper.density)
-    defaults = {
-        "method": options["--method"].default, "strength": denoise.strength, "tau": paper.tau,
-        "steps": paper.steps, "density": density, "boundary": denoise.boundary,
-    }  # fmt: skip
-    for key, default in defaults.items():
-        assert by_key[key]["default"] == default
-        if options[f"--{key}"].choices:
-            assert sorted(by_key[key]["choices"]) == sorted(options[f"--{key}"].choices)
+    for settings in (FairingSettings(), DenoiseSettings()):
+        for key, default in settings_record(settings)["settings"].items():
+            if key in by_key:
+                assert by_key[key]["default"] == (default or 0.0)
+    assert by_key["scheme"]["choices"] == [*SCHEMES]
+    assert by_key["density"]["choices"] == [*DENSITIES]
+    assert by_key["boundary"]["choices"] == [*BOUNDARIES]
+    assert by_key["algorithm"]["choices"] == ["denoise", "fair"]
 
 
-def test_settings_of_the_other_methods_are_not_passed(job_type):
-    """The program refuses them."""
-    for method in ("auto", "timestep", "tensor", "uniform"):
-        for task in job_type.submit(**MESHES, method=method):
-            arguments = parsed(task)
-            assert arguments.method == method
-            assert (arguments.strength is None) == (method != "auto")
-            for name in ("tau", "steps", "density"):
-                assert (getattr(arguments, name) is None) == (method == "auto")
+@pytest.mark.parametrize(
+    ("algorithm", "own", "others"),
+    [
+        ("denoise", {"strength": 0.5}, {"scheme", "radius", "tau", "steps", "density"}),
+        ("fair", {"scheme": "tensor", "tau": 0.5, "radius": None}, {"strength"}),
+        ("fair", {"radius": 0.75, "tau": None, "steps": 7, "density": "area"}, {"strength"}),
+    ],
+)
+def test_only_settings_of_the_algorithm_are_passed(job_type, algorithm, own, others):
+    """The program refuses the others."""
+    given = {key: value for key, value in own.items() if value is not None}
+    for task in job_type.submit(**MESHES, algorithm=algorithm, **given):
+        arguments = vars(parsed(task))
+        assert arguments["algorithm"] == algorithm
+        assert own.items() <= arguments.items()
+        assert not others & arguments.keys()
 
 
 def test_what_was_not_sent_has_its_default(job_type):
@@ -134,7 +141,9 @@ def test_the_steps_of_the_tasks_are_the_frames(job_type):
 
 def test_all_tasks_ask_for_the_same_results(job_type):
     """Otherwise the last one does not find what the others have made."""
-    tasks = job_type.submit(**ANIMATION, keyed="/farm/all.blend", method="tensor", steps=7, tau=0.5)
+    tasks = job_type.submit(
+        **ANIMATION, keyed="/farm/all.blend", algorithm="fair", steps=7, tau=0.5
+    )
     own = ("shard", "merge", "report", "jobs", "allow_failures", "flamenco", "output", "memory")
     asked = [
         {key: value for key, value in vars(parsed(task)).items() if key not in own}
@@ -159,7 +168,7 @@ def test_the_program_accepts_what_it_is_given(job_type, tmp_path, monkeypatch):
         {**here, "kind": "numbered frames"},
         {**here, **keyed, "kind": "numbered frames", "same_strength": False},
         {**here, "kind": "animation", "frames": "1-5", "input": str(tmp_path / "a_1.ply")},
-        {**here, "method": "uniform", "more_arguments": "--stop-curvature 0.5 --density-passes 2"},
+        {**here, "algorithm": "fair", "scheme": "uniform", "more_arguments": "--stop-rate 0.5"},
     ):
         for task in job_type.submit(**{"mesh_count": 1, **settings}):
             assert parse(program_arguments(task)).plan is not None
@@ -187,13 +196,14 @@ def test_a_broken_mesh_fails_no_task_unless_that_is_asked_for(job_type):
         ({"chunk_size": 0}, "Chunk Size must be at least 1"),
         ({"jobs": 0}, "Worker Processes must be at least 1"),
         ({"steps": -3}, "Steps must be at least 1"),
-        ({"tau": 0.0}, "Tau must be above 0"),
+        ({"radius": 0.0}, "Radius must be above 0"),
+        ({"tau": -1.0}, "Tau must be above 0, or 0 to take Radius"),
         ({"strength": -1.0}, "Strength must be above 0"),
         ({"input": ""}, "Input is missing: give a folder, a pattern or a file"),
         ({"input": None}, "Input is missing: give a folder, a pattern or a file"),
         ({"output_dir": ""}, "Output Folder is missing"),
-        ({"method": "magic"}, 'Method is "magic", it must be one of: auto, timestep, tensor, '
-         "uniform"),
+        ({"algorithm": "magic"}, 'Algorithm is "magic", it must be one of: denoise, fair'),
+        ({"scheme": "magic"}, 'Scheme is "magic", it must be one of: timestep, tensor, uniform'),
         ({"memory": "much"}, 'Memory is "much": give a size such as 8G, or nothing'),
         ({"format": "doc"}, 'Format is "doc", it must be one of: .blend .obj .ply .stl .glb .gltf '
          ".fbx .usd .usda .usdc .usdz .abc"),
@@ -227,7 +237,7 @@ def test_frames_are_understood_as_flamenco_does(job_type, frames):
 
 def test_numbers_are_as_they_were_typed(job_type):
     """The add-on sends single precision."""
-    task, _ = job_type.submit(**{**MESHES, "mesh_count": 1}, method="uniform", tau=0.0107)
+    task, _ = job_type.submit(**{**MESHES, "mesh_count": 1}, algorithm="fair", tau=0.0107)
     assert "0.0107" in program_arguments(task)
     task, _ = job_type.submit(**{**MESHES, "mesh_count": 1}, strength=0.7)
     assert "0.7" in program_arguments(task)
@@ -235,4 +245,4 @@ def test_numbers_are_as_they_were_typed(job_type):
 
 def test_names_with_spaces_stay_one_argument(job_type):
     task = job_type.submit(**{**MESHES, "input": "/farm/old scans/*.ply"})[0]
-    assert program_arguments(task)[0] == "/farm/old scans/*.ply"
+    assert program_arguments(task)[1] == "/farm/old scans/*.ply"

@@ -14,15 +14,15 @@ from adaptive_fairing.cli import main as cli
 ROOT = Path(__file__).resolve().parents[2]
 
 
-def batch(*arguments):
+def batch(*arguments, algorithm="denoise"):
     """Run a batch; give its status."""
-    return cli.main([str(argument) for argument in arguments])
+    return cli.main([algorithm, *(str(argument) for argument in arguments)])
 
 
-def command(*arguments):
+def command(*arguments, algorithm="denoise"):
     """Start the program in a process of its own, as a subprocess.Popen."""
     return subprocess.Popen(
-        [sys.executable, "-m", "adaptive_fairing", *map(str, arguments)],
+        [sys.executable, "-m", "adaptive_fairing", algorithm, *map(str, arguments)],
         cwd=ROOT,
         stderr=subprocess.PIPE,
         text=True,

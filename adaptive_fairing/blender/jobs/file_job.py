@@ -25,7 +25,7 @@ from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ...files.report import build_report, denoise_record, step_record, write_report
 from ...version import program_version
 from ..data.attributes import write_density
-from ..data.mesh_arrays import MeshData, read_mesh, welded
+from ..data.mesh_arrays import MeshData, n_triangles, read_mesh, welded
 from ..data.refined_object import RefineOptions, refine_object
 from ..data.shape_keys import animate_evolution, write_absolute_keys, write_final_shape
 from ..data.targets import needs_copy, writable_object
@@ -141,10 +141,7 @@ def run_job(
     MemoryError
         The mesh is too large for this machine.
     """
-    for path in (job.output, job.report):
-        if path is not None:
-            writable_place(path)
-            remove_drafts(path)
+    prepare_places(job.output, job.report)
     run = _Run(
         job,
         prepare or (lambda data: prepared_alone(data, job.settings)),
@@ -171,6 +168,7 @@ class _Run:
         self.admit = admit
         self.object_name = job.object_name
         self.mesh: Mapping[str, int] = {}
+        self.written: Mapping[str, int] = {}
         self.solve: Solve | None = None
         self.notes: list[str] = []
 
@@ -184,12 +182,7 @@ class _Run:
         if job.refine is not None and splits_vertices(job.input):
             weld(obj.data)
         data = read_mesh(obj.data)
-        self.mesh = {
-            "vertices": len(data.vertices),
-            "edges": len(obj.data.edges),
-            "polygons": len(obj.data.polygons),
-            "triangles": len(data.triangles),
-        }
+        self.mesh = mesh_counts(obj.data)
         surface, surface_vertex = solved_surface(data, job.input)
         preparation = self.prepare(surface)
         self.admit(preparation.mesh)
@@ -228,14 +221,14 @@ class _Run:
             if solve.steps:
                 write_density(obj.data, solve.steps[-1].density[surface_vertex])
                 color_by_density(obj)
-            self._refine(obj)
+            self._finish(obj)
             _put_on_timeline(obj, solve.shown, extend=not is_own_scene)
             if is_own_scene:
                 frame_views(objects)
             save_blend(job.output)
         else:
             write_final_shape(obj, solve.shapes[solve.shown][surface_vertex])
-            self._refine(obj)
+            self._finish(obj)
             self.notes += export_mesh(
                 obj,
                 job.output,
@@ -243,9 +236,10 @@ class _Run:
                 keep_axes=keeps_axes(job.input, job.output),
             )
 
-    def _refine(self, obj: bpy.types.Object) -> None:
+    def _finish(self, obj: bpy.types.Object) -> None:
         if self.job.refine is not None:
             self.notes += refine_object(obj, RefineOptions(self.job.refine))
+        self.written = mesh_counts(obj.data)
 
     def report(self, error: str | None) -> dict[str, Any]:
         job, solve = self.job, self.solve
@@ -253,9 +247,10 @@ class _Run:
         result = solve.denoised if has_result else None
         return build_report(
             settings=job.settings,
-            program=_versions(),
+            program=program_versions(),
             files={"input": job.input, "output": job.output, "object": self.object_name},
             mesh=self.mesh,
+            written=self.written,
             initial=solve.measures[0] if has_result else None,
             denoise=None if result is None else denoise_record(result, solve.seconds),
             steps=[] if solve is None else _step_records(solve),
@@ -312,7 +307,32 @@ def _put_on_timeline(obj: bpy.types.Object, shown: int, *, extend: bool) -> None
     scene.frame_current = first + FRAMES_PER_STEP * (range(len(blocks))[shown] + 1)
 
 
-def _versions() -> dict[str, str]:
+def prepare_places(*paths: Path | None) -> None:
+    """Check that files can be written, and remove what killed runs have left there.
+
+    Raises
+    ------
+    OSError
+        With one line that says what is in the way.
+    """
+    for path in paths:
+        if path is not None:
+            writable_place(path)
+            remove_drafts(path)
+
+
+def mesh_counts(mesh: bpy.types.Mesh) -> dict[str, int]:
+    """Count the elements of a mesh."""
+    return {
+        "vertices": len(mesh.vertices),
+        "edges": len(mesh.edges),
+        "polygons": len(mesh.polygons),
+        "triangles": n_triangles(mesh),
+    }
+
+
+def program_versions() -> dict[str, str]:
+    """Name what runs, for the report."""
     return {
         "name": "adaptive-fairing",
         "version": program_version(),

@@ -44,7 +44,7 @@ def test_what_was_wrong_is_noted_on_the_terminal_and_in_the_report(
     make, tmp_path, capsys, mesh, expected
 ):
     given, report = make(*mesh()), tmp_path / "r.json"
-    arguments = [str(given), "-o", str(tmp_path / "o.ply"), "--report", str(report)]
+    arguments = ["denoise", str(given), "-o", str(tmp_path / "o.ply"), "--report", str(report)]
     assert cli.main(arguments) == 0
     notes = [line for line in capsys.readouterr().err.splitlines() if ": note: " in line]
     assert re.fullmatch(f"adaptive-fairing: note: {expected}", notes[0])
@@ -60,7 +60,7 @@ def test_faces_come_out_as_they_went_in(make, tmp_path):
     # Turned, cut and bounded for the solve only: the file keeps its own faces.
     for mesh in (turned(), three_sheets(), collapsed()):
         given = make(*mesh)
-        assert cli.main([str(given), "-o", str(tmp_path / "o.ply"), "--quiet"]) == 0
+        assert cli.main(["denoise", str(given), "-o", str(tmp_path / "o.ply"), "--quiet"]) == 0
         expected = read_triangles(import_mesh(given).data)
         found = import_mesh(tmp_path / "o.ply").data
         np.testing.assert_array_equal(read_triangles(found), expected)
@@ -71,7 +71,8 @@ def test_a_folder_that_is_a_file_is_status_1(make, tmp_path, capsys):
     given = make(*random_closed(seed=1))
     (tmp_path / "file").write_text("no folder")
     for option in (["-o", tmp_path / "file" / "o.ply"], ["--report", tmp_path / "file" / "r"]):
-        assert cli.main([str(given), "-o", str(tmp_path / "o.ply"), *map(str, option)]) == 1
+        arguments = ["denoise", given, "-o", tmp_path / "o.ply", *option]
+        assert cli.main([str(argument) for argument in arguments]) == 1
         out, err = capsys.readouterr()
         assert out == ""
         assert re.fullmatch(r"adaptive-fairing: error: cannot write .*/file/\w.*\n", err)
@@ -86,7 +87,7 @@ from adaptive_fairing.cli import main as cli
 def die(*arguments, **options):
     os.kill(os.getpid(), signal.SIGKILL)
 
-cli.parse(["x.ply"])
+cli.parse(["fair", "x.ply"])
 import adaptive_fairing.blender.jobs.file_job
 import {module} as module
 module.{function} = die
@@ -109,20 +110,10 @@ def test_a_killed_run_leaves_the_old_file_whole(make, tmp_path, suffix, module, 
     given = make(*icosphere(2))
     out = tmp_path / f"out{suffix}"
     out.write_bytes(b"old" * 1000)
+    arguments = ["fair", str(given), "-o", str(out), "--steps", "1", "--quiet"]
     code = KILLED.format(root=str(ROOT), module=module, function=function)
     result = subprocess.run(
-        [
-            sys.executable,
-            "-c",
-            code,
-            str(given),
-            "-o",
-            str(out),
-            "--method",
-            "timestep",
-            "--steps",
-            "1",
-        ],
+        [sys.executable, "-c", code, *arguments],
         capture_output=True,
         check=False,
     )
@@ -131,8 +122,5 @@ def test_a_killed_run_leaves_the_old_file_whole(make, tmp_path, suffix, module, 
     # What is left over is hidden, and no later run stumbles over it.
     left = [path.name for path in tmp_path.iterdir() if path.name not in (out.name, "given")]
     assert all(name.startswith(".out.") for name in left)
-    assert (
-        cli.main([str(given), "-o", str(out), "--method", "timestep", "--steps", "1", "--quiet"])
-        == 0
-    )
+    assert cli.main(arguments) == 0
     assert out.read_bytes() != b"old" * 1000

@@ -36,8 +36,17 @@ def test_files_may_have_any_name(tmp_path, locale):
     for name in NAMES.values():
         (given / name).write_bytes(ply_bytes(*random_closed(seed=1)))
     (given / os.fsdecode(b"bad\xff.ply")).write_bytes(b"no mesh")
-    command = [sys.executable, "-m", "adaptive_fairing", given, "--out-dir", out, "--flamenco"]
-    command += ["--report", tmp_path / "r.json", "--allow-failures", "--method", "timestep"]
+    command = [
+        sys.executable,
+        "-m",
+        "adaptive_fairing",
+        "fair",
+        given,
+        "--out-dir",
+        out,
+        "--flamenco",
+    ]
+    command += ["--report", tmp_path / "r.json", "--allow-failures"]
     for status in ("done", "skipped"):
         result = subprocess.run(
             command, cwd=ROOT, env={**os.environ, "LC_ALL": locale}, capture_output=True,
@@ -61,7 +70,7 @@ def test_a_single_file_may_have_any_name(tmp_path, locale, suffix):
     given.write_bytes(ply_bytes(*random_closed(seed=1)))
     out = tmp_path / os.fsdecode(f"Ü{suffix}".encode("latin-1"))
     result = subprocess.run(
-        [sys.executable, "-m", "adaptive_fairing", given, "-o", out, "--quiet",
+        [sys.executable, "-m", "adaptive_fairing", "denoise", given, "-o", out, "--quiet",
          "--report", tmp_path / "r.json"],
         cwd=ROOT, env={**os.environ, "LC_ALL": locale}, capture_output=True, check=False,
     )  # fmt: skip

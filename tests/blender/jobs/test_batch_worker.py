@@ -44,7 +44,7 @@ def test_a_batch_writes_the_same_bytes_as_one_by_one(tmp_path):
             )
     for path in given.iterdir():
         if path.suffix not in (".mtl", ".bin"):
-            assert cli.main([str(path), "-o", str(alone / path.name), "--quiet"]) == 0
+            assert cli.main(["denoise", str(path), "-o", str(alone / path.name), "--quiet"]) == 0
     assert batch(given, "--out-dir", together, "--jobs", 2, "--quiet") == 0
     expected, found = outputs(alone), outputs(together)
     assert found.keys() == expected.keys()
@@ -75,7 +75,7 @@ def seen(five_meshes, tmp_path_factory):
     inputs = [*(five_meshes / f"mesh_{i}.ply" for i in range(3)), bad, points, folder / "no.stl"]
     process = command(
         *inputs, "--out-dir", folder / "out", "--jobs", 2, "--report", folder / "r.json",
-        "--method", "timestep", "--steps", 2,
+        "--steps", 2, algorithm="fair",
     )  # fmt: skip
     _, err = process.communicate()
     report = json.loads((folder / "r.json").read_text())
@@ -97,7 +97,7 @@ class TestWhatIsTold:
         assert "cannot read" in told["bad.ply"]
         assert "not finite" in told["points.obj"]
         assert "there is no such file" in told["no.stl"]
-        assert lines[3].startswith("adaptive-fairing: 6 meshes: 3 faired, 3 failed; ")
+        assert lines[3].startswith("adaptive-fairing: 6 meshes: 3 done, 3 failed; ")
         assert lines[4].startswith("adaptive-fairing: error: 3 of 6 meshes have no output, the ")
 
     def test_the_summary_has_them_all(self, seen):
@@ -142,7 +142,7 @@ def test_failures_may_be_allowed(five_meshes, tmp_path, capsys):
     assert "1 of 2 meshes have no output, the first is bad.ply: cannot read" in (
         capsys.readouterr().err
     )
-    assert batch(*common, "--merge", "--method", "timestep", "--steps", "3") == 1
+    assert batch(*common, "--merge", "--steps", "3", algorithm="fair") == 1
     told = capsys.readouterr().err
     assert "2 of 2 meshes have no output" in told
     assert told.endswith(": not tried yet\n")
@@ -170,7 +170,7 @@ def test_the_result_may_be_of_another_kind(five_meshes, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["a.ply", "b.ply"], "give the folder for the outputs with --out-dir"),
+        (["a.ply", "b.ply", "c.ply"], "give the folder for the outputs with --out-dir"),
         (["a.ply", "b.ply", "-o", "c.ply"], "-o is for a single mesh"),
         (["a.ply", "--jobs", "2"], "give the folder for the outputs"),
         (["a.ply", "--out-dir", "o", "--jobs", "0"], "--jobs 0"),
@@ -191,7 +191,7 @@ def test_the_result_may_be_of_another_kind(five_meshes, tmp_path):
     ],
 )
 def test_contradictions_are_status_2_and_one_line(capsys, arguments, message):
-    assert cli.main(arguments) == 2
+    assert cli.main(["denoise", *arguments]) == 2
     out, err = capsys.readouterr()
     assert out == ""
     assert err.count("\n") == 1

@@ -275,7 +275,7 @@ def test_the_report_says_what_was_asked_and_measured(noisy, tmp_path):
     assert written["output"] == str(tmp_path / "out.ply")
     assert written["object"] == "noisy"
     assert written["settings"]["tau"] == 0.005
-    assert written["settings"]["method"] == "adaptive_timestep"
+    assert written["settings"]["scheme"] == "timestep"
     assert written["mesh"] == {
         "vertices": len(data.vertices),
         "edges": 3 * len(data.triangles) // 2,

@@ -32,11 +32,11 @@ STRETCH = 3.0  # of the box, from the first frame to the last
 FLOAT32 = 2.0**-21  # rounding of coordinates up to 8, a few times over
 # With the area for density the result does not depend on the box of the mesh, which is another one
 # once the object is turned.
-SETTINGS = ("--method", "timestep", "--steps", 2, "--density", "area")
+SETTINGS = ("--steps", 2, "--density", "area")
 
 
-def run(*arguments):
-    return cli.main([*(str(argument) for argument in arguments), "--quiet"])
+def run(*arguments, algorithm="denoise"):
+    return cli.main([algorithm, *(str(argument) for argument in arguments), "--quiet"])
 
 
 def read_ply(path):
@@ -125,7 +125,10 @@ def nearest_distance(points, others):
 @pytest.mark.parametrize("kind", [".blend", ".abc", ".usdc", "cache"])
 def test_frames_of_an_animation_are_faired_as_they_are_shown(sources, expected, tmp_path, kind):
     frames = f"{FRAMES[0]}-{FRAMES[-1]}"
-    assert run(sources[kind], "--frames", frames, "--out-dir", tmp_path, *SETTINGS) == 0
+    assert (
+        run(sources[kind], "--frames", frames, "--out-dir", tmp_path, *SETTINGS, algorithm="fair")
+        == 0
+    )
     stem = sources[kind].stem
     for frame, shape in zip(FRAMES, expected, strict=True):
         found = read_ply(tmp_path / f"{stem}_{frame:04d}.ply")
@@ -145,7 +148,7 @@ def test_numbered_files_are_faired_each(sources, expected, tmp_path, suffix):
     """Compared through the format itself, because some turn axes, round, or renumber."""
     given = sources[f"files{suffix}"]
     arguments = (given, "--sequence", "--out-dir", tmp_path, *SETTINGS)
-    assert run(*arguments) == 0
+    assert run(*arguments, algorithm="fair") == 0
     for frame, shape in zip(FRAMES, expected, strict=True):
         found = world_positions(import_mesh(tmp_path / f"bean_{frame}{suffix}"))
         digits = 1e-5 if suffix == ".obj" else 20 * FLOAT32
@@ -162,21 +165,25 @@ def test_the_first_frame_has_the_bytes_that_it_has_alone(sources, tmp_path):
 
 
 @pytest.mark.parametrize(
-    "options",
+    ("algorithm", "options"),
     [
-        pytest.param([], marks=THOROUGH),
-        ["--same-strength", "--method", "timestep", "--stop-curvature", "0.775"],
-        pytest.param(["--same-strength", "--method", "auto"], marks=THOROUGH),
+        pytest.param("denoise", [], marks=THOROUGH),
+        ("fair", ["--same-strength", "--stop-curvature", "0.775"]),
+        pytest.param("denoise", ["--same-strength"], marks=THOROUGH),
     ],
 )
-def test_it_does_not_matter_where_a_frame_is_faired(sources, tmp_path, options):
+def test_it_does_not_matter_where_a_frame_is_faired(sources, tmp_path, algorithm, options):
     """In one process, in two, or as shards on several machines: the same bytes."""
-    common = [sources[".blend"], "--frames", "1-4", *options]
-    assert run(*common, "--out-dir", tmp_path / "one") == 0
-    assert run(*common, "--out-dir", tmp_path / "two", "--jobs", 2) == 0
+
+    def fair_into(folder, *more):
+        common = (sources[".blend"], "--frames", "1-4", *options)
+        assert run(*common, "--out-dir", tmp_path / folder, *more, algorithm=algorithm) == 0
+
+    fair_into("one")
+    fair_into("two", "--jobs", 2)
     for shard in ("2/3", "3/3", "1/3"):
-        assert run(*common, "--out-dir", tmp_path / "shards", "--shard", shard) == 0
-    assert run(*common, "--out-dir", tmp_path / "shards", "--merge") == 0
+        fair_into("shards", "--shard", shard)
+    fair_into("shards", "--merge")
     names = [f"bean_{frame:04d}.ply" for frame in FRAMES]
     for name in names:
         found = {(tmp_path / folder / name).read_bytes() for folder in ("one", "two", "shards")}
@@ -189,14 +196,15 @@ def steps_of(report):
 
 def test_same_strength_takes_the_first_frames_number_of_steps(sources, tmp_path):
     common = [
-        sources[".blend"], "--frames", "1-4", "--method", "timestep",
+        sources[".blend"], "--frames", "1-4",
         "--stop-curvature", "0.775", "--steps", "9",
         "--report", tmp_path / "r.json",
     ]  # fmt: skip
-    assert run(*common, "--out-dir", tmp_path / "each") == 0
+    assert run(*common, "--out-dir", tmp_path / "each", algorithm="fair") == 0
     each = steps_of(tmp_path / "r.json")
     assert len(set(each)) > 1, "no test: the frames would do with the same number anyway"
-    assert run(*common, "--out-dir", tmp_path / "same", "--same-strength") == 0
+    same = ("--out-dir", tmp_path / "same", "--same-strength")
+    assert run(*common, *same, algorithm="fair") == 0
     assert steps_of(tmp_path / "r.json") == [each[0]] * len(FRAMES)
 
 
@@ -251,7 +259,7 @@ def is_shown_mesh(obj):
 def test_one_keyed_object_shows_every_frame(sources, expected, tmp_path, kind):
     given = sources[kind]
     how = ["--frames", "1-4"] if given.is_file() else ["--sequence"]
-    assert run(given, *how, "-o", tmp_path / "all.blend", *SETTINGS) == 0
+    assert run(given, *how, "-o", tmp_path / "all.blend", *SETTINGS, algorithm="fair") == 0
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "all.blend"))
     (obj,) = [each for each in bpy.context.view_layer.objects if is_shown_mesh(each)]
     keys = obj.data.shape_keys

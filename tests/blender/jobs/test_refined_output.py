@@ -13,11 +13,11 @@ from adaptive_fairing.blender.files.mesh_files import export_mesh, import_mesh
 from adaptive_fairing.cli import main as cli
 from adaptive_fairing.core import LimitSurface, TriangleTopology
 
-PAPER = ("--method", "timestep", "--steps", "2", "--quiet")
+PAPER = ("--steps", "2", "--no-denoised", "--quiet")
 
 
 def run(*arguments):
-    assert cli.main([*map(str, arguments), *PAPER]) == 0
+    assert cli.main(["fair", *map(str, arguments), *PAPER]) == 0
 
 
 @pytest.fixture
@@ -146,5 +146,5 @@ class TestBatch:
 
 
 def test_wrong_levels(capsys):
-    assert cli.main(["in.ply", "--refine", "4"]) == 2
+    assert cli.main(["fair", "in.ply", "--refine", "4"]) == 2
     assert "invalid choice: 4" in capsys.readouterr().err

@@ -53,15 +53,13 @@ def test_every_frame_is_that_of_the_command_line(bean, tmp_path):
     arguments = [
         "--frames",
         "3-5",
-        "--method",
-        "timestep",
         "--steps",
         "2",
         "--same-strength",
         "--quiet",
     ]
     out = tmp_path / "all.blend"
-    assert cli.main([str(tmp_path / "bean.blend"), *arguments, "-o", str(out)]) == 0
+    assert cli.main(["fair", str(tmp_path / "bean.blend"), *arguments, "-o", str(out)]) == 0
     bpy.ops.wm.open_mainfile(filepath=str(out))
     for frame, shape in zip(FRAMES, by_operator, strict=True):
         bpy.context.scene.frame_set(frame)

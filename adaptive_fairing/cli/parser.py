@@ -1,0 +1,46 @@
+"""A parser of arguments whose errors are one line that says what was probably meant."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+from collections.abc import Callable, Iterable
+from typing import NoReturn
+
+from .messages import say
+
+WRONG_ARGUMENTS = 2
+"""Exit status."""
+
+
+class Parser(argparse.ArgumentParser):
+    """Options of one command."""
+
+    def error(self, message: str) -> NoReturn:
+        """End the process with one line that says what is wrong."""
+        say(f"error: {message} (see {self.prog} --help)")
+        raise SystemExit(WRONG_ARGUMENTS)
+
+    @property
+    def option_names(self) -> list[str]:
+        """All options, as they are written."""
+        return [name for action in self._actions for name in action.option_strings]
+
+
+def one_of(*names: str) -> Callable[[str], str]:
+    """Make the type of an argument that is one of several words."""
+
+    def check(text: str) -> str:
+        if text in names:
+            return text
+        hint = did_you_mean(text, names) or f", choose from {', '.join(names)}"
+        raise argparse.ArgumentTypeError(f"there is no {text!r}{hint}")
+
+    return check
+
+
+def did_you_mean(text: str, names: Iterable[str]) -> str:
+    """Name the word that was probably meant, as the end of a message; empty if none is near."""
+    bare = {name.lstrip("-"): name for name in names}
+    found = difflib.get_close_matches(text.lstrip("-").lower(), bare, n=1)
+    return f", did you mean {bare[found[0]]}?" if found else ""
