@@ -121,9 +121,13 @@ def fetch(wheel: Wheel, directory: Path) -> Path:
     directory.mkdir(parents=True, exist_ok=True)
     path = directory / wheel.filename
     if not path.exists():
-        _download(wheel, directory)
-    if not path.exists():
-        raise WheelError(f"pip downloaded another file than {wheel.filename}")
+        # Apart at first: another process that looks for the wheel never sees half of it.
+        with tempfile.TemporaryDirectory(dir=directory) as apart:
+            _download(wheel, Path(apart))
+            downloaded = Path(apart, wheel.filename)
+            if not downloaded.exists():
+                raise WheelError(f"pip downloaded another file than {wheel.filename}")
+            downloaded.replace(path)
     if (found := file_sha256(path)) != wheel.sha256:
         raise WheelError(f"{path}: SHA-256 is {found}, pinned is {wheel.sha256}; delete the file")
     return path
