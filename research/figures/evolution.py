@@ -1,7 +1,7 @@
 """Film of the head while it is faired: the surface in grey, and the density in colours.
 
-Run `python -m research.figures.evolution [-o FILE.gif]`. It films the .blend that the README's
-first command makes, with the script that `examples/` has for it.
+Run `python -m research.figures.evolution [-o FILE.gif]`. It films a .blend like that of the
+README's first command, with the script that `examples/` has for it.
 """
 
 from __future__ import annotations
@@ -23,6 +23,7 @@ from adaptive_fairing.core import FairingSettings
 from research.figures.layout import FOLDER, font
 
 ROOT = Path(__file__).resolve().parents[2]
+SETTINGS = FairingSettings(density="area", radius=0.7)
 WIDTH, SAMPLES, EVERY = 600, 8, 2
 CAPTION = 46
 """Pixels above the picture for the text."""
@@ -30,7 +31,7 @@ CAPTION = 46
 FIRST, EACH, LAST = 1200, 120, 2400
 """Milliseconds for which the first picture, each one between and the last are shown."""
 
-COLORS = 160
+COLORS = 255
 """Colours kept in the file, the same for all pictures: nothing flickers."""
 
 
@@ -44,14 +45,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     script = runpy.run_path(str(ROOT / "examples" / "render_evolution.py"))
     with tempfile.TemporaryDirectory() as folder:
         blend = Path(folder, "head.blend")
-        settings = FairingSettings()
-        run_job(FairingJob(ROOT / "assets" / "head_noisy.ply", blend, settings))
+        run_job(FairingJob(ROOT / "assets" / "head_noisy.ply", blend, SETTINGS))
         bpy.ops.wm.open_mainfile(filepath=str(blend))
         numbers = {"width": WIDTH, "samples": SAMPLES, "every": EVERY}
         script["main"]([folder, *(word for k, v in numbers.items() for word in (f"--{k}", str(v)))])
         pictures = [Image.open(path).convert("RGB") for path in sorted(Path(folder).glob("*.png"))]
     frames = [
-        _captioned(picture, min(EVERY * place / FRAMES_PER_STEP, settings.steps))
+        _captioned(picture, min(EVERY * place / FRAMES_PER_STEP, SETTINGS.steps))
         for place, picture in enumerate(pictures)
     ]
     _write_gif(options.output, frames)
@@ -77,7 +77,7 @@ def _write_gif(path: Path, frames: Sequence[Image.Image]) -> None:
     whole = Image.new("RGB", (frames[0].width, frames[0].height * 2))
     whole.paste(frames[0], (0, 0))
     whole.paste(frames[-1], (0, frames[0].height))
-    palette = whole.quantize(COLORS, dither=Image.Dither.NONE)
+    palette = whole.quantize(COLORS, kmeans=2, dither=Image.Dither.NONE)
     reduced = [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
     times = [FIRST, *[EACH] * (len(frames) - 2), LAST]
     reduced[0].save(
