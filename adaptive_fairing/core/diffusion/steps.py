@@ -22,6 +22,7 @@ from .results import FairingResult, FairingStep
 from .scheme import scheme_fields
 from .settings import FairingSettings
 from .smoothing_radius import tau_of_run
+from .volume import VolumeKeeper
 
 # Diffusion lowers the curvature energy until a triangle, a tip or a thin part shrinks to nothing,
 # where curvature has no bound: a rise by this factor over the least so far is taken as its sign.
@@ -119,6 +120,9 @@ def _steps(
     centre = start[~space.topology.is_loose].mean(axis=0)
     tau = tau_of_run(space.topology, start, settings)
     times = tau * weights
+    keeper = None
+    if settings.keep_volume:
+        keeper = VolumeKeeper(space.topology, start, weights, is_held)
     solves = SuccessiveSolves()
     density, system = _system(space, current, settings, times, _serves_single(space, settings))
     initial = previous = system.measures
@@ -139,7 +143,10 @@ def _steps(
         except SolverError as error:
             raise SolverError(f"step {index}: {error}") from error
         solves.add(increment, system.load)
-        current = limited(current + increment, start, limit and limit * frame.scale)
+        current = current + increment
+        if keeper is not None:
+            current = keeper.restored(current)
+        current = limited(current, start, limit and limit * frame.scale)
         used_density = density
         # The system of the next step measures this step's surface on the way.
         if index < settings.steps and solve.converged:
@@ -164,7 +171,9 @@ def _steps(
             solve=solve,
             initial=initial.scaled(1 / frame.scale),
             stop_reason=reason,
-            notes=notes + _collapse_notes(measures.curvature_energy, least_energy),
+            notes=notes
+            + (keeper.notes if keeper is not None else ())
+            + _collapse_notes(measures.curvature_energy, least_energy),
         )
         if reason is not None:
             return

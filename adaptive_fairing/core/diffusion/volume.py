@@ -1,0 +1,111 @@
+"""Volumes that stay: closed parts are moved along their normals after a step."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.sparse import csgraph
+
+from ..mesh.normals import dots, vertex_normals
+from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import BoolArray, FloatArray
+
+# Newton's method doubles the digits in each iteration; a part that needs more has collapsed.
+MOST_ITERATIONS = 30
+
+# An offset is found when the volume is right up to this part of the volumes that are summed up.
+ROUNDING = 1e-13
+
+
+class VolumeKeeper:
+    """Keeps the volume that every closed part of a mesh had at the start.
+
+    It is the volume within the triangles, which is exact, and what other programs measure.  A
+    vertex is moved by its weight times one offset for its part, along its normal.  So the volume
+    is a cubic polynomial of the offset, which Newton's method solves from 0.
+
+    Parameters
+    ----------
+    topology : TriangleTopology
+    start : (n, 3)
+        Positions whose volumes are to stay.
+    weights : (n,)
+        How much of the offset a vertex takes part in.
+    is_held : (n,) bool
+        Vertices that take no part.
+
+    Attributes
+    ----------
+    notes : tuple of str
+        What has no volume to keep, or has lost it.
+    """
+
+    def __init__(
+        self, topology: TriangleTopology, start: FloatArray, weights: FloatArray, is_held: BoolArray
+    ) -> None:
+        self._topology = topology
+        self._n_parts, self._part = csgraph.connected_components(
+            topology.adjacency(), directed=False
+        )
+        self._part_of_triangle = self._part[topology.triangles[:, 0]]
+        is_open = np.bincount(self._part[topology.on_boundary], minlength=self._n_parts) > 0
+        self._weights = np.where(is_held | is_open[self._part], 0.0, weights)
+        # Products of coordinates lose digits far from the origin.
+        count = np.bincount(self._part, minlength=self._n_parts)
+        sums = [np.bincount(self._part, x, self._n_parts) for x in start.T]
+        self._centre = (np.stack(sums, axis=1) / count[:, None])[self._part]
+        self._volumes = self._polynomials(start, np.zeros_like(start))[0]
+        n_open = int(np.count_nonzero(is_open))
+        self.notes: tuple[str, ...] = ()
+        if n_open:
+            parts = "1 part is open and has" if n_open == 1 else f"{n_open} parts are open and have"
+            self.notes = (f"{parts} no volume to keep: close the holes first if it is to stay",)
+
+    def restored(self, positions: FloatArray) -> FloatArray:
+        """Move closed parts so that they have their volumes again, (n, 3) to (n, 3).
+
+        A part of which too little is left is not moved; `notes` says so.
+        """
+        motion = self._weights[:, None] * vertex_normals(self._topology, positions)
+        value, slope, bend, twist = self._polynomials(positions, motion)
+        sizes = self._sizes(positions)
+        offset, is_right = np.zeros(self._n_parts), slope <= 0
+        lost = np.zeros(self._n_parts, dtype=bool)
+        for _ in range(MOST_ITERATIONS):
+            missing = self._volumes - (value + offset * (slope + offset * (bend + offset * twist)))
+            rate = slope + offset * (2 * bend + 3 * offset * twist)
+            is_right |= np.abs(missing) <= ROUNDING * sizes
+            # Beyond a turning point the polynomial has left the root next to 0.
+            lost |= ~is_right & (rate <= 0)
+            moves = ~(is_right | lost)
+            if not moves.any():
+                break
+            offset[moves] += missing[moves] / rate[moves]
+        lost |= ~is_right
+        if lost.any():
+            parts = "1 closed part has" if lost.sum() == 1 else f"{lost.sum()} closed parts have"
+            note = f"{parts} collapsed and lost their volume; a smaller radius or tau avoids that"
+            self.notes = (*(each for each in self.notes if "collapsed" not in each), note)
+        offset[lost] = 0
+        return positions + offset[self._part, None] * motion
+
+    def _polynomials(self, positions: FloatArray, motion: FloatArray) -> FloatArray:
+        """Coefficients of every part's volume by the offset, lowest first, (4, n_parts)."""
+        corners = (positions - self._centre)[self._topology.triangles].swapaxes(0, 1)
+        motions = motion[self._topology.triangles].swapaxes(0, 1)
+        terms = np.zeros((4, self._topology.n_triangles))
+        # The determinant of three sums of two, multiplied out.
+        for first, a in enumerate((corners, motions)):
+            for second, b in enumerate((corners, motions)):
+                cross = np.cross(a[0], b[1])
+                for third, c in enumerate((corners, motions)):
+                    terms[first + second + third] += dots(cross, c[2]) / 6
+        return np.stack([self._by_part(term) for term in terms])
+
+    def _sizes(self, positions: FloatArray) -> FloatArray:
+        """Sum of the volumes over all triangles, whatever their signs, (n_parts,)."""
+        a, b, c = (positions - self._centre)[self._topology.triangles].swapaxes(0, 1)
+        return self._by_part(np.abs(dots(np.cross(a, b), c)) / 6)
+
+    def _by_part(self, of_triangles: FloatArray) -> FloatArray:
+        sums = np.bincount(self._part_of_triangle, of_triangles, self._n_parts)
+        return sums.astype(np.float64)
