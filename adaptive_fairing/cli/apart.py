@@ -15,9 +15,14 @@ from collections.abc import Sequence
 from types import FrameType
 
 from ..batch.process import ending, environment
+from .interrupts import INTERRUPTED
 
 CHILD = "--child"
 """First argument of the process that does the work."""
+
+
+SECONDS_TO_LEAVE = 0.8
+"""After an interrupt, for a process that is in the middle of a long computation."""
 
 
 class CrashError(Exception):
@@ -25,7 +30,10 @@ class CrashError(Exception):
 
 
 def run_apart(command: Sequence[str], expected: Sequence[int]) -> int:
-    """Run a process to its end, which sees interrupts as this one does; give its exit status.
+    """Run a process to its end; give its exit status.
+
+    An interrupt of this process interrupts that one, too. If it does not leave soon, because it is
+    in the middle of a long computation, it is killed, and the status is `INTERRUPTED`.
 
     Parameters
     ----------
@@ -46,11 +54,18 @@ def run_apart(command: Sequence[str], expected: Sequence[int]) -> int:
         env=environment(),
     )
 
-    def pass_on(number: int, frame: FrameType | None) -> None:
-        process.send_signal(number)
+    is_interrupted = False
 
-    # A console of Windows interrupts all its processes by itself.
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN if os.name == "nt" else pass_on)
+    def pass_on(number: int, frame: FrameType | None) -> None:
+        nonlocal is_interrupted
+        is_interrupted = True
+        if os.name != "nt":  # a console of Windows interrupts all its processes by itself
+            process.send_signal(number)
+        killer = threading.Timer(SECONDS_TO_LEAVE, process.kill)
+        killer.daemon = True
+        killer.start()
+
+    before = signal.signal(signal.SIGINT, pass_on)
     try:
         status = process.wait()
     finally:
@@ -58,6 +73,8 @@ def run_apart(command: Sequence[str], expected: Sequence[int]) -> int:
         signal.signal(signal.SIGINT, signal.SIG_DFL if before is None else before)
         if process.stdin is not None:
             process.stdin.close()
+    if is_interrupted and status not in expected:
+        return INTERRUPTED
     if status not in expected:
         raise CrashError(ending(status))
     return status

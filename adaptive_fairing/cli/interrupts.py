@@ -21,6 +21,12 @@ def raise_at_interrupt() -> None:
         signal.signal(signal.SIGINT, _raise_once)
 
 
+def ignore_interrupts() -> None:
+    """From now on let interrupts change nothing: all is done and told."""
+    if signal.getsignal(signal.SIGINT) in (_leave, _raise_once):
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
 def _leave(number: int, frame: FrameType | None) -> None:
     os._exit(INTERRUPTED)
 

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from ..batch.conflicts import identity
 from ..batch.memory_use import address_space_bytes, in_gigabytes
 from ..batch.summary import outcome_of
 from . import batch
@@ -22,7 +23,7 @@ from .apart import (
     run_apart,
 )
 from .arguments import parse, settings_of
-from .interrupts import INTERRUPTED, raise_at_interrupt
+from .interrupts import INTERRUPTED, ignore_interrupts, raise_at_interrupt
 from .messages import PROGRAM, say
 from .options import FAIR, REFINE
 from .parser import WRONG_ARGUMENTS
@@ -81,11 +82,31 @@ def main(
     if not arguments.plan and not arguments.input.exists():  # told before Blender takes its time
         return _fail(f"cannot read {arguments.input}: there is no such file")
     command = list(worker_command or (sys.executable, "-m", "adaptive_fairing"))
-    if is_apart and not is_child and not arguments.plan:
-        return _run_apart(arguments, [*command, CHILD, *given])
+    before = None if arguments.plan else identity(arguments.output)
+    try:
+        if is_apart and not is_child and not arguments.plan:
+            status = _run_apart(arguments, [*command, CHILD, *given])
+        else:
+            status = _run_here(arguments, [*command, WORKER], is_apart)
+        ignore_interrupts()
+    except KeyboardInterrupt:
+        status = INTERRUPTED
+    if status == INTERRUPTED and not is_child:  # of a child its parent tells
+        is_written = before is not None and identity(arguments.output) != before
+        _fail(f"interrupted: {_what_is_kept(arguments, is_written)}")
+    return status
+
+
+def _what_is_kept(arguments: argparse.Namespace, is_written: bool) -> str:
+    if arguments.plan:
+        return "what is finished stays, run again to go on"
+    return f"{arguments.output} was written before" if is_written else "no output was written"
+
+
+def _run_here(arguments: argparse.Namespace, worker_command: Sequence[str], is_apart: bool) -> int:
     try:
         if arguments.plan:
-            return _run_batch(arguments, [*command, WORKER])
+            return _run_batch(arguments, worker_command)
         return _refine(arguments) if arguments.algorithm == REFINE else _run(arguments)
     except ModuleNotFoundError as error:
         if error.name not in _MISSING:
@@ -97,18 +118,17 @@ def main(
         if not is_apart or sys.flags.dev_mode:
             raise
         return _fail(f"unexpected {type(error).__name__}: {error} (python -X dev shows where)")
-    except KeyboardInterrupt:
-        kept = "what is finished stays, run again to go on" if arguments.plan else None
-        _fail(f"interrupted: {kept or 'no output was written'}")
-        return INTERRUPTED
 
 
 def _run_apart(arguments: argparse.Namespace, command: Sequence[str]) -> int:
-    try:
-        return run_apart(command, (DONE, COULD_NOT, WRONG_ARGUMENTS, INTERRUPTED))
-    except CrashError as error:
-        from ..files.atomic_files import remove_drafts
+    from ..files.atomic_files import remove_drafts
 
+    try:
+        status = run_apart(command, (DONE, COULD_NOT, WRONG_ARGUMENTS, INTERRUPTED))
+        if status == INTERRUPTED:  # perhaps killed
+            remove_drafts(arguments.output)
+        return status
+    except CrashError as error:
         remove_drafts(arguments.output)
         return _fail(
             f"Blender or the solver died of {arguments.input}, ended {error}: the file is damaged, "

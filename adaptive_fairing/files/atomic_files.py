@@ -10,8 +10,12 @@ import contextlib
 import errno
 import glob
 import os
+import platform
 import secrets
 import shutil
+import string
+import time
+import zlib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -38,7 +42,7 @@ def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
         The file cannot be put there; or the error of the body. No temporary file is left.
     """
     final = writable_place(path)
-    draft = final.with_name(f"{_draft_start(final)}{secrets.token_hex(6)}{final.suffix}")
+    draft = final.with_name(f"{_draft_start(final)}{_draft_mark()}{final.suffix}")
     try:
         with _named_errors(final):
             yield draft
@@ -62,7 +66,7 @@ def replaced_files(path: str | os.PathLike[str]) -> Iterator[Path]:
     Parameters, yields, errors: as in `replaced_file`.
     """
     final = writable_place(path)
-    folder = final.with_name(f"{_draft_start(final)}{secrets.token_hex(6)}")
+    folder = final.with_name(f"{_draft_start(final)}{_draft_mark()}")
     draft = folder / final.name
     try:
         with _named_errors(final):
@@ -85,8 +89,7 @@ def _added(files: Sequence[Path], folder: Path, destination: Path) -> Iterator[N
         for file in files:
             place = destination / file.relative_to(folder)
             place.parent.mkdir(parents=True, exist_ok=True)
-            if not is_same_file(place, file):
-                _add(file, place)
+            if not is_same_file(place, file) and _add(file, place):
                 added.append(place)
         yield
     except BaseException:
@@ -95,26 +98,32 @@ def _added(files: Sequence[Path], folder: Path, destination: Path) -> Iterator[N
         raise
 
 
-def _add(file: Path, place: Path) -> None:
-    """Put a finished file where there is none; one that is there stays, which is an error."""
+def _add(file: Path, place: Path) -> bool:
+    """Put a finished file where there is none; one that is there stays, which is an error.
+
+    Tells whether it did: another run may have put the same file there at the same moment.
+    """
     try:
         os.link(file, place)
     except FileExistsError as error:
+        if is_same_file(place, file):
+            return False
         reason = f"another file is called {place.name} since a moment ago; run again"
         raise FileExistsError(error.errno, reason) from error
     except OSError:  # a file system without links
         with file.open("rb") as source, place.open("xb") as target:
             shutil.copyfileobj(source, target)
+    return True
 
 
 def remove_drafts(path: str | os.PathLike[str]) -> None:
-    """Remove what killed processes have left of a file; no other process may be writing it."""
+    """Remove what killed processes have left of a file, not what another one is writing now."""
     final = Path(os.path.realpath(path))
     start = _draft_start(final)
     for draft in final.parent.glob(f"{glob.escape(start)}*"):
         # Blender writes a .blend under a name with one more letter first.
         name = draft.name.removeprefix(start).removesuffix("@").removesuffix(final.suffix)
-        if len(name) == 12 and set(name) <= set("0123456789abcdef"):
+        if _is_mark(name) and not _is_being_written(draft, name):
             with contextlib.suppress(PermissionError):  # still open somewhere, on Windows
                 if draft.is_dir():
                     shutil.rmtree(draft)
@@ -125,6 +134,47 @@ def remove_drafts(path: str | os.PathLike[str]) -> None:
 def _draft_start(final: Path) -> str:
     # Systems count bytes, of which a letter may have several.
     return f".{os.fsdecode(os.fsencode(final.stem)[:100])}."
+
+
+def _draft_mark() -> str:
+    """Name the machine and the process that write a draft, and tell it from their others."""
+    return f"{_machine()}{os.getpid():08x}{secrets.token_hex(4)}"
+
+
+def _machine() -> str:
+    return f"{zlib.crc32(platform.node().encode()):08x}"
+
+
+def _is_mark(text: str) -> bool:
+    return len(text) == 24 and set(text) <= set(string.hexdigits)
+
+
+def _is_being_written(draft: Path, mark: str) -> bool:
+    """Whether the process that writes a draft may be at work still."""
+    try:
+        age = time.time() - draft.stat().st_mtime
+    except FileNotFoundError:  # it has just been finished
+        return True
+    is_ours = mark.startswith(_machine())
+    return age < _LONGEST_PAUSE and (not is_ours or _is_running(int(mark[8:16], 16)))
+
+
+_LONGEST_PAUSE = 3600.0
+"""Seconds after which nobody goes on with a draft, in case its process number is used again."""
+
+
+def _is_running(process: int) -> bool:
+    """Whether another process is running."""
+    # Windows has no such question, and removes no file that is open.
+    if process == os.getpid() or os.name == "nt":
+        return False
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except PermissionError:  # somebody else's
+        return True
+    return True
 
 
 def writable_place(path: str | os.PathLike[str]) -> Path:

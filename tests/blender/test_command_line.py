@@ -340,6 +340,22 @@ def test_ctrl_c_leaves_nothing_behind(capsys, noisy, tmp_path, monkeypatch):
     assert out.read_text() == "old"
 
 
+@pytest.mark.parametrize("old", [True, False])
+def test_ctrl_c_after_the_output_was_written_says_so(capsys, noisy, tmp_path, monkeypatch, old):
+    from adaptive_fairing.blender.jobs import file_job
+
+    def interrupt(*arguments, **options):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(file_job, "write_report", interrupt)
+    out = tmp_path / "out.ply"
+    if old:
+        out.write_text("old")
+    line = error_of(capsys, "fair", noisy, "-o", out, "--report", tmp_path / "r", status=130)
+    assert line.endswith(f"interrupted: {out} was written before\n")
+    assert out.read_bytes().startswith(b"ply")
+
+
 def test_a_second_run_in_one_process_starts_afresh(noisy, tmp_path):
     empty_scene()
     export_mesh(add_object(*bumpy_disc(seed=0)), tmp_path / "disc.ply", alone=True)

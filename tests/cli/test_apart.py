@@ -70,6 +70,25 @@ def test_a_crash_while_a_file_is_read_is_one_line(tmp_path, name):
     assert out.read_text() == "old"
 
 
+STUBBORN = """
+import os, signal, sys
+from adaptive_fairing.cli.apart import run_apart
+deaf = "import signal, time; signal.signal(2, signal.SIG_IGN); print(); time.sleep(1e6)"
+deaf = deaf.replace("print()", "open(%r, 'w').close()" % sys.argv[1])
+sys.exit(run_apart([sys.executable, "-c", deaf], (0, 1)))
+"""
+
+
+def test_a_process_in_the_middle_of_a_computation_is_killed_at_an_interrupt(tmp_path):
+    """It would never end by itself; and it is told as an interrupt, not as a crash."""
+    ready = tmp_path / "ready"
+    process = subprocess.Popen([sys.executable, "-c", STUBBORN, ready], cwd=ROOT)
+    while not ready.exists():
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    assert process.wait() == 130
+
+
 READY = """
 import sys
 from adaptive_fairing.cli.interrupts import leave_at_interrupt
@@ -98,7 +117,7 @@ def test_an_interrupt_at_any_time_is_status_130_and_at_most_one_line(tmp_path, s
     _, err = process.communicate()
     assert process.returncode == 130
     assert err in ("", "adaptive-fairing: error: interrupted: no output was written\n")
-    assert not out.exists()
+    assert list(tmp_path.iterdir()) == [given], "and no drafts"
 
 
 @pytest.mark.parametrize("closed", [(0,), (1,), (2,), (1, 2), (0, 1, 2)])

@@ -2,9 +2,11 @@
 
 import errno
 import os
+import platform
 import stat
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -198,6 +200,39 @@ def test_what_a_killed_process_has_left_is_removed_and_nothing_else(old, suffix)
     remove_drafts(old)
     assert not left & set(old.parent.iterdir())
     assert len(list(old.parent.iterdir())) == 5
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="there an open file cannot be removed anyway")
+@pytest.mark.parametrize("replaced", ["replaced_file", "replaced_files"])
+def test_what_another_process_is_writing_stays_and_is_finished(old, replaced):
+    writer = (
+        f"import sys; from adaptive_fairing.files.atomic_files import {replaced} as replaced\n"
+        f"with replaced({str(old)!r}) as draft:\n"
+        "    draft.write_text('whole')\n    print(flush=True)\n    input()"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", writer],
+        cwd=ROOT, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    process.stdout.readline()
+    remove_drafts(old)
+    assert old.read_text() == "old"
+    process.communicate("\n")
+    assert process.returncode == 0
+    assert old.read_text() == "whole"
+    assert list(old.parent.iterdir()) == [old]
+
+
+@pytest.mark.parametrize(("age", "is_left"), [(60, True), (2 * 3600, False)])
+def test_what_another_machine_may_be_writing_stays_for_an_hour(old, monkeypatch, age, is_left):
+    with monkeypatch.context() as patch:
+        patch.setattr(platform, "node", lambda: "another")
+        with replaced_file(old) as draft:
+            draft.write_text("new")
+    draft.write_text("half")
+    os.utime(draft, (time.time() - age,) * 2)
+    remove_drafts(old)
+    assert draft.exists() == is_left
 
 
 @pytest.mark.parametrize("replaced", [replaced_file, replaced_files])

@@ -164,6 +164,16 @@ def command_line(process):
         return []
 
 
+def test_two_identical_batches_at_once_do_not_disturb_each_other(
+    five_meshes, five_faired, tmp_path
+):
+    out = tmp_path / "out"
+    both = [command(five_meshes, "--out-dir", out) for _ in range(2)]
+    told = [process.communicate()[1] for process in both]
+    assert [process.returncode for process in both] == [0, 0], told
+    assert outputs(out) == outputs(five_faired)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="no such signals")
 def test_ctrl_c_says_how_to_go_on(five_meshes, tmp_path):
     given = tmp_path / "given"
