@@ -9,8 +9,9 @@ from numpy.typing import ArrayLike
 
 from ..errors import InputError, SolverError
 from ..linalg.conjugate_gradients import SolveReport
+from ..problem.caller_mesh import CallerMesh
 from ..problem.prepared_mesh import PreparedMesh
-from ..problem.problem import CallerMesh, SolverProblem
+from ..problem.problem import SolverProblem
 from ..runtime.arrays import BoolArray, FloatArray
 from ..runtime.precision import SINGLE
 from .filter_family import KEEPS
@@ -83,7 +84,7 @@ def denoise(
     settings = settings or DenoiseSettings()
     mesh = CallerMesh.checked(vertices, faces, weights)
     if prepared is None:
-        prepared = PreparedMesh(mesh.points, mesh.triangles)
+        prepared = PreparedMesh.of(mesh)
     else:
         prepared.require(mesh.triangles, len(mesh.points))
     surface = prepared.surface

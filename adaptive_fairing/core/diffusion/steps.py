@@ -13,8 +13,9 @@ from ..fem.loop_space import LoopSpace, StepSystem
 from ..linalg.conjugate_gradients import SolveReport, conjugate_gradients
 from ..linalg.successive_solves import SuccessiveSolves
 from ..mesh.density import mesh_density
+from ..problem.caller_mesh import CallerMesh
 from ..problem.prepared_mesh import PreparedMesh
-from ..problem.problem import CallerMesh, SolverProblem
+from ..problem.problem import SolverProblem
 from ..runtime.arrays import FloatArray
 from ..runtime.precision import SINGLE
 from .deviation import limited
@@ -106,9 +107,8 @@ def _steps(
     mesh: CallerMesh, settings: FairingSettings, prepared: PreparedMesh | None
 ) -> Iterator[FairingStep]:
     normalize = settings.normalize
-    prepared = prepared or PreparedMesh(
-        mesh.points,
-        mesh.triangles,
+    prepared = prepared or PreparedMesh.of(
+        mesh,
         quadrature_tolerance=settings.quadrature_tolerance,
         normalize=normalize,
     )

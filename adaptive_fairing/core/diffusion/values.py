@@ -16,8 +16,9 @@ from ..linalg.conjugate_gradients import conjugate_gradients
 from ..linalg.successive_solves import SuccessiveSolves
 from ..mesh.density import mesh_density
 from ..mesh.topology import TriangleTopology
+from ..problem.caller_mesh import CallerMesh
 from ..problem.prepared_mesh import PreparedMesh
-from ..problem.problem import CallerMesh, SolverProblem
+from ..problem.problem import SolverProblem
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
 from .scheme import scheme_fields
 from .settings import FairingSettings
@@ -86,9 +87,8 @@ def fair_values(
     settings = settings or FairingSettings()
     mesh = CallerMesh.checked(vertices, faces, weights)
     given = _checked_values(values, len(mesh.points))
-    prepared = PreparedMesh(
-        mesh.points,
-        mesh.triangles,
+    prepared = PreparedMesh.of(
+        mesh,
         quadrature_tolerance=settings.quadrature_tolerance,
         normalize=settings.normalize,
     )

@@ -11,10 +11,9 @@ from ..errors import InputError
 from ..fem.loop_space import LoopSpace
 from ..fem.memory_estimate import Algorithm, estimated_bytes, require_memory
 from ..loop.patches import PatchSet
-from ..mesh.input_checks import checked_vertices, require_surface
 from ..mesh.solver_mesh import Frame, SolverFrame, solvable_surface
-from ..mesh.topology import checked_triangles
 from ..runtime.arrays import FloatArray, IntArray
+from .caller_mesh import CallerMesh
 
 DEFAULT_TOLERANCE = 1e-3
 
@@ -65,12 +64,29 @@ class PreparedMesh:
         normalize: Frame = "box",
         scale: float | None = None,
     ) -> None:
-        points = checked_vertices(vertices)
-        self.triangles = checked_triangles(np.array(faces), len(points))
-        require_surface(points, self.triangles)
-        self.quadrature_tolerance = quadrature_tolerance
-        self.surface = solvable_surface(points, self.triangles)
-        self.own_scale = SolverFrame.of(points, self.surface, normalize).scale
+        mesh = CallerMesh.checked(vertices, faces)
+        self._prepare(mesh, quadrature_tolerance, normalize, scale)
+
+    @classmethod
+    def of(
+        cls,
+        mesh: CallerMesh,
+        *,
+        quadrature_tolerance: float = DEFAULT_TOLERANCE,
+        normalize: Frame = "box",
+    ) -> PreparedMesh:
+        """Prepare a mesh that has been checked."""
+        prepared = cls.__new__(cls)
+        prepared._prepare(mesh, quadrature_tolerance, normalize, None)
+        return prepared
+
+    def _prepare(
+        self, mesh: CallerMesh, tolerance: float, normalize: Frame, scale: float | None
+    ) -> None:
+        self.triangles = mesh.triangles
+        self.quadrature_tolerance = tolerance
+        self.surface = solvable_surface(mesh.points, mesh.triangles)
+        self.own_scale = SolverFrame.of(mesh.points, self.surface, normalize).scale
         self._scale = scale
         self._space: LoopSpace | None = None
 
