@@ -46,7 +46,7 @@ SETTINGS = {
     "steps": "settings/#steps",
     "density": "settings/#density",
     "density_passes": "settings/#density",
-    "boundary": "keep-a-region/#rims-of-open-meshes",
+    "boundary": "keep-a-region/#boundary-of-open-meshes",
     "stop_curvature": "settings/#stopping",
     "stop_rate": "settings/#stopping",
     "cg_tolerance": "settings/#accuracy",
