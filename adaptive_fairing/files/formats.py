@@ -68,7 +68,8 @@ OBJ = MeshFormat(
 PLY = MeshFormat(
     importer="wm.ply_import",
     exporter="wm.ply_export",
-    export_options={"apply_modifiers": False},
+    # UVs of the exporter cut the surface open at seams and renumber all vertices.
+    export_options={"apply_modifiers": False, "export_uv": False},
     keeps_axes=True,
     holds_scene=False,
 )

@@ -8,9 +8,9 @@ import struct
 import numpy as np
 
 
-def obj_bytes(vertices, faces, *, between=""):
+def obj_bytes(vertices, faces, *, digits=9, between=""):
     """Write a .obj file; `between` is text between the vertices and the faces."""
-    lines = ["v {:.9g} {:.9g} {:.9g}\n".format(*point) for point in vertices]
+    lines = ["v " + " ".join(f"{x:.{digits}g}" for x in point) + "\n" for point in vertices]
     lines += [between, *("f " + " ".join(str(i + 1) for i in face) + "\n" for face in faces)]
     return "".join(lines).encode()
 

@@ -1,6 +1,6 @@
 """What Blender's importers leave out of a mesh file without a word: counted, to be told.
 
-They drop vertices that no face uses and faces that no mesh of Blender can have.
+They drop vertices that no face uses, faces that no mesh of Blender can have, and digits.
 """
 
 from __future__ import annotations
@@ -10,6 +10,8 @@ from pathlib import Path
 import bpy
 
 from ...files.inspection import inspect
+from ..data.mesh_arrays import read_positions
+from .far_meshes import rounding_notes
 
 
 def import_notes(path: Path) -> list[str]:
@@ -26,7 +28,11 @@ def import_notes(path: Path) -> list[str]:
         One sentence for each kind of loss; none for formats that cannot be counted here.
     """
     contents = inspect(path)
-    notes = []
+    notes = [
+        note
+        for mesh in bpy.data.meshes
+        for note in rounding_notes(read_positions(mesh), f"coordinates of {mesh.name!r} are")
+    ]
     if contents.has_faces_before_groups:
         notes.append("groups are left out: Blender cannot read them after faces without a group")
     if contents.n_vertices is None or contents.n_faces is None:

@@ -14,15 +14,17 @@ import bpy
 from ...files.atomic_files import replaced_file, replaced_files, require_space
 from ...files.companions import names_to_change, rename_in_gltf, rename_in_obj
 from ...files.errors import FileError
-from ...files.formats import BLEND, GLTF, MESH_FORMATS, OBJ, PLY, suffix_of
+from ...files.formats import BLEND, GLTF, MESH_FORMATS, OBJ, PLY, STL, MeshFormat, suffix_of
 from ...files.inspection import inspect
-from ...files.inspection.contents import Contents
+from ...files.inspection.contents import Contents, is_far
 from ...silence import silent_output
 from ..compatibility import known_options, show_scene
 from ..data.targets import find_mesh_object
+from .far_meshes import move_near_origin, rounding_notes, world_points
 from .obj_order import restore_order
 from .obj_precision import restore_precision
 from .ply_export import prepare_for_ply
+from .ply_precision import write_doubles
 from .texture_names import write_with_other_textures
 from .validation import validate
 
@@ -97,24 +99,8 @@ def export_mesh(
         The place cannot be written to.
     """
     file_format = MESH_FORMATS[suffix_of(path)]
-    options = dict(file_format.export_options)
-    notes = []
-    if file_format.keeps_axes and keep_axes:
-        options |= _AXES_AS_IN_FILE
-    if file_format in (OBJ, PLY):
-        # Without normals of its own a mesh stays one whose readers compute them.
-        options["export_normals"] = obj.data.has_custom_normals
-    if file_format is OBJ:
-        # Otherwise all faces of a mesh without groups would get the group "off".
-        options["export_vertex_groups"] = any(
-            each.vertex_groups for each in bpy.context.scene.objects
-        )
-        # Without materials the .mtl file would say nothing.
-        options["export_materials"] = bool(bpy.data.materials)
-    if file_format is PLY:
-        # Blender's own export of UVs cuts the surface open at seams and renumbers all vertices.
-        options["export_uv"] = False
-        notes += prepare_for_ply(obj.data)
+    options = _export_options(obj, file_format, keep_axes=keep_axes)
+    notes = prepare_for_ply(obj.data) if file_format is PLY else []
     if alone or not file_format.holds_scene:
         _show_alone(obj)
     with replaced_files(path) as draft:
@@ -138,12 +124,41 @@ def export_mesh(
             f"{old} is taken by another file: the output has {new} instead"
             for old, new in names.items()
         ]
-        if file_format is OBJ:
-            restore_precision(draft, keep_axes=keep_axes)
-            notes += restore_order(draft)
-        if file_format.splits_vertices:
-            notes += _split_vertices(draft)
+        notes += _restore(draft, obj, file_format, keep_axes=keep_axes)
     return notes
+
+
+def _export_options(
+    obj: bpy.types.Object, file_format: MeshFormat, *, keep_axes: bool
+) -> dict[str, Any]:
+    options = dict(file_format.export_options)
+    if file_format.keeps_axes and keep_axes:
+        options |= _AXES_AS_IN_FILE
+    if file_format in (OBJ, PLY):
+        # Without normals of its own a mesh stays one whose readers compute them.
+        options["export_normals"] = obj.data.has_custom_normals
+    if file_format is OBJ:
+        # Otherwise all faces of a mesh without groups would get the group "off".
+        options["export_vertex_groups"] = any(
+            each.vertex_groups for each in bpy.context.scene.objects
+        )
+        # Without materials the .mtl file would say nothing.
+        options["export_materials"] = bool(bpy.data.materials)
+    return options
+
+
+def _restore(
+    draft: Path, obj: bpy.types.Object, file_format: MeshFormat, *, keep_axes: bool
+) -> list[str]:
+    """Give an exported file what its exporter lost, or tell it: digits, order, vertices."""
+    if file_format is OBJ:
+        restore_precision(draft, keep_axes=keep_axes)
+        return restore_order(draft)
+    if file_format is PLY and is_far(world_points(obj)):
+        write_doubles(draft, world_points(obj))
+    if file_format is STL:
+        return rounding_notes(world_points(obj), "coordinates are")
+    return _split_vertices(draft) if file_format.splits_vertices else []
 
 
 def _split_vertices(path: Path) -> list[str]:
@@ -203,6 +218,8 @@ def _import_into_empty_scene(path: Path, *, split: bool, keep_axes: bool) -> Non
         _call(path, file_format.importer, {**options, "filepath": str(file)})
     for mesh in bpy.data.meshes:
         validate(mesh)
+    if contents.far is not None:
+        move_near_origin(contents.far)
 
 
 @contextmanager

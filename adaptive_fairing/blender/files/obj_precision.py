@@ -1,7 +1,8 @@
 """Full precision for .obj files: Blender's exporter rounds coordinates to six decimals.
 
 That is 1 % of an edge of 0.05 mm in metres, and all of a mesh of size 1e-7. Here the coordinates
-of an exported file are replaced by numbers that read back as the very same float32.
+of an exported file are replaced by numbers that read back as the very same float32, or as the
+doubles that a mesh far from the origin needs.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..data.mesh_arrays import read_positions
+from ...files.inspection.contents import is_far
+from .far_meshes import world_points
 
 # From Blender's axes to the exporter's default: forward -Z, up Y.
 _Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
@@ -35,7 +37,7 @@ def restore_precision(path: Path, *, keep_axes: bool) -> None:
     axes = np.eye(3) if keep_axes else _Y_UP
     exact = {
         # The exporter writes names without spaces.
-        obj.name.replace(" ", "_"): _world_positions(obj) @ axes.T
+        obj.name.replace(" ", "_"): world_points(obj) @ axes.T
         for obj in bpy.context.scene.objects
         if obj.type == "MESH"
     }
@@ -43,14 +45,9 @@ def restore_precision(path: Path, *, keep_axes: bool) -> None:
     for name, at in _vertex_lines(lines).items():
         points = exact.get(name)
         if points is not None and len(points) == len(at):
-            _replace(lines, at, points.astype(np.float32))
+            _replace(lines, at, points)
     with path.open("wb") as file:
         file.writelines(lines)
-
-
-def _world_positions(obj: bpy.types.Object) -> NDArray[np.float64]:
-    matrix = np.array(obj.matrix_world, dtype=np.float64)
-    return read_positions(obj.data) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def _vertex_lines(lines: list[bytes]) -> Mapping[str, list[int]]:
@@ -65,8 +62,11 @@ def _vertex_lines(lines: list[bytes]) -> Mapping[str, list[int]]:
     return found
 
 
-def _replace(lines: list[bytes], at: list[int], points: NDArray[np.float32]) -> None:
-    for number, (x, y, z) in zip(at, points.tolist(), strict=True):
-        # Nine digits identify a float32; what follows the coordinates is a colour.
+def _replace(lines: list[bytes], at: list[int], points: NDArray[np.float64]) -> None:
+    # Nine digits identify a float32; a double has as many as it needs.
+    form = "v {!r} {!r} {!r}" if is_far(points) else "v {:.9g} {:.9g} {:.9g}"
+    given = points if is_far(points) else points.astype(np.float32)
+    for number, point in zip(at, given.tolist(), strict=True):
+        # What follows the coordinates is a colour.
         color = b"".join(b" " + item for item in lines[number].split()[4:])
-        lines[number] = b"v %.9g %.9g %.9g%s\n" % (x, y, z, color)
+        lines[number] = form.format(*point).encode() + color + b"\n"

@@ -75,9 +75,13 @@ def write_keyed_file(
     OSError
         The file cannot be written.
     """
-    shapes = []
+    shapes: list[np.ndarray] = []
     for item in items:
-        shapes.append(read_positions(import_mesh(item.output).data).astype(np.float32))
+        frame = import_mesh(item.output)
+        location = np.array(frame.location, dtype=np.float64)
+        if not shapes:
+            place = location  # of the first frame; that of a mesh far from the origin is there
+        shapes.append((read_positions(frame.data) + (location - place)).astype(np.float32))
         if len(shapes[-1]) != len(shapes[0]):
             raise FairingError(
                 f"{item.name} has {len(shapes[-1])} vertices, {items[0].name} has "
@@ -87,8 +91,12 @@ def write_keyed_file(
     obj = import_mesh(first.input, object_name)
     if first.frame is not None:
         obj = _beside(obj, first.frame)
-    if not keeps_axes(first.input, first.output):
-        shapes = [_in_space_of(obj, shape) for shape in shapes]
+    if keeps_axes(first.input, first.output):
+        # The mesh has the axes of the file, its object is turned.
+        turn = np.round(np.array(obj.matrix_basis)[:3, :3])
+        shapes = [shape + (place - turn.T @ obj.location) for shape in shapes]
+    else:
+        shapes = [_in_space_of(obj, shape + place) for shape in shapes]
     frames = [item.number for item in items]
     write_frame_keys(obj, frames, shapes)
     if refine is not None:
