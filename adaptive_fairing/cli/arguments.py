@@ -36,6 +36,8 @@ OF_FAIR = (
 )
 """Arguments that are settings of the algorithm, under their names in the report."""
 
+OF_SHAPES = ("keep_volume", "max_deviation", "stop_curvature", "stop_rate", "refine", "limit")
+
 
 def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
     """Parse and check the arguments; an error ends the process with status 2, as argparse does.
@@ -56,8 +58,8 @@ def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
 
 def _check(arguments: argparse.Namespace) -> None:
     arguments.plan = None
-    if arguments.algorithm == FAIR and None not in (arguments.radius, arguments.tau):
-        raise ArgumentsError("--tau says how far to smooth instead of --radius: give one of them")
+    if arguments.algorithm == FAIR:
+        _check_fair(arguments)
     if arguments.algorithm != REFINE:
         arguments.plan = batch.plan_of(arguments)
     for name in ("steps", "density_passes"):
@@ -65,6 +67,8 @@ def _check(arguments: argparse.Namespace) -> None:
         if number is not None and number > MOST_STEPS:
             raise ArgumentsError(f"--{name.replace('_', '-')} {number}: give at most {MOST_STEPS}")
     if arguments.plan is not None:
+        if getattr(arguments, "attribute", None) is not None:
+            raise ArgumentsError("--attribute is for a single mesh")
         return
     if len(arguments.input) > 1:  # only of refine, which has no batches
         raise ArgumentsError(f"refine takes one INPUT: did you mean -o {arguments.input[1]}?")
@@ -79,6 +83,17 @@ def _check(arguments: argparse.Namespace) -> None:
         reports=[arguments.report] if arguments.report is not None else [],
         may_overwrite=arguments.overwrite_inputs,
     )
+
+
+def _check_fair(arguments: argparse.Namespace) -> None:
+    if None not in (arguments.radius, arguments.tau):
+        raise ArgumentsError("--tau says how far to smooth instead of --radius: give one of them")
+    if arguments.attribute is None:
+        return
+    for name in OF_SHAPES:
+        if getattr(arguments, name) not in (None, False):
+            option = f"--{name.replace('_', '-')}"
+            raise ArgumentsError(f"{option} is for the shape, which stays with --attribute")
 
 
 def default_output(source: Path, algorithm: str) -> Path:

@@ -107,7 +107,8 @@ def _run_here(arguments: argparse.Namespace, worker_command: Sequence[str], is_a
     try:
         if arguments.plan:
             return _run_batch(arguments, worker_command)
-        return _refine(arguments) if arguments.algorithm == REFINE else _run(arguments)
+        is_change = arguments.algorithm == REFINE or _has_attribute(arguments)
+        return _change(arguments) if is_change else _run(arguments)
     except ModuleNotFoundError as error:
         if error.name not in _MISSING:
             raise
@@ -182,23 +183,38 @@ def _run(arguments: argparse.Namespace) -> int:
     return DONE
 
 
-def _refine(arguments: argparse.Namespace) -> int:
-    from ..core import FairingError
+def _change(arguments: argparse.Namespace) -> int:
+    """Refine a mesh, or fair an attribute of it."""
+    from ..core import FairingError, FairingSettings, SettingsError
     from ..silence import silent_output
 
+    settings = None
+    if arguments.algorithm == FAIR:
+        try:
+            settings = settings_of(arguments)
+        except SettingsError as error:
+            return _wrong_settings(arguments, error)
     with silent_output():
-        from ..blender.jobs.refine_job import RefineJob, refine_file
+        from ..blender.jobs.mesh_change import Files, fair_attribute_of_file, refine_file
 
     raise_at_interrupt()
-    levels = 0 if arguments.limit else arguments.levels
-    job = RefineJob(arguments.input, arguments.output, levels, arguments.object, arguments.report)
+    files = Files(arguments.input, arguments.output, arguments.object, arguments.report)
     try:
-        report = refine_file(job)
+        if isinstance(settings, FairingSettings):
+            report = fair_attribute_of_file(files, arguments.attribute, settings)
+            what = f"{arguments.attribute} faired, {settings.steps} steps"
+        else:
+            levels = 0 if arguments.limit else arguments.levels
+            report = refine_file(files, levels)
+            what = f"refined {levels} times" if levels else "on the limit surface"
     except (FairingError, OSError) as error:
         return _fail(str(error))
-    what = "on the limit surface" if levels == 0 else f"refined {levels} times"
-    _tell(arguments, report, f"{what}, {_size(report)}; wrote {report['output']}")
+    _tell(arguments, report, f"{_size(report)}, {what}; wrote {report['output']}")
     return DONE
+
+
+def _has_attribute(arguments: argparse.Namespace) -> bool:
+    return arguments.algorithm == FAIR and arguments.attribute is not None
 
 
 def _tell(arguments: argparse.Namespace, report: dict[str, Any], summary: str) -> None:

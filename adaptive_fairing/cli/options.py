@@ -212,6 +212,11 @@ def _add_fair(parser: Parser, common: Any) -> None:
     )
     _add_boundary(more)
     more.add_argument(
+        "--attribute",
+        metavar="NAME",
+        help="fair this color, vertex group or other attribute; the vertices stay where they are",
+    )
+    more.add_argument(
         "--stop-curvature",
         type=float,
         metavar="X",

@@ -52,6 +52,7 @@ def fair_attribute(
     name: str,
     settings: FairingSettings,
     *,
+    positions: ArrayLike | None = None,
     weights: ArrayLike | None = None,
 ) -> FairedAttribute:
     """Fair an attribute, or else a vertex group, on the shape that an object shows.
@@ -65,6 +66,8 @@ def fair_attribute(
         group.
     settings
         As in `fair_values`. The values after the last step are written.
+    positions
+        (n, 3) of the vertices; None takes those that the add-on shows.
     weights
         (n,) factors of the local time, see `fair_values`.
 
@@ -82,7 +85,9 @@ def fair_attribute(
     triangles = read_triangles(obj.data)
     if not len(triangles):
         raise InputError(rpt_("the mesh has no faces: there is no surface to fair on"))
-    positions = shown_positions(obj).astype(np.float64)
+    if positions is None:
+        positions = shown_positions(obj)
+    positions = np.asarray(positions, dtype=np.float64)
     mean = before if carried.vertex is None else _means(before, carried.vertex, len(positions))
     faired = fair_values(positions, triangles, mean, settings, weights=weights)[-1]
     after = faired if carried.vertex is None else before + (faired - mean)[carried.vertex]
