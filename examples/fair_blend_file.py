@@ -12,5 +12,5 @@ import bpy
 
 bpy.ops.preferences.addon_enable(module="bl_ext.user_default.adaptive_fairing")
 bpy.ops.object.select_all(action="SELECT")
-bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=4)
+bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=4)
 bpy.ops.wm.save_as_mainfile(filepath=sys.argv[-1])

@@ -1,42 +1,44 @@
-"""The methods and the results that there are, as the panel and the preferences offer them."""
+"""The algorithms, schemes and results that there are, as the panel and the preferences offer them.
+
+The identifiers of schemes, densities and frames are the core's words in capitals.
+"""
 
 from __future__ import annotations
 
-AUTO = "auto"
-"""Method of `denoise`; the other methods are those of the paper."""
+DENOISE = "DENOISE"
+"""The algorithm `denoise`."""
 
-FALLBACK_METHOD = "adaptive_timestep"
-"""The method of the paper where one is needed beside `AUTO`."""
+FAIR = "FAIR"
+"""The algorithm `fair`: the paper, step by step."""
 
 LIVE = "LIVE"
 """The result of `denoise` as the mesh's own coordinates."""
 
-# The numbers are what files hold.
-METHODS = (
+ALGORITHMS = (
+    (DENOISE, "Denoise", "Estimate the noise and remove it, without parameters"),
     (
-        "auto",
-        "Denoise",
-        "Estimate the noise and remove it, without parameters",
-        3,
+        FAIR,
+        "Adaptive Fairing",
+        "Smooth by the geometric diffusion of the paper, which follows the density of the mesh, "
+        "and keep every step",
     ),
-    ("", "Diffusion (paper)", ""),
+)
+
+SCHEMES = (
     (
-        "adaptive_timestep",
+        "TIMESTEP",
         "Adaptive Timestep",
         "Coarse parts run through more time than dense ones: details in dense parts stay",
-        0,
     ),
     (
-        "adaptive_tensor",
+        "TENSOR",
         "Adaptive Tensor",
         "The same time everywhere, but dense parts conduct less",
-        1,
     ),
     (
-        "uniform",
+        "UNIFORM",
         "Uniform",
-        "The same smoothing everywhere, whatever the density; needs a much smaller τ",
-        2,
+        "The same smoothing everywhere, whatever the density; its τ is much smaller",
     ),
 )
 

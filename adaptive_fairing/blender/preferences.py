@@ -7,9 +7,9 @@ from collections.abc import Callable
 import bpy
 from bpy.props import EnumProperty, IntProperty
 
-from .choices import AUTO, LIVE, METHODS, RESULTS
+from .choices import ALGORITHMS, DENOISE, LIVE, RESULTS
 
-DEFAULTS = ("method", "result")
+DEFAULTS = ("algorithm", "result")
 """Settings of a scene that the preferences have too."""
 
 
@@ -32,12 +32,12 @@ def _set_in_all_scenes(name: str) -> Callable[[FairingPreferences, bpy.types.Con
 class FairingPreferences(bpy.types.AddonPreferences):
     bl_idname = addon_name()
 
-    method: EnumProperty(
-        name="Method",
+    algorithm: EnumProperty(
+        name="Algorithm",
         description="What the panel of a new file is set to, and now that of this one",
-        items=METHODS,
-        default=AUTO,
-        update=_set_in_all_scenes("method"),
+        items=ALGORITHMS,
+        default=DENOISE,
+        update=_set_in_all_scenes("algorithm"),
     )
     result: EnumProperty(
         name="Result",

@@ -1,269 +1,18 @@
-"""Settings of a run as Blender properties: the same for the operator and for the panel.
-
-`SolverProperties` and `OutputProperties` are mix-ins. The operator has them as its own properties,
-so that scripts, the redo panel and undo work; the scene keeps another set that the panel edits,
-presets store and the file saves.
-"""
+"""The settings of a scene, and how the core's settings are made of them and of an operator's."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, IntProperty
 
-from .choices import AUTO, FALLBACK_METHOD, LIVE, METHODS, RESULTS
+from .choices import DENOISE, FAIR
+from .run_properties import OutputProperties, SolverProperties
 
 if TYPE_CHECKING:
     from ..core import DenoiseSettings, FairingSettings
-
-CONTEXT = "Adaptive Fairing"
-"""Translation context of texts that Blender would translate by another meaning, or too long."""
-
-DENOISE_NAMES = ("strength", "features", "boundary", "clean")
-"""Settings of `denoise`, by their names in `DenoiseSettings`."""
-
-
-class SolverProperties:
-    """The algorithm, and the fields of the core's two settings under the same names."""
-
-    method: EnumProperty(
-        name="Method",
-        description="How the smoothing follows the density of the mesh",
-        items=METHODS,
-        default=AUTO,
-    )
-    strength: FloatProperty(
-        name="Strength",
-        description=(
-            "Factor of the noise that is estimated: more if noise is left, less if details go"
-        ),
-        default=1.0,
-        min=0.01,
-        soft_min=0.25,
-        soft_max=4.0,
-        max=99.0,
-        step=5,
-        precision=2,
-    )
-    features: EnumProperty(
-        name="Edges",
-        translation_context=CONTEXT,
-        description="Whether the smoothing keeps sharp edges",
-        items=(
-            ("auto", "Automatic", "Decide in every part of the mesh what fits better"),
-            ("sharp", "Keep Sharp", "The mesh has sharp edges, which stay where they can"),
-            ("smooth", "Smooth", "The mesh has no sharp edges: what looks like one is noise"),
-        ),
-        default="auto",
-    )
-    clean: EnumProperty(
-        name="Clean Meshes",
-        description="What happens to a mesh that looks like a model without noise",
-        items=(
-            ("keep", "Leave Alone", "Change nothing, and say why"),
-            (
-                "detail",
-                "Keep Fine Detail",
-                "The same, and keep what looks like the smooth noise of a scanner: it is detail",
-            ),
-            ("denoise", "Denoise", "Take all that is rough for noise"),
-        ),
-        default="keep",
-    )
-    tau: FloatProperty(
-        name="τ",
-        description=(
-            "Time of one step, with the mesh scaled to the box [-3, 3]³: "
-            "larger values smooth over larger distances"
-        ),
-        default=0.016,
-        min=0.0,
-        soft_min=0.0001,
-        soft_max=0.5,
-        step=0.1,
-        precision=4,
-    )
-    steps: IntProperty(
-        name="Steps",
-        translation_context=CONTEXT,
-        description="How many steps to take; each one is kept",
-        default=4,
-        min=1,
-        soft_max=20,
-        max=1000,
-    )
-    density: EnumProperty(
-        name="Measure",
-        translation_context=CONTEXT,
-        description="What the density of the mesh is measured by",
-        items=(
-            ("edge_length", "Edge Length", "Mean length of the edges at a vertex"),
-            (
-                "area",
-                "Area",
-                "Area of the triangles around a vertex; the smoothing radius is then the same "
-                "number of edges everywhere",
-            ),
-        ),
-        default="edge_length",
-    )
-    density_passes: IntProperty(
-        name="Smoothing Passes",
-        description="How often the measured density is smoothed before it is used",
-        default=3,
-        min=0,
-        soft_max=10,
-        max=100,
-    )
-    boundary: EnumProperty(
-        name="Boundary",
-        translation_context=CONTEXT,
-        description="What happens to the rim of an open mesh",
-        items=(
-            ("fixed", "Fixed", "Boundary vertices stay exactly where they are"),
-            ("free", "Free", "The boundary is smoothed along with the surface, and may shrink"),
-        ),
-        default="fixed",
-    )
-    stop_curvature: FloatProperty(
-        name="Curvature Left",
-        description=(
-            "Stop once this part of the bending (curvature energy H) is left; 0 takes every step"
-        ),
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        precision=3,
-    )
-    stop_rate: FloatProperty(
-        name="Rate",
-        description=(
-            "Stop once the part of the bending changes by less than this per unit of time; "
-            "0 takes every step"
-        ),
-        default=0.0,
-        min=0.0,
-        soft_max=10.0,
-        precision=3,
-    )
-    cg_tolerance: FloatProperty(
-        name="Solver Tolerance",
-        description="Relative residual at which the linear system of a step counts as solved",
-        default=1e-6,
-        min=1e-12,
-        max=0.1,
-        precision=7,
-        step=0.0001,
-    )
-    cg_max_iterations: IntProperty(
-        name="Solver Iterations",
-        description="Give up a step after this many iterations of the linear solver",
-        default=5000,
-        min=1,
-        soft_max=10000,
-    )
-    quadrature_tolerance: FloatProperty(
-        name="Integration Tolerance",
-        description="Error of the integrals over the surface, relative to the largest",
-        default=1e-3,
-        min=1e-6,
-        max=0.1,
-        precision=6,
-        step=0.01,
-    )
-    normalize: BoolProperty(
-        name="Scale to Box",
-        description=(
-            "Scale the mesh to the box [-3, 3]³ for the solver, so that τ does not depend on its "
-            "size; otherwise τ is in squared object units"
-        ),
-        default=True,
-    )
-
-
-class OutputProperties:
-    """Where the smoothing works and what becomes of the result."""
-
-    use_region: BoolProperty(
-        name="Selection or Mask",
-        description=(
-            "In Edit Mode smooth the selected vertices only, if any are selected; "
-            "in Sculpt Mode spare the masked ones"
-        ),
-        default=True,
-    )
-    vertex_group: StringProperty(
-        name="Vertex Group",
-        translation_context=CONTEXT,
-        description="Smooth by the weights of this group; empty for the whole mesh",
-    )
-    invert_vertex_group: BoolProperty(
-        name="Invert",
-        description="Smooth where the weights of the group are small instead",
-        default=False,
-    )
-    hold_sharp: BoolProperty(
-        name="Hold Sharp Edges",
-        description="Vertices of edges that are marked sharp stay where they are",
-        default=False,
-    )
-    from_original: BoolProperty(
-        name="From Original",
-        description=(
-            "Start from the shape before the first run, and discard what the runs have done since; "
-            "otherwise start from the shape that is shown"
-        ),
-        default=False,
-    )
-    result: EnumProperty(
-        name="Result",
-        description="What the object gets",
-        items=RESULTS,
-        default=LIVE,
-    )
-    output: EnumProperty(
-        name="Steps As",
-        description="What the object gets",
-        items=(
-            (
-                "ABSOLUTE_KEYS",
-                "Evolution",
-                "Every step as an absolute shape key: one slider runs through them",
-            ),
-            (
-                "RELATIVE_KEYS",
-                "Relative Shape Keys",
-                "Every step as a relative shape key",
-            ),
-            ("FINAL_SHAPE", "Final Shape Only", "Move the vertices; no shape keys"),
-        ),
-        default="ABSOLUTE_KEYS",
-    )
-    existing_keys: EnumProperty(
-        name="Other Shape Keys",
-        description="What to do with an object that has shape keys of its own",
-        items=(
-            ("COPY", "Work on a Copy", "Leave the object as it is, hide it, and fair a copy"),
-            ("REFUSE", "Refuse", "Leave the object as it is and say so"),
-        ),
-        default="COPY",
-    )
-    store_density: BoolProperty(
-        name="Density Attribute",
-        description=(
-            "Store the density of the mesh as fairing_density and fairing_density_color; the "
-            "paper's methods always do"
-        ),
-        default=False,
-    )
-
-
-def _set_tau(settings: FairingSceneSettings, context: bpy.types.Context) -> None:
-    """Let τ follow the radius on the active mesh, where there is one."""
-    is_asked = settings.method != AUTO and context.scene is settings.id_data
-    if is_asked and bpy.ops.object.adaptive_fairing_suggest_tau.poll():
-        bpy.ops.object.adaptive_fairing_suggest_tau()
 
 
 class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.PropertyGroup):
@@ -271,23 +20,15 @@ class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.Propert
 
     __slots__ = ()  # Blender 5.2 warns of groups without
 
-    radius: FloatProperty(
-        name="Radius",
-        description=(
-            "Wanted smoothing radius in local edge lengths, all steps together: about 1 takes "
-            "noise only, 3 and more takes shapes of that size as well"
-        ),
-        update=_set_tau,
-        default=1.5,
-        min=0.01,
-        soft_min=0.2,
-        soft_max=10.0,
-        precision=2,
-    )
     same_strength: BoolProperty(
         name="Same Strength",
         description="Smooth every frame as the first one, so that nothing flickers",
         default=True,
+    )
+    show_energy: BoolProperty(
+        name="H",
+        description="Show the curvature energy H of every step, as bars",
+        default=False,
     )
     frame_start: IntProperty(
         name="From Frame", description="Frame that shows the mesh before the first step", default=1
@@ -299,15 +40,19 @@ class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.Propert
 
 SOLVER_NAMES = tuple(SolverProperties.__annotations__)
 OUTPUT_NAMES = tuple(OutputProperties.__annotations__)
+
+DENOISE_NAMES = ("strength", "features", "boundary", "clean")
+"""Settings of `denoise`, by their names in `DenoiseSettings`."""
+
 FAIRING_NAMES = tuple(
-    name for name in SOLVER_NAMES if name not in ("strength", "features", "clean")
+    name for name in SOLVER_NAMES if name not in ("algorithm", "strength", "features", "clean")
 )
-"""Settings of the paper's methods, by their names in `FairingSettings`."""
+"""Settings of `fair`, by their names in `FairingSettings`; there the scheme is the method."""
 
 
-def names_of(method: str) -> tuple[str, ...]:
-    """Names of the settings that a method has, the method itself among them."""
-    return ("method", *DENOISE_NAMES) if method == AUTO else FAIRING_NAMES
+def names_of(algorithm: str) -> tuple[str, ...]:
+    """Names of the settings that an algorithm has, the algorithm itself among them."""
+    return ("algorithm", *(DENOISE_NAMES if algorithm == DENOISE else FAIRING_NAMES))
 
 
 def solver_settings(properties: SolverProperties) -> DenoiseSettings | FairingSettings:
@@ -321,19 +66,18 @@ def solver_settings(properties: SolverProperties) -> DenoiseSettings | FairingSe
     """
     from ..core import DenoiseSettings, SettingsError
 
-    names = names_of(properties.method)
-    if isinstance(properties, bpy.types.Operator):
-        for name in SOLVER_NAMES:
-            if properties.properties.is_property_set(name) and name not in names:
-                owner = "the paper's methods" if properties.method == AUTO else 'method="auto"'
-                raise SettingsError(f"{name} belongs to {owner}, not to {properties.method!r}")
-    if properties.method != AUTO:
+    algorithm = properties.algorithm
+    for name in SOLVER_NAMES:
+        if _is_given(properties, name) and name not in names_of(algorithm):
+            owner = FAIR if algorithm == DENOISE else DENOISE
+            raise SettingsError(f"{name} belongs to algorithm={owner!r}, not to {algorithm!r}")
+    if algorithm == FAIR:
         return fairing_settings(properties)
-    return DenoiseSettings(**{name: _typed(getattr(properties, name)) for name in DENOISE_NAMES})
+    return DenoiseSettings(**_values(properties, DENOISE_NAMES))
 
 
 def fairing_settings(properties: SolverProperties) -> FairingSettings:
-    """Make the settings of the paper's methods; beside "auto" those of its default method.
+    """Make the settings of `fair`.
 
     Raises
     ------
@@ -341,14 +85,44 @@ def fairing_settings(properties: SolverProperties) -> FairingSettings:
         A value makes no sense, such as τ = 0.
     """
     from ..core import FairingSettings
+    from ..core.diffusion.settings import DENSITIES, SCHEMES
 
-    values = {name: _typed(getattr(properties, name)) for name in FAIRING_NAMES}
-    if values["method"] == AUTO:
-        values["method"] = FALLBACK_METHOD
-    for name in ("stop_curvature", "stop_rate"):
-        values[name] = values[name] or None
-    values["normalize"] = "box" if values["normalize"] else False
+    values = _values(properties, FAIRING_NAMES)
+    del values["use_tau"]
+    if not uses_tau(properties):
+        values["tau"] = None
+    values["method"] = SCHEMES[values.pop("scheme").lower()]
+    values["density"] = DENSITIES[values["density"].lower()]
+    values["normalize"] = values["normalize"] != "NONE" and values["normalize"].lower()
     return FairingSettings(**values)
+
+
+def uses_tau(properties: SolverProperties) -> bool:
+    """Whether τ counts, not the radius: it was chosen, or a script has given nothing else."""
+    is_implied = _is_given(properties, "tau") and not _is_given(properties, "use_tau")
+    return properties.use_tau or is_implied
+
+
+def in_object_units(settings: Any, obj: bpy.types.Object) -> Any:
+    """Take the largest deviation, which is a length of the world, into an object that is scaled."""
+    deviation = getattr(settings, "max_deviation", None)
+    if deviation is None:
+        return settings
+    return replace(settings, max_deviation=deviation / obj.matrix_world.median_scale)
+
+
+def _is_given(properties: SolverProperties, name: str) -> bool:
+    """Whether a script or a button has given an operator a setting."""
+    is_operator = isinstance(properties, bpy.types.Operator)
+    return is_operator and properties.properties.is_property_set(name)
+
+
+def _values(properties: SolverProperties, names: tuple[str, ...]) -> dict[str, object]:
+    """Read settings; 0 is none where 0 has no other meaning."""
+    values = {name: _typed(getattr(properties, name)) for name in names}
+    for name in {"max_deviation", "stop_curvature", "stop_rate"} & values.keys():
+        values[name] = values[name] or None
+    return values
 
 
 def _typed(value: object) -> object:
@@ -357,11 +131,11 @@ def _typed(value: object) -> object:
 
 
 def copy_solver(
-    source: SolverProperties, target: SolverProperties, method: str | None = None
+    source: SolverProperties, target: SolverProperties, algorithm: str | None = None
 ) -> None:
-    """Hand a method, by default the one of the source, and its settings on to a button."""
-    copy_settings(source, target, names_of(method or source.method))
-    target.method = method or source.method
+    """Hand an algorithm, by default the one of the source, and its settings on to a button."""
+    copy_settings(source, target, names_of(algorithm or source.algorithm))
+    target.algorithm = algorithm or source.algorithm
 
 
 def copy_settings(source: object, target: object, names: tuple[str, ...]) -> None:

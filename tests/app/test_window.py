@@ -224,6 +224,40 @@ class TestRefinedSurface:
             assert pictures[earlier]["WINDOW"]["checksum"] != pictures[later]["WINDOW"]["checksum"]
 
 
+class TestEvolution:
+    """What the panel offers for the paper, in three clicks."""
+
+    @pytest.fixture
+    def seen(self, app) -> dict:
+        return app.play("evolution")
+
+    def test_three_clicks_lead_to_an_evolution_that_plays_in_colours(self, seen):
+        assert seen["algorithm"] == "FAIR"
+        assert seen["view"] == "DENSITY"
+        assert seen["shown while it plays"] > 3
+        assert seen["range"] == [1, 100, True]
+
+    def test_a_fourth_stops_it(self, seen):
+        assert not seen["playing after stop"]
+        assert not seen["preview after stop"]
+
+    def test_one_undo_takes_the_animation_and_the_colours_back(self, seen):
+        assert seen["keys after undo"] == EVOLUTION
+        assert not seen["animated after undo"]
+        assert seen["view after undo"] == ""
+
+    def test_the_window_shows_each(self, seen):
+        pictures = seen["pictures"].values()
+        assert len({parts["WINDOW"]["checksum"] for parts in pictures}) >= 5
+
+
+def test_one_of_three_is_deleted_during_the_run_and_undo_goes_on(app):
+    seen = app.play("delete_one_of_three")
+    assert seen["results"] == {"Icosphere": "LIVE", "Third": "LIVE"}
+    assert seen["after one undo"] == {"Icosphere": "", "Third": ""}
+    assert seen["after two"] == {"Icosphere": "", "Second": "", "Third": ""}
+
+
 def test_deleting_the_object_during_a_run_is_survived(app):
     assert app.play("delete_object")["second run"] == ["Basis", "Fairing 1", "Fairing 2"]
 

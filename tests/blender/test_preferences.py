@@ -34,39 +34,39 @@ def new_file():
 def test_without_an_entry_in_blenders_preferences_there_are_none():
     assert preferences() is None
     new_file()
-    assert (settings().method, settings().result) == ("auto", "LIVE")
+    assert (settings().algorithm, settings().result) == ("DENOISE", "LIVE")
 
 
 def test_a_new_file_begins_with_them(wanted):
-    wanted.method, wanted.result = "uniform", "MODIFIER"
+    wanted.algorithm, wanted.result = "FAIR", "MODIFIER"
     new_file()
-    assert (settings().method, settings().result) == ("uniform", "MODIFIER")
-    wanted.method = "auto"
+    assert (settings().algorithm, settings().result) == ("FAIR", "MODIFIER")
+    wanted.algorithm = "DENOISE"
     new_file()
-    assert (settings().method, settings().result) == ("auto", "MODIFIER")
+    assert (settings().algorithm, settings().result) == ("DENOISE", "MODIFIER")
 
 
 def test_the_open_file_follows_what_was_changed_alone(wanted):
     settings().result = "MODIFIER"
-    wanted.method = "adaptive_tensor"
-    assert (settings().method, settings().result) == ("adaptive_tensor", "MODIFIER")
+    wanted.algorithm = "FAIR"
+    assert (settings().algorithm, settings().result) == ("FAIR", "MODIFIER")
 
 
 def test_a_file_keeps_what_was_chosen_in_it(wanted, tmp_path):
     path = str(tmp_path / "chosen.blend")
-    settings().method = "uniform"
+    settings().algorithm = "DENOISE"
     bpy.ops.wm.save_as_mainfile(filepath=path)
-    wanted.method, wanted.result = "adaptive_tensor", "MODIFIER"
+    wanted.algorithm, wanted.result = "FAIR", "MODIFIER"
     bpy.ops.wm.open_mainfile(filepath=path)
-    assert (settings().method, settings().result) == ("uniform", "MODIFIER")
+    assert (settings().algorithm, settings().result) == ("DENOISE", "MODIFIER")
 
 
 def test_scripts_are_not_changed_by_them(wanted):
-    wanted.method, wanted.result = "uniform", "MODIFIER"
+    wanted.algorithm, wanted.result = "FAIR", "MODIFIER"
     obj = add_object(*noisy_ball(3, 0.02))
     obj.select_set(True)
     bpy.ops.object.adaptive_fairing()
-    assert (obj.adaptive_fairing.method, obj.adaptive_fairing.result) == ("auto", "LIVE")
+    assert obj.adaptive_fairing.result == "LIVE"
 
 
 def test_a_run_heeds_the_threads(wanted):

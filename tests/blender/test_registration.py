@@ -93,7 +93,7 @@ def test_without_scipy_it_registers_and_the_operator_says_what_to_do():
         addon.register()
         bpy.ops.mesh.primitive_monkey_add()
         try:
-            bpy.ops.object.adaptive_fairing(method="adaptive_timestep")
+            bpy.ops.object.adaptive_fairing(algorithm="FAIR")
         except RuntimeError as error:
             print("SAID", str(error).strip())
         addon.unregister()

@@ -292,7 +292,7 @@ def _run_operator() -> np.ndarray:
     bpy.ops.object.select_all(action="DESELECT")
     sphere.select_set(True)
     bpy.context.view_layer.objects.active = sphere
-    status = bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=STEPS)
+    status = bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=STEPS)
     assert status == {"FINISHED"}, status
     vertices, _ = noisy_sphere()
     keys = sphere.data.shape_keys.key_blocks

@@ -39,7 +39,7 @@ class FakeLayout:
         assert 0.0 <= factor <= 1.0
         self.drawn.progress.append((factor, text))
 
-    def prop(self, data, name, *, text=None, icon="NONE", slider=False):
+    def prop(self, data, name, *, text=None, icon="NONE", slider=False, expand=False, toggle=False):
         known_icon(icon)
         if name.startswith("swatch"):
             return

@@ -20,7 +20,7 @@ def run(**options):
 
 def paper(**options):
     """Fair by a method of the paper."""
-    return run(**{"method": "adaptive_timestep", "steps": 3, "tau": 0.01, **options})
+    return run(**{"algorithm": "FAIR", "steps": 3, "tau": 0.01, **options})
 
 
 def surface(name):

@@ -154,7 +154,6 @@ class FairingRecord(bpy.types.PropertyGroup):
         set=_set_strength,
     )
     shapes: CollectionProperty(type=FairingShapeMeasures)
-    method: StringProperty()
     tau: FloatProperty()
     stop_reason: StringProperty()
     seconds: FloatProperty()

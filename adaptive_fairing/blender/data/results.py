@@ -25,7 +25,6 @@ from .run_record import forget, remember_coordinates, set_strengths, split_along
 from .shape_keys import (
     animate_evolution,
     animated_frames,
-    has_fairing_keys,
     has_foreign_keys,
     mixed_keys,
     remove_fairing_keys,
@@ -37,6 +36,7 @@ from .stored_result import (
     ORIGINAL,
     PAINT_GROUP,
     StoredResult,
+    has_result,
     is_current,
     paint_weights,
     read_stored,
@@ -47,13 +47,6 @@ from .stored_result import (
     write_stored,
     write_vectors,
 )
-
-
-def has_result(obj: bpy.types.Object) -> bool:
-    """Whether `apply` and `discard` have something to do."""
-    if obj.adaptive_fairing.result == "KEYS":
-        return has_fairing_keys(obj.data)
-    return is_current(obj)
 
 
 def is_stale(obj: bpy.types.Object) -> bool:

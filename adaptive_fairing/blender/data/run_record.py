@@ -12,7 +12,6 @@ from typing import Any, TypeAlias
 import bpy
 import numpy as np
 
-from ..choices import AUTO
 from . import split
 from .mesh_arrays import read_mesh_coordinates
 from .stored_result import checksum, update_shown
@@ -81,8 +80,8 @@ def remember_coordinates(record: Record) -> None:
 
 
 def is_of_strengths(record: Record) -> bool:
-    """Whether a run was one of `denoise`, whose shapes are strengths."""
-    return record.method == AUTO
+    """Whether a run was one of `denoise`, whose shapes are strengths; of `fair` they are steps."""
+    return any(shape.strength > 0 for shape in record.shapes)
 
 
 @dataclass(frozen=True)

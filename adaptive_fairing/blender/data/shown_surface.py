@@ -24,10 +24,10 @@ from .coloring import color_by_field, pause_view
 from .control_mesh import CONTROL, LEVELS, is_refined, net_print, show_again, take_control
 from .mesh_arrays import is_shared, n_triangles, read_key
 from .refined_object import RENEWED, RefineOptions, refine_object
-from .results import has_result
 from .rollback import remove_mesh
 from .stored_result import (
     ORIGINAL,
+    has_result,
     offset_name,
 )
 

@@ -131,6 +131,15 @@ def is_current(obj: bpy.types.Object) -> bool:
     return checksum(read_mesh_coordinates(mesh)) == record.checksum
 
 
+def has_result(obj: bpy.types.Object) -> bool:
+    """Whether an object has a result of which all is still there: its shape keys, or offsets."""
+    if obj.adaptive_fairing.result == "KEYS":
+        from .shape_keys import has_fairing_keys  # needs the core
+
+        return has_fairing_keys(obj.data)
+    return is_current(obj)
+
+
 def checksum(positions: SingleArray) -> str:
     """Tell coordinates from any others; text, since properties hold no unsigned numbers."""
     return f"{len(positions)}-{zlib.crc32(np.ascontiguousarray(positions))}"

@@ -7,7 +7,6 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core import FairingError, FairingSettings
-from ..choices import AUTO
 from ..data import results
 from ..data.attributes import COMPARED_FIELDS, write_density
 from ..data.coloring import color_by_field, pause_view
@@ -137,7 +136,6 @@ def _write_record(obj: bpy.types.Object, solve: Solve) -> None:
     """Keep on the object what the run has measured and found."""
     record = obj.adaptive_fairing
     result = solve.denoised
-    record.method = AUTO if solve.is_denoise else solve.settings.method
     record.tau = 0.0 if solve.is_denoise else solve.steps[-1].tau
     record.stop_reason = "" if solve.is_denoise else solve.stop_reason or "stopped"
     record.seconds = solve.seconds

@@ -1,4 +1,4 @@
-"""Operators that put the evolution of an object on the timeline, and that take it off."""
+"""Operators that put the evolution of an object on the timeline, play it, and take it off."""
 
 from __future__ import annotations
 
@@ -22,11 +22,8 @@ class _OnEvolution:
         return is_allowed(cls, None if is_ours else NO_EVOLUTION)
 
 
-class OBJECT_OT_adaptive_fairing_animate(_OnEvolution, bpy.types.Operator):
-    bl_idname = "object.adaptive_fairing_animate"
-    bl_label = "Animate"
-    bl_description = "Let the timeline run through the evolution of the active object"
-    bl_options = {"REGISTER", "UNDO"}
+class _OverFrames(_OnEvolution):
+    """Mix-in: lets the timeline run through the evolution."""
 
     frame_start: bpy.props.IntProperty(
         name="From Frame", description="Frame that shows the mesh before the first step", default=1
@@ -35,17 +32,73 @@ class OBJECT_OT_adaptive_fairing_animate(_OnEvolution, bpy.types.Operator):
         name="To Frame", description="Frame that shows the last step", default=100
     )
 
-    def execute(self, context):
+    def animate(self, context) -> bool:
+        """Set the keyframes, in place of earlier ones; False if the frames make no sense."""
         from ..data.shape_keys import animate_evolution
 
         if self.frame_end <= self.frame_start:
             self.report({"ERROR"}, rpt_("The last frame must come after the first"))
-            return {"CANCELLED"}
+            return False
         _clear_animation(evolution_keys(context.active_object))
         animate_evolution(context.active_object, self.frame_start, self.frame_end)
         scene = context.scene
         scene.frame_end = max(scene.frame_end, self.frame_end)
-        scene.frame_set(scene.frame_current)
+        return True
+
+
+class OBJECT_OT_adaptive_fairing_play(_OverFrames, bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_play"
+    bl_label = "Play"
+    bl_description = (
+        "Play the evolution of the active object from its first frame. The first time it is put on "
+        "the timeline and coloured by the density"
+    )
+    bl_options = {"REGISTER"}  # what can be undone is pushed; starting and stopping cannot
+
+    def execute(self, context):
+        from ..data.shape_keys import animated_frames
+
+        obj, scene = context.active_object, context.scene
+        if animated_frames(obj) is None:
+            if not self.animate(context):
+                return {"CANCELLED"}
+            _show_density(obj)
+            if bpy.ops.ed.undo_push.poll():  # type: ignore[call-arg]  # the stubs want self
+                bpy.ops.ed.undo_push(message="Animate")
+        first, last = (round(frame) for frame in animated_frames(obj))
+        scene.use_preview_range = True
+        # Blender does not let the end come before the start, even for a moment.
+        for name, frame in (("end", last), ("start", first), ("end", last)):
+            setattr(scene, f"frame_preview_{name}", frame)
+        scene.frame_set(first)
+        if context.screen is not None and not context.screen.is_animation_playing:
+            bpy.ops.screen.animation_play()
+        return {"FINISHED"}
+
+
+class OBJECT_OT_adaptive_fairing_play_end(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_play_end"
+    bl_label = "Stop Playing"
+    bl_description = "Stop at the frame that is shown, and play all frames of the scene again"
+    bl_options = {"INTERNAL"}
+
+    def execute(self, context):
+        context.scene.use_preview_range = False
+        if context.screen is not None and context.screen.is_animation_playing:
+            bpy.ops.screen.animation_cancel(restore_frame=False)
+        return {"FINISHED"}
+
+
+class OBJECT_OT_adaptive_fairing_animate(_OverFrames, bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_animate"
+    bl_label = "Animate"
+    bl_description = "Let the timeline run through the evolution of the active object"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        if not self.animate(context):
+            return {"CANCELLED"}
+        context.scene.frame_set(context.scene.frame_current)
         return {"FINISHED"}
 
 
@@ -66,6 +119,12 @@ def is_animated(obj: bpy.types.Object) -> bool:
     return animation is not None and animation.action is not None
 
 
+def _show_density(obj: bpy.types.Object) -> None:
+    """Colour an object by the density, unless it is coloured by another field already."""
+    if not obj.adaptive_fairing.view and bpy.ops.object.adaptive_fairing_view.poll():
+        bpy.ops.object.adaptive_fairing_view(field="DENSITY")
+
+
 def _clear_animation(keys: bpy.types.Key) -> None:
     action = keys.animation_data.action if keys.animation_data is not None else None
     keys.animation_data_clear()
@@ -73,6 +132,10 @@ def _clear_animation(keys: bpy.types.Key) -> None:
         bpy.data.actions.remove(action)
 
 
-register, unregister = bpy.utils.register_classes_factory(
-    (OBJECT_OT_adaptive_fairing_animate, OBJECT_OT_adaptive_fairing_animate_clear)
+_CLASSES = (
+    OBJECT_OT_adaptive_fairing_play,
+    OBJECT_OT_adaptive_fairing_play_end,
+    OBJECT_OT_adaptive_fairing_animate,
+    OBJECT_OT_adaptive_fairing_animate_clear,
 )
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

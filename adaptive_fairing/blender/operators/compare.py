@@ -9,11 +9,12 @@ from bpy.app.translations import pgettext_data as data_
 from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
-from ..choices import AUTO
+from ..choices import DENOISE
 from ..data.regions import refusal
 from ..data.run_record import end_comparison
-from ..properties import SolverProperties, solver_settings
+from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem
+from ..run_properties import SolverProperties
 from .modal_run import ModalRun
 from .object_mode import object_mode
 from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
@@ -76,13 +77,13 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         from ..jobs.solve import Solve
         from ..jobs.store_result import start_positions
 
-        settings = solver_settings(self)
+        obj = context.active_object
+        settings = in_object_units(solver_settings(self), obj)
         # `denoise` has no τ to take over: the adaptive schemes are shown at their best setting.
         best = FairingSettings(density="area", tau=0.0107, steps=4)
-        beside = best if self.method == AUTO else settings
+        beside = best if self.algorithm == DENOISE else settings
         if beside.method == "uniform":
             settings = beside = replace(beside, method="adaptive_timestep")
-        obj = context.active_object
         with object_mode(context):
             end_comparison(obj.adaptive_fairing)
             with control_read(obj):

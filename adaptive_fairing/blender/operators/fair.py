@@ -7,11 +7,12 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 
-from ..choices import AUTO
+from ..choices import DENOISE, FAIR
 from ..data.regions import refusal, target_objects, vertex_weights
 from ..data.run_record import end_comparison
-from ..properties import OutputProperties, SolverProperties, solver_settings
+from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem
+from ..run_properties import CONTEXT, OutputProperties, SolverProperties
 from .modal_run import ModalRun, progress, stop_run
 from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
@@ -23,21 +24,24 @@ from .settings_layout import draw_operator
 _finished: list = []
 """Solves of the last run: the redo panel may ask for the same again, stored another way."""
 
-DIFFUSION = (
-    "Smooth the selected meshes by the paper's geometric diffusion, which follows the density of "
-    "the mesh, and keep every step. Starts from the shape that is shown"
-)
+DESCRIPTIONS = {
+    DENOISE: (
+        "Estimate the noise of the selected meshes, such as scans, and remove it. Starts from the "
+        "shape that is shown"
+    ),
+    FAIR: (
+        "Smooth the selected meshes by the paper's geometric diffusion, which follows the density "
+        "of the mesh, and keep every step. Starts from the shape that is shown"
+    ),
+}
 
 
 class OBJECT_OT_adaptive_fairing(
     SolverProperties, OutputProperties, Asking, ModalRun, bpy.types.Operator
 ):
     bl_idname = "object.adaptive_fairing"
-    bl_label = "Denoise"
-    bl_description = (
-        "Remove the noise of the selected meshes, such as scans: estimate how much there is, or "
-        "smooth by the geometric diffusion of the paper. Starts from the shape that is shown"
-    )
+    bl_label = "Adaptive Fairing"  # the title of the redo panel, whatever the algorithm
+    bl_description = "Remove the noise of the selected meshes, by one of the two algorithms"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -49,10 +53,10 @@ class OBJECT_OT_adaptive_fairing(
 
     @classmethod
     def description(cls, context, properties):
-        return tip_(cls.bl_description if properties.method == AUTO else DIFFUSION)
+        return tip_(DESCRIPTIONS[properties.algorithm])
 
     def invoke(self, context, event):
-        label = iface_("Denoise") if self.method == AUTO else iface_("Diffuse")
+        label = run_label(self.algorithm)
         question = self.ask(context, label, hints(target_objects(context), self))
         return question or super().invoke(context, event)
 
@@ -74,18 +78,19 @@ class OBJECT_OT_adaptive_fairing(
         prepare_undo(context)
         with object_mode(context):
             for solve in solves:
+                source = object_of(solve.session_uid)
                 try:
-                    if solve.has_result and not solve.is_changed:
-                        unchanged.append(solve)
-                        source = object_of(solve.session_uid)
-                        remember(source, solve)
-                        if self.from_original and self._bring_back(source):
-                            discarded.append(source)
-                    elif solve.has_result:
-                        source = object_of(solve.session_uid)
-                        results.append(self._store(solve))
+                    if source is None:
+                        raise FairingError(rpt_("the object was deleted during the run"))
+                    if solve.is_changed:
+                        results.append(self._store(solve, source))
                         remember(results[-1], solve)
                         _take_over_selection(context, source, results[-1])
+                    elif solve.has_result:
+                        unchanged.append(solve)
+                        if self.from_original and self._bring_back(source):
+                            discarded.append(source)
+                        remember(source, solve)
                 except FairingError as error:
                     solve.failure = error
                 if solve.error is not None:
@@ -98,28 +103,29 @@ class OBJECT_OT_adaptive_fairing(
             if not problems and not unchanged:
                 self.report({"INFO"}, rpt_("Stopped: nothing was changed"))
             return {"FINISHED"} if discarded else {"CANCELLED"}
-        self.report({"INFO"}, _summary([each for each in solves if each.is_changed], is_stopped))
+        stored = [each for each in solves if each.is_changed and each.failure is None]
+        self.report({"INFO"}, _summary(stored, is_stopped))
         return {"FINISHED"}
 
     def _bring_back(self, obj):
         """Show the original, which is the result of this run, where an earlier one is shown."""
-        from ..data.results import has_result, is_stale
+        from ..data.results import is_stale
+        from ..data.stored_result import has_result
 
-        if obj is None or not has_result(obj) or is_stale(obj):
+        if not has_result(obj) or is_stale(obj):
             return False
         discard_result(self, obj)
         return True
 
     def _is_in_place(self):
-        return self.method == AUTO and self.result == "MODIFIER"
+        return self.algorithm == DENOISE and self.result == "MODIFIER"
 
-    def _store(self, solve):
+    def _store(self, solve, source):
         """Write a result; say what becomes of anything beside the mesh."""
         from ..data.results import is_stale
         from ..data.shown_surface import control_written, refine_result
-        from ..jobs.store_result import object_of, store_solve
+        from ..jobs.store_result import store_solve
 
-        source = object_of(solve.session_uid)
         if is_stale(source):
             self.report(
                 {"INFO"},
@@ -162,6 +168,7 @@ class OBJECT_OT_adaptive_fairing(
         with control_read(obj):
             start = start_positions(obj, from_original=self.from_original).astype(float)
             triangles = read_triangles(obj.data)
+        settings = in_object_units(settings, obj)
         solve = Solve(start, triangles, settings, name=obj.name, session_uid=obj.session_uid)
         try:
             if self.existing_keys == "REFUSE" and needs_copy(obj, in_place=self._is_in_place()):
@@ -217,8 +224,13 @@ def _take_over_selection(
         context.view_layer.objects.active = result
 
 
+def run_label(algorithm: str) -> str:
+    """Label of the button that runs an algorithm."""
+    return iface_("Denoise" if algorithm == DENOISE else "Fair", CONTEXT)
+
+
 def _summary(solves, is_stopped: bool) -> str:
-    n_vertices = sum(len(solve.vertices) for solve in solves)
+    n_vertices = sum(_n_smoothed(solve) for solve in solves)
     seconds = sum(solve.seconds for solve in solves)
     if solves[0].is_denoise:
         text = rpt_("Denoised {:d} vertices, {:.1f} s").format(n_vertices, seconds)
@@ -227,6 +239,11 @@ def _summary(solves, is_stopped: bool) -> str:
             n_vertices, sum(len(solve.steps) for solve in solves), seconds
         )
     return rpt_("Stopped early. {:s}").format(text) if is_stopped else text
+
+
+def _n_smoothed(solve) -> int:
+    """Count the vertices that a solve may have moved: selection, mask and group leave some out."""
+    return len(solve.vertices) if solve.weights is None else int((solve.weights > 0).sum())
 
 
 _register_classes, unregister = bpy.utils.register_classes_factory(

@@ -10,7 +10,10 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ..properties import SolverProperties, fairing_settings
+from ..data.mesh_arrays import read_mesh_coordinates
+from ..data.stored_result import checksum
+from ..properties import FairingSceneSettings as Settings
+from ..properties import fairing_settings
 
 if TYPE_CHECKING:
     from ...core.diffusion.smoothing_radius import RadiusScale
@@ -26,21 +29,26 @@ _known: dict[Key, RadiusScale | str] = {}
 _wanted: list[tuple[Key, str, bpy.types.PropertyGroup]] = []
 
 
-def known_scale(obj: bpy.types.Object, properties: SolverProperties) -> RadiusScale | str | None:
+def known_scale(obj: bpy.types.Object, properties: Settings) -> RadiusScale | str | None:
     """Look up the scale of a mesh: the measured scale, why there is none, or None if unknown."""
+    if obj.mode == "EDIT":  # its coordinates cannot be read
+        return None
     return _known.get(_key(obj, properties))
 
 
-def measure(obj: bpy.types.Object, properties: SolverProperties) -> RadiusScale | str:
-    """Measure a mesh now, even if it is known, and remember the scale or why there is none."""
+def measure(obj: bpy.types.Object, properties: Settings) -> RadiusScale | str:
+    """Measure what a run would start from, and remember the scale or why there is none."""
     from ...core import FairingError
     from ...core.diffusion.smoothing_radius import radius_scale
-    from ..data.mesh_arrays import read_mesh
+    from ..data.control_mesh import control_read
+    from ..data.mesh_arrays import read_triangles
+    from ..jobs.store_result import start_positions
 
-    data = read_mesh(obj.data)
+    with control_read(obj):
+        start = start_positions(obj, from_original=properties.from_original)
+        triangles = read_triangles(obj.data)
     try:
-        settings = fairing_settings(properties)
-        scale = radius_scale(data.vertices, data.triangles, settings)
+        scale = radius_scale(start, triangles, fairing_settings(properties))
     except FairingError as error:
         scale = str(error)
     while len(_known) >= REMEMBERED:
@@ -49,7 +57,7 @@ def measure(obj: bpy.types.Object, properties: SolverProperties) -> RadiusScale 
     return scale
 
 
-def measure_soon(obj: bpy.types.Object, properties: bpy.types.PropertyGroup) -> bool:
+def measure_soon(obj: bpy.types.Object, properties: Settings) -> bool:
     """Have a mesh measured after drawing, unless it is too large or being edited.
 
     Returns
@@ -79,14 +87,16 @@ def _measure_wanted() -> None:
     redraw_panels(bpy.context)
 
 
-def _key(obj: bpy.types.Object, properties: SolverProperties) -> Key:
+def _key(obj: bpy.types.Object, properties: Settings) -> Key:
     """Everything that the scale depends on and that is cheap to compare."""
-    mesh = obj.data
-    size = len(mesh.vertices), len(mesh.edges), len(mesh.polygons)
+    mesh, record = obj.data, obj.adaptive_fairing
+    shown = checksum(read_mesh_coordinates(mesh)), record.stored_strength, record.evolution
+    faces = len(mesh.edges), len(mesh.polygons)
     density = properties.density, properties.density_passes
-    if properties.method == "uniform":
+    if properties.scheme == "UNIFORM":
         density = ()
-    return (mesh.name_full, bpy.data.filepath, *size, properties.normalize, *density)
+    frame = properties.normalize, properties.from_original
+    return (obj.session_uid, *shown, *faces, *frame, *density)
 
 
 @bpy.app.handlers.persistent

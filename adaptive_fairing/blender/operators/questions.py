@@ -7,7 +7,7 @@ from collections.abc import Iterable
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..choices import AUTO
+from ..choices import DENOISE
 from ..data import modifier
 from ..data.mesh_arrays import is_shared
 
@@ -23,12 +23,12 @@ def _hints_of(obj: bpy.types.Object, settings) -> list[str]:
 
     mesh = obj.data
     found = []
-    is_modifier = settings.method == AUTO and settings.result == "MODIFIER"
+    is_modifier = settings.algorithm == DENOISE and settings.result == "MODIFIER"
     if needs_copy(obj, in_place=is_modifier):
         found.append("The result goes to a copy; this object is hidden")
     elif is_shared(mesh):
         found.append("Other objects share this mesh: they keep the old one")
-    if settings.method == AUTO and not is_modifier and animated_frames(obj) is not None:
+    if settings.algorithm == DENOISE and not is_modifier and animated_frames(obj) is not None:
         found.append("The animation of the evolution is removed with its shape keys")
     if any(each.type == "MULTIRES" for each in obj.modifiers):
         found.append("Multiresolution: the base mesh is smoothed, not the sculpted levels")

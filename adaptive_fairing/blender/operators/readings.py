@@ -1,7 +1,8 @@
 """What the last run took the roughness of an object for, and what else it may be.
 
 The panel offers the other reading beside the note that names it.  A mesh that nothing was done to
-has no record of its own, so this is remembered here until the next run, for the session alone.
+has no record of its own, so this is remembered here, for the session alone: until the next run, and
+as long as the object has the shape, or the result, that was spoken of.
 """
 
 from __future__ import annotations
@@ -9,6 +10,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
+
+from ..data.mesh_arrays import read_mesh_coordinates
+from ..data.stored_result import checksum, has_result
 
 if TYPE_CHECKING:  # the solver needs scipy, which may be missing
     from ..jobs.solve import Solve
@@ -24,10 +28,13 @@ class Reading(NamedTuple):
     notes : tuple of str
     others : tuple of str
         Values of the setting `clean` to run with instead.
+    shape : str
+        Checksum of the mesh that nothing was done to; empty if there is a result.
     """
 
     notes: tuple[str, ...]
     others: tuple[str, ...]
+    shape: str
 
 
 def remember(obj: bpy.types.Object | None, solve: Solve) -> None:
@@ -36,12 +43,24 @@ def remember(obj: bpy.types.Object | None, solve: Solve) -> None:
         return
     _readings.pop(obj.session_uid, None)
     if solve.denoised is not None and solve.denoised.other_readings:
-        _readings[obj.session_uid] = Reading(solve.notes, solve.denoised.other_readings)
+        shape = "" if obj.adaptive_fairing.result else checksum(read_mesh_coordinates(obj.data))
+        _readings[obj.session_uid] = Reading(solve.notes, solve.denoised.other_readings, shape)
 
 
 def reading_of(obj: bpy.types.Object | None) -> Reading | None:
-    """Return the reading of an object, if there is another one."""
-    return None if obj is None else _readings.get(obj.session_uid)
+    """Return what was said of an object, if there is another reading and it still holds."""
+    reading = None if obj is None else _readings.get(obj.session_uid)
+    if reading is None or obj.type != "MESH":
+        return None
+    if bool(obj.adaptive_fairing.result) == bool(reading.shape):
+        return None
+    if obj.mode == "EDIT":  # coordinates and attributes cannot be read
+        return reading
+    if reading.shape:
+        holds = reading.shape == checksum(read_mesh_coordinates(obj.data))
+    else:
+        holds = has_result(obj)
+    return reading if holds else None
 
 
 @bpy.app.handlers.persistent

@@ -10,7 +10,7 @@ from mathutils import Vector
 from ..compatibility import weight_paint_settings
 from ..data.regions import sculpt_mask
 from ..data.run_record import end_before, end_comparison, has_slider, toggle_before
-from ..data.stored_result import forget_weights, is_current, paint_group, update_shown
+from ..data.stored_result import forget_weights, has_result, paint_group, update_shown
 from ..data.vertex_groups import add_weights
 from ..requirements import scipy_problem
 from .object_mode import object_mode, prepare_undo
@@ -38,7 +38,7 @@ def result_refusal(context: bpy.types.Context) -> str | None:
     if obj.library is not None or obj.data.library is not None:
         return "The mesh is linked from another file: it cannot be edited here"
     # In Edit Mode the attributes cannot be read, so the operators check later.
-    if obj.mode == "EDIT" or obj.adaptive_fairing.result == "KEYS" or is_current(obj):
+    if obj.mode == "EDIT" or has_result(obj):
         return None
     return "The mesh was changed since the last run: its stored result does not fit any more"
 
@@ -274,7 +274,7 @@ class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
         with object_mode(context):
             mask = sculpt_mask(obj.data)
             if mask is None or not mask.any():
-                self.report({"WARNING"}, rpt_("Mask where the original is to come back"))
+                self.report({"ERROR"}, rpt_("Mask where the original is to come back"))
                 return {"CANCELLED"}
             add_weights(paint_group(obj), range(len(mask)), 1 - mask)
             forget_weights()

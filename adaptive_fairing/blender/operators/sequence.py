@@ -5,8 +5,9 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..properties import SolverProperties, solver_settings
+from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem
+from ..run_properties import SolverProperties
 from .modal_run import ModalRun
 from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
 
@@ -44,10 +45,10 @@ class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.
         from ..jobs.frames import read_frames
         from ..jobs.solve import Solve
 
-        settings = solver_settings(self)
         if self.frame_end <= self.frame_start:
             raise InputError(rpt_("The last frame must come after the first"))
         obj = context.active_object
+        settings = in_object_units(solver_settings(self), obj)
         numbers = range(self.frame_start, self.frame_end + 1)
         self._session_uid = obj.session_uid
         self._frames = read_frames(obj, numbers)

@@ -4,47 +4,47 @@ from __future__ import annotations
 
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..choices import AUTO
-from ..properties import CONTEXT
-from .tau import OBJECT_OT_adaptive_fairing_suggest_tau
+from ..choices import DENOISE
+from ..properties import names_of, uses_tau
 
 
 def draw_operator(layout, operator, obj) -> None:
-    """Draw all properties of the operator that its method has, for the redo panel."""
+    """Draw all properties of the operator that its algorithm has, for the redo panel."""
     layout.use_property_split = True
     layout.use_property_decorate = False
-    layout.prop(operator, "method")
-    if operator.method == AUTO:
-        layout.prop(operator, "strength")
-    else:
-        layout.prop(operator, "tau")
-        layout.prop(operator, "steps")
+    draw_main(layout, operator)
+    if operator.algorithm != DENOISE:
         draw_density(layout, operator)
         draw_accuracy(layout, operator)
     layout.separator()
     draw_options(layout, operator, obj)
 
 
-def draw_method(layout, settings, live_record=None) -> None:
-    """Draw the method and what decides most: the strength, or the radius and the steps.
+def draw_main(layout, settings, live_record=None) -> None:
+    """Draw the two algorithms side by side, and what decides most in the one that is chosen.
 
     An object that has a result of Denoise is changed by the strength at once: `live_record`.
     """
-    layout.prop(settings, "method")
-    if settings.method == AUTO:
+    doors = layout.row(align=True)
+    doors.use_property_split = False
+    doors.scale_y = 1.2
+    doors.prop(settings, "algorithm", expand=True)
+    if settings.algorithm == DENOISE:
         row = layout.row()
         row.enabled = live_record is None or live_record.id_data.mode != "EDIT"
         row.prop(live_record or settings, "strength", slider=live_record is not None)
         return
+    layout.prop(settings, "scheme")
     row = layout.row(align=True)
-    row.prop(settings, "radius")
-    row.operator(OBJECT_OT_adaptive_fairing_suggest_tau.bl_idname, text="", icon="CHECKMARK")
+    row.prop(settings, "tau" if uses_tau(settings) else "radius")
+    row.prop(settings, "use_tau", text=iface_("τ"), toggle=True)
     layout.prop(settings, "steps")
+    layout.prop(settings, "keep_volume")
 
 
 def draw_options(layout, properties, obj) -> None:
     """Draw where a run works, what it starts from, and what becomes of the result."""
-    if properties.method == AUTO:
+    if properties.algorithm == DENOISE:
         layout.prop(properties, "features")
         layout.prop(properties, "clean")
     draw_region(layout, properties, obj)
@@ -53,14 +53,14 @@ def draw_options(layout, properties, obj) -> None:
 
 def draw_density(layout, properties) -> None:
     """Draw how the density is measured."""
-    column = layout.column()
-    column.active = properties.method != "uniform"
-    column.prop(properties, "density")
+    column = layout.column(align=True)
+    column.active = properties.scheme != "UNIFORM"
+    column.prop(properties, "density", text=iface_("Density"))
     column.prop(properties, "density_passes")
 
 
 def draw_region(layout, properties, obj) -> None:
-    """Draw where the smoothing works."""
+    """Draw where the smoothing works, and how far it may go."""
     layout.prop(properties, "use_region")
     row = layout.row(align=True)
     if obj is not None and obj.type == "MESH":
@@ -70,12 +70,14 @@ def draw_region(layout, properties, obj) -> None:
     row.prop(properties, "invert_vertex_group", text="", icon="ARROW_LEFTRIGHT")
     layout.prop(properties, "boundary")
     layout.prop(properties, "hold_sharp")
+    if "max_deviation" in names_of(properties.algorithm):
+        layout.prop(properties, "max_deviation")
 
 
 def draw_output(layout, properties) -> None:
     """Draw what a run starts from and what becomes of the result."""
     column = layout.column()
-    if properties.method == AUTO:
+    if properties.algorithm == DENOISE:
         column.prop(properties, "result")
         column.prop(properties, "store_density")
     else:
@@ -85,12 +87,12 @@ def draw_output(layout, properties) -> None:
 
 
 def draw_accuracy(layout, properties) -> None:
-    """Draw when the paper's methods stop and how exactly they solve."""
+    """Draw when the steps end and how exactly they are solved."""
     column = layout.column(align=True)
-    column.prop(properties, "stop_curvature", text=iface_("Stop at Curvature"))
-    column.prop(properties, "stop_rate", text=iface_("Stop at Rate"))
+    column.prop(properties, "stop_curvature")
+    column.prop(properties, "stop_rate")
     column = layout.column(align=True)
     column.prop(properties, "cg_tolerance")
-    column.prop(properties, "cg_max_iterations", text=iface_("Iterations", CONTEXT))
-    column.prop(properties, "quadrature_tolerance", text=iface_("Integration"))
+    column.prop(properties, "cg_max_iterations")
+    column.prop(properties, "quadrature_tolerance")
     layout.prop(properties, "normalize")

@@ -30,13 +30,8 @@ class VIEW3D_PT_adaptive_fairing_view(FairingPanel, bpy.types.Panel):
         record = obj.adaptive_fairing if obj is not None and obj.type == "MESH" else None
         shown = record.view if record is not None else ""
         grid = layout.grid_flow(row_major=True, columns=2, even_columns=True, align=True)
-        for field, title, _ in FIELDS:
-            if field == shown:  # a lit button switches off
-                end = OBJECT_OT_adaptive_fairing_view_end.bl_idname
-                grid.operator(end, text=iface_(title), depress=True)
-            else:
-                view = grid.operator(OBJECT_OT_adaptive_fairing_view.bl_idname, text=iface_(title))
-                view.field = field
+        for field, *_ in FIELDS:
+            draw_field_button(grid, field, shown)
         if shown:
             _draw_legend(context, layout, record)
         if record is not None and record.wants_material:
@@ -44,6 +39,17 @@ class VIEW3D_PT_adaptive_fairing_view(FairingPanel, bpy.types.Panel):
             layout.operator(end, icon="MATERIAL", depress=True)
         else:
             layout.operator(OBJECT_OT_adaptive_fairing_material.bl_idname, icon="MATERIAL")
+
+
+def draw_field_button(layout, field: str, shown: str) -> None:
+    """Draw the button that colours by a field; that of the field that is shown ends it."""
+    title = next(iface_(title) for identifier, title, *_ in FIELDS if identifier == field)
+    if field == shown:
+        end = OBJECT_OT_adaptive_fairing_view_end.bl_idname
+        layout.operator(end, text=title, depress=True)
+    else:
+        view = layout.operator(OBJECT_OT_adaptive_fairing_view.bl_idname, text=title)
+        view.field = field
 
 
 def _draw_legend(context, layout, record) -> None:

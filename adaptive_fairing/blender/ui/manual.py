@@ -28,7 +28,8 @@ OPERATORS = {
     "_material_end": "colours/#render-the-colours",
     "_sequence": "sequences/#in-blender",
     "_measure": "settings/#τ-and-the-smoothing-radius",
-    "_suggest_tau": "settings/#τ-and-the-smoothing-radius",
+    "_play": "settings/#result",
+    "_play_end": "settings/#result",
     "_animate": "settings/#result",
     "_animate_clear": "settings/#result",
     "_compare": "settings/#result",
@@ -37,15 +38,19 @@ OPERATORS = {
 """Place of an operator, by what its name has after ``object.adaptive_fairing``."""
 
 SETTINGS = {
-    "method": "settings/#method",
+    "algorithm": "settings/#method",
+    "scheme": "settings/#method",
     "strength": "clean-a-scan/#choose-the-strength",
     "features": "hard-surface/#edges",
     "clean": "denoise/#clean-models-are-left-alone",
     "tau": "settings/#τ-and-the-smoothing-radius",
+    "use_tau": "settings/#τ-and-the-smoothing-radius",
     "radius": "settings/#τ-and-the-smoothing-radius",
     "steps": "settings/#steps",
     "density": "settings/#density",
     "density_passes": "settings/#density",
+    "keep_volume": "settings/#volume-and-deviation",
+    "max_deviation": "settings/#volume-and-deviation",
     "boundary": "keep-a-region/#boundary-of-open-meshes",
     "stop_curvature": "settings/#stopping",
     "stop_rate": "settings/#stopping",
@@ -62,6 +67,7 @@ SETTINGS = {
     "output": "settings/#result",
     "existing_keys": "settings/#result",
     "store_density": "colours/#what-the-colours-mean",
+    "show_energy": "settings/#result",
     "same_strength": "sequences/#in-blender",
     "frame_start": "settings/#result",
     "frame_end": "settings/#result",
@@ -75,7 +81,7 @@ RECORD = {
 }
 """Place of what the panel shows of a result."""
 
-PREFERENCES = dict.fromkeys(("method", "result", "threads"), "clean-a-scan/#preferences")
+PREFERENCES = dict.fromkeys(("algorithm", "result", "threads"), "clean-a-scan/#preferences")
 """Place of a preference of the add-on."""
 
 

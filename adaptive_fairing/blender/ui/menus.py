@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..choices import AUTO, FALLBACK_METHOD
+from ..choices import DENOISE, FAIR
 from ..operators.compare import OBJECT_OT_adaptive_fairing_compare
 from ..operators.loop_subdivide import OBJECT_OT_adaptive_fairing_loop_subdivide
 from ..properties import copy_solver
@@ -25,10 +25,9 @@ def draw_mode_menu(self, context) -> None:
     """Add both algorithms, with the settings of the scene; in words that a search may use."""
     settings = context.scene.adaptive_fairing
     denoise = iface_("Denoise Scan (Fair, Smooth Noise)")
-    draw_run_button(self.layout, settings, AUTO, text=denoise, icon="MOD_SMOOTH")
-    method = FALLBACK_METHOD if settings.method == AUTO else settings.method
-    diffuse = iface_("Diffuse (Fair, Smooth by the Paper)")
-    draw_run_button(self.layout, settings, method, text=diffuse, icon="MOD_SMOOTH")
+    draw_run_button(self.layout, settings, DENOISE, text=denoise, icon="MOD_SMOOTH")
+    fair = iface_("Adaptive Fairing (Diffuse, Smooth by the Paper)")
+    draw_run_button(self.layout, settings, FAIR, text=fair, icon="MOD_SMOOTH")
 
 
 def draw_loop_subdivide(self, context) -> None:

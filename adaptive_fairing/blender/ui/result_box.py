@@ -5,9 +5,13 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..choices import AUTO
+from ..choices import DENOISE
 from ..data.run_record import has_slider, is_of_strengths, result_measures
-from ..data.stored_result import is_current
+from ..data.stored_result import has_result, is_current
+from ..operators.animate import (
+    OBJECT_OT_adaptive_fairing_play,
+    OBJECT_OT_adaptive_fairing_play_end,
+)
 from ..operators.results import (
     OBJECT_OT_adaptive_fairing_apply,
     OBJECT_OT_adaptive_fairing_before,
@@ -17,8 +21,10 @@ from ..operators.results import (
     OBJECT_OT_adaptive_fairing_surface,
     surface_name,
 )
+from ..properties import copy_settings
+from .colors_panel import draw_field_button
 from .layouts import draw_lines, world_length_text
-from .results_panel import active_record, change_text
+from .results_panel import active_record, change_text, draw_energies
 
 
 def live_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:
@@ -40,14 +46,14 @@ def draw_result(context: bpy.types.Context, layout) -> None:
     is_keys = record.result == "KEYS"
     if obj.mode == "EDIT":
         draw_lines(context, column, iface_("Leave Edit Mode to move the slider"), icon="INFO")
-    elif not is_keys and not is_current(obj):
+    elif not has_result(obj):
         text = iface_(
             "The mesh was changed since the last run. The next one starts from what is shown"
         )
         draw_lines(context, column, text, icon="INFO")
         return
-    if is_keys or context.scene.adaptive_fairing.method != AUTO:
-        _draw_slider(column, record)
+    if is_keys or context.scene.adaptive_fairing.algorithm != DENOISE:
+        _draw_slider(context, column, record)
     draw_lines(context, column, result_text(context, record), icon="NONE")
     row = column.row(align=True)
     is_before = record.held >= 0
@@ -67,8 +73,8 @@ def draw_result(context: bpy.types.Context, layout) -> None:
     row.operator(OBJECT_OT_adaptive_fairing_discard.bl_idname, icon="X")
 
 
-def _draw_slider(column, record) -> None:
-    """Draw the slider where the main one is not that of the result."""
+def _draw_slider(context, column, record) -> None:
+    """Draw the slider where the main one is not that of the result, and what an evolution has."""
     if not has_slider(record):
         return
     is_keys = record.result == "KEYS"
@@ -80,6 +86,23 @@ def _draw_slider(column, record) -> None:
         n_steps = len(record.shapes) - 1
         shown = iface_("Step {:.1f} of {:d}").format(record.evolution * n_steps, n_steps)
         column.label(text=shown, translate=False)
+        _draw_evolution(context, column, record)
+
+
+def _draw_evolution(context, column, record) -> None:
+    """Draw the buttons that play an evolution, colour it, and plot its energy H."""
+    settings = context.scene.adaptive_fairing
+    row = column.row(align=True)
+    if context.screen is not None and context.screen.is_animation_playing:
+        end = OBJECT_OT_adaptive_fairing_play_end.bl_idname
+        row.operator(end, text=iface_("Stop"), icon="PAUSE", depress=True)
+    else:
+        play = row.operator(OBJECT_OT_adaptive_fairing_play.bl_idname, icon="PLAY")
+        copy_settings(settings, play, ("frame_start", "frame_end"))
+    draw_field_button(row, "DENSITY", record.view)
+    row.prop(settings, "show_energy", toggle=True)
+    if settings.show_energy:
+        draw_energies(column, record)
 
 
 def result_text(context: bpy.types.Context, record: bpy.types.PropertyGroup) -> str:

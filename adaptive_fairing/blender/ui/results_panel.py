@@ -13,7 +13,8 @@ from ..operators.animate import (
 )
 from ..operators.compare import OBJECT_OT_adaptive_fairing_compare, comparison_of
 from ..operators.select_problems import OBJECT_OT_adaptive_fairing_select_problems
-from ..properties import CONTEXT, copy_settings, copy_solver
+from ..properties import copy_settings, copy_solver
+from ..run_properties import CONTEXT
 from .layouts import FairingPanel, draw_lines, world_length_text
 
 STOP_REASONS = {
@@ -69,7 +70,7 @@ class VIEW3D_PT_adaptive_fairing_statistics(FairingPanel, bpy.types.Panel):
 
     def draw(self, context):
         layout, record = self.layout, active_record(context)
-        _draw_energies(layout, record)
+        draw_energies(layout, record)
         _draw_measures(context, layout, record)
         for note in record.notes.splitlines():
             draw_lines(context, layout, note, icon="INFO")
@@ -89,7 +90,7 @@ class VIEW3D_PT_adaptive_fairing_compare(FairingPanel, bpy.types.Panel):
         copy_solver(context.scene.adaptive_fairing, operator)
 
 
-def _draw_energies(layout, record) -> None:
+def draw_energies(layout, record) -> None:
     """Draw the curvature energy H of every shape as a bar, as a part of the largest."""
     energies = [shape.curvature_energy for shape in record.shapes]
     largest = max(energies) or 1.0

@@ -5,21 +5,22 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..choices import AUTO
+from ..choices import DENOISE, FAIR
 from ..data.regions import refusal, target_objects
 from ..operators import mesh_scale, modal_run
-from ..operators.fair import OBJECT_OT_adaptive_fairing
+from ..operators.fair import OBJECT_OT_adaptive_fairing, run_label
+from ..operators.measure import OBJECT_OT_adaptive_fairing_measure
 from ..operators.questions import hints
 from ..operators.readings import reading_of
 from ..operators.settings_layout import (
     draw_accuracy,
     draw_density,
-    draw_method,
+    draw_main,
     draw_options,
 )
-from ..operators.tau import OBJECT_OT_adaptive_fairing_measure
-from ..properties import CONTEXT, OUTPUT_NAMES, copy_settings, copy_solver
+from ..properties import OUTPUT_NAMES, copy_settings, copy_solver, uses_tau
 from ..requirements import scipy_problem
+from ..run_properties import CONTEXT
 from .layouts import FairingPanel, draw_lines
 from .presets import VIEW3D_PT_adaptive_fairing_presets
 from .result_box import draw_result, live_record
@@ -42,7 +43,9 @@ class VIEW3D_PT_adaptive_fairing(FairingPanel, bpy.types.Panel):
         current = modal_run.progress()
         column = layout.column()
         column.active = current is None
-        draw_method(column, settings, live_record(context))
+        draw_main(column, settings, live_record(context))
+        if settings.algorithm == FAIR and uses_tau(settings):
+            _draw_meaning(context, column, settings)
         if current is not None:
             _draw_progress(layout, current)
             return
@@ -77,45 +80,65 @@ class VIEW3D_PT_adaptive_fairing_advanced(_SettingsPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.scene.adaptive_fairing.method != AUTO
+        return context.scene.adaptive_fairing.algorithm == FAIR
 
     def draw_settings(self, context, layout, settings):
-        layout.prop(settings, "tau")
-        if scipy_problem() is None:
-            _draw_radius(context, layout, settings)
         draw_density(layout, settings)
         draw_accuracy(layout, settings)
+        if scipy_problem() is None:
+            _draw_radii(context, layout, settings)
 
 
-def _draw_radius(context, layout, settings) -> None:
-    """Draw what τ means: smoothing radii in edges, and the way back from a radius to τ."""
-    box = layout.box()
+def _draw_meaning(context, layout, settings) -> None:
+    """Draw the radius that the τ of the paper makes on the active mesh."""
+    scale = _scale(context, settings)
+    if scale is not None and not isinstance(scale, str):
+        radius = scale.radii(settings.tau * settings.steps)[1]
+        column = layout.column()
+        column.alignment = "RIGHT"
+        text = iface_("Radius on this mesh: {:.2f} edges").format(radius)
+        column.label(text=text, translate=False)
+
+
+def _scale(context, settings):
+    """Look up what τ means on the active mesh, or have it measured; None while it is unknown."""
     obj = context.active_object
-    head = box.row(align=True)
-    head.label(text="Smoothing Radius in Edges", icon="PROP_ON")
-    measure = OBJECT_OT_adaptive_fairing_measure.bl_idname
-    head.operator(measure, text="", icon="FILE_REFRESH", emboss=False)
+    if scipy_problem() is not None or obj is None or obj.type != "MESH":
+        return None
+    scale = mesh_scale.known_scale(obj, settings)
+    if scale is None:
+        mesh_scale.measure_soon(obj, settings)
+    return scale
+
+
+def _draw_radii(context, layout, settings) -> None:
+    """Draw the smoothing radii in edges in the densest, a typical and the coarsest part, and τ."""
+    box = layout.box()
+    box.label(text="Smoothing Radius in Edges")
+    obj = context.active_object
     if obj is None or obj.type != "MESH":
         box.label(text="Make a mesh object active")
         return
-    scale = mesh_scale.known_scale(obj, settings)
+    scale = _scale(context, settings)
     if scale is None:
-        is_coming = mesh_scale.measure_soon(obj, settings)
-        box.label(text="Measuring…" if is_coming else "Not measured yet")
+        box.operator(OBJECT_OT_adaptive_fairing_measure.bl_idname)
     elif isinstance(scale, str):
         draw_lines(context, box, scale, icon="ERROR")
     else:
-        _draw_radii(box, scale, settings)
+        _draw_table(box, scale, settings)
 
 
-def _draw_radii(layout, scale, settings) -> None:
+def _draw_table(layout, scale, settings) -> None:
     """Draw a table: densest and coarsest part, one step and all of them."""
-    one = scale.radii(settings.tau)
-    total = scale.radii(settings.tau * settings.steps)
+    from ...core.diffusion.smoothing_radius import suggest_tau  # not while enabling the add-on
+
+    tau = settings.tau
+    if not uses_tau(settings):
+        tau = suggest_tau(scale, settings.radius, settings.steps)
     titles = [iface_(text) for text in ("Densest", "Typical", "Coarsest")]
     rows = [("", titles)]
-    for name, radii in ((iface_("Step", CONTEXT), one), (iface_("Run"), total)):
-        rows.append((name, [f"{radius:.2f}" for radius in radii]))
+    for name, time in ((iface_("Step", CONTEXT), tau), (iface_("Run"), tau * settings.steps)):
+        rows.append((name, [f"{radius:.2f}" for radius in scale.radii(time)]))
     column = layout.column(align=True)
     for name, cells in rows:
         split = column.split(factor=0.19)
@@ -123,6 +146,7 @@ def _draw_radii(layout, scale, settings) -> None:
         row = split.row()
         for cell in cells:
             row.label(text=cell, translate=False)
+    column.label(text=f"τ = {tau:.4g}", translate=False)
 
 
 def _draw_run(context, layout, settings) -> None:
@@ -130,7 +154,7 @@ def _draw_run(context, layout, settings) -> None:
     objects = target_objects(context) if message is None else []
     row = layout.row()
     row.scale_y = 1.6
-    text = iface_("Denoise" if settings.method == AUTO else "Diffuse", CONTEXT)
+    text = run_label(settings.algorithm)
     if len(objects) > 1:
         text = iface_("{:s} {:d} Objects").format(text, len(objects))
     draw_run_button(row, settings, text=text, icon="MOD_SMOOTH")
@@ -138,7 +162,7 @@ def _draw_run(context, layout, settings) -> None:
     layout.separator(factor=0.01)
     for hint in hints(objects, settings):
         draw_lines(context, layout, iface_(hint), icon="INFO")
-    if settings.method == AUTO:
+    if settings.algorithm == DENOISE:
         _draw_other_reading(context, layout, settings)
 
 
@@ -157,10 +181,10 @@ def _draw_other_reading(context, layout, settings) -> None:
             operator.from_original = True
 
 
-def draw_run_button(layout, settings, method=None, **appearance):
-    """Draw a button that runs with the settings of the scene, by its method or another."""
+def draw_run_button(layout, settings, algorithm=None, **appearance):
+    """Draw a button that runs with the settings of the scene, by its algorithm or the other."""
     operator = layout.operator(OBJECT_OT_adaptive_fairing.bl_idname, **appearance)
-    copy_solver(settings, operator, method)
+    copy_solver(settings, operator, algorithm)
     copy_settings(settings, operator, OUTPUT_NAMES)
     return operator
 

@@ -25,7 +25,7 @@ def fair(directory: Path) -> dict:
     obj = add_noisy("ico_sphere", 0.01, subdivisions=5)
     bpy.ops.wm.obj_export(filepath=str(directory / "noisy.obj"), export_materials=False)
     noisy = vertex_positions(obj)
-    status = bpy.ops.object.adaptive_fairing(method="adaptive_timestep")
+    status = bpy.ops.object.adaptive_fairing(algorithm="FAIR")
     keys = key_positions(obj)
     bpy.ops.wm.save_as_mainfile(filepath=str(directory / "script.blend"))
     return {

@@ -11,7 +11,7 @@ from steps import BUTTON, finished_part, press_fairing, run_to_the_end
 
 def automatic(stage: Stage) -> Scenario:
     """Esc ends a run of Denoise at once; after a whole one the slider, colours and buttons."""
-    noisy = vertex_positions(add_noisy("ico_sphere", 0.002, "auto", subdivisions=8))
+    noisy = vertex_positions(add_noisy("ico_sphere", 0.002, "DENOISE", subdivisions=8))
     yield from press_fairing(stage)
     yield 2.0
     yield from stage.picture("auto-running")
@@ -25,7 +25,7 @@ def automatic(stage: Stage) -> Scenario:
     left = vertex_positions(bpy.context.object)
     stage.results["unchanged after escape"] = bool(np.array_equal(left, noisy))
 
-    obj = add_noisy("ico_sphere", 0.02, "auto", subdivisions=5)
+    obj = add_noisy("ico_sphere", 0.02, "DENOISE", subdivisions=5)
     noisy = vertex_positions(obj)
     with stage.context():
         bpy.ops.view3d.view_selected()
@@ -70,7 +70,7 @@ def automatic(stage: Stage) -> Scenario:
 def modifier(stage: Stage) -> Scenario:
     """The result as a modifier: slider, split, Ctrl Z, Discard."""
     seen = stage.results
-    obj = add_noisy("ico_sphere", 0.02, "auto", subdivisions=5)
+    obj = add_noisy("ico_sphere", 0.02, "DENOISE", subdivisions=5)
     bpy.context.scene.adaptive_fairing.result = "MODIFIER"
     noisy = vertex_positions(obj)
     with stage.context():
@@ -104,7 +104,7 @@ def modifier(stage: Stage) -> Scenario:
 def mask_back(stage: Stage) -> Scenario:
     """In Sculpt Mode: the slider, the original back where the mask is, and one Ctrl Z."""
     seen = stage.results
-    obj = add_noisy("ico_sphere", 0.02, "auto", subdivisions=5)
+    obj = add_noisy("ico_sphere", 0.02, "DENOISE", subdivisions=5)
     noisy = vertex_positions(obj)
     with stage.context():
         bpy.ops.view3d.view_selected()
@@ -142,7 +142,7 @@ def mask_back(stage: Stage) -> Scenario:
 def question(stage: Stage) -> Scenario:
     """With undo turned off a run is asked for, and starts with the answer."""
     seen = stage.results
-    add_noisy("ico_sphere", 0.02, "auto", subdivisions=5)
+    add_noisy("ico_sphere", 0.02, "DENOISE", subdivisions=5)
     bpy.context.preferences.edit.use_global_undo = False
     yield from stage.open_sidebar("Fairing")
     yield from stage.picture("question-before")
@@ -162,7 +162,7 @@ def question(stage: Stage) -> Scenario:
 
 def refined_surface(stage: Stage) -> Scenario:
     """Choose a refined surface in the panel; the slider, undo, a view and Discard work on it."""
-    obj = add_noisy("ico_sphere", 0.05, "auto", subdivisions=4)
+    obj = add_noisy("ico_sphere", 0.05, "DENOISE", subdivisions=4)
     noisy = vertex_positions(obj)
     with stage.context():
         bpy.ops.view3d.view_selected()
@@ -224,7 +224,7 @@ def refined_surface(stage: Stage) -> Scenario:
 def undo_in_modes(stage: Stage) -> Scenario:
     """One Ctrl Z takes a run back in every mode, and leaves the mode and the mask."""
     for mode in ("OBJECT", "EDIT", "SCULPT"):
-        noisy = vertex_positions(add_noisy("ico_sphere", 0.02, "auto", subdivisions=4))
+        noisy = vertex_positions(add_noisy("ico_sphere", 0.02, "DENOISE", subdivisions=4))
         with stage.context():
             if mode != "OBJECT":
                 bpy.ops.object.mode_set("EXEC_DEFAULT", True, mode=mode)

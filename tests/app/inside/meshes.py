@@ -11,16 +11,16 @@ from mathutils.kdtree import KDTree
 def add_noisy(
     primitive: str,
     noise: float,
-    method: str = "adaptive_timestep",
+    algorithm: str = "FAIR",
     nose: Vector | None = None,
     **sizes: int,
 ) -> bpy.types.Object:
     """Replace the scene's objects by one of Blender's primitives with seeded noise.
 
-    `noise` is the standard deviation along the normals in object units, `method` what the panel
+    `noise` is the standard deviation along the normals in object units, `algorithm` what the panel
     is set to. A `nose` is pulled out of the shape in that direction.
     """
-    bpy.context.scene.adaptive_fairing.method = method
+    bpy.context.scene.adaptive_fairing.algorithm = algorithm
     for old in list(bpy.data.objects):
         bpy.data.objects.remove(old)
     getattr(bpy.ops.mesh, f"primitive_{primitive}_add")(**sizes)

@@ -16,7 +16,7 @@ from meshes import (
     shown_evolution,
     vertex_positions,
 )
-from steps import open_panel, press_fairing, run_to_the_end
+from steps import BUTTON, open_panel, press_fairing, run_to_the_end
 
 
 def full_run(stage: Stage) -> Scenario:
@@ -76,8 +76,7 @@ def escape(stage: Stage) -> Scenario:
     """Press Esc in a long run; the finished steps stay, and one undo removes them."""
     add_noisy("ico_sphere", 0.01, subdivisions=6)
     settings = bpy.context.scene.adaptive_fairing
-    settings.steps, settings.tau = 1000, 0.0001
-    stage.results["steps asked for"] = settings.steps
+    settings.steps = stage.results["steps asked for"] = 1000
     yield from press_fairing(stage)
     yield 6.0
     yield from stage.picture("running")
@@ -90,6 +89,77 @@ def escape(stage: Stage) -> Scenario:
     stage.results["after escape"] = key_names()
     yield from stage.press_in_view("ctrl+z")
     stage.results["after undo"] = key_names()
+
+
+def evolution(stage: Stage) -> Scenario:
+    """From a fresh panel to an evolution that plays in colours: three clicks."""
+    obj = add_noisy("ico_sphere", 0.02, "DENOISE", subdivisions=5)
+    seen, scene = stage.results, bpy.context.scene
+    with stage.context():
+        bpy.ops.view3d.view_selected()
+    yield from stage.open_sidebar("Fairing")
+    yield from stage.picture("evolution-fresh")
+    doors = yield from stage.find_button("adaptive_fairing.algorithm", "shift+ctrl+c", 0.75)
+    yield from stage.point_at_view()
+    stage.click(*doors)
+    yield 1.0
+    seen["algorithm"] = scene.adaptive_fairing.algorithm
+    yield from stage.picture("evolution-door")
+    yield from stage.click_button(BUTTON)
+    yield stage.until(lambda: not stage.is_running(), 120, "end of the run")
+    yield 1.0
+    yield from stage.picture("evolution-faired")
+    yield from stage.click_button("adaptive_fairing_play(", 0.2)
+    screen = stage.window.screen
+    yield stage.until(lambda: screen.is_animation_playing, 20, "start of the animation")
+    seen["view"] = obj.adaptive_fairing.view
+    shown = set()
+    until = time.monotonic() + 8
+    while time.monotonic() < until:
+        shown.add(round(obj.adaptive_fairing.evolution, 2))
+        yield 0.2
+    seen["shown while it plays"] = len(shown)
+    for number in (1, 2, 3):
+        yield from stage.picture(f"evolution-playing-{number}")
+        yield 1.0
+    seen["range"] = [scene.frame_preview_start, scene.frame_preview_end, scene.use_preview_range]
+    yield from stage.click_button("adaptive_fairing_play_end(", 0.2)
+    seen["playing after stop"] = screen.is_animation_playing
+    seen["preview after stop"] = scene.use_preview_range
+    yield from stage.press_in_view("ctrl+z")
+    yield 1.0
+    obj = bpy.context.view_layer.objects.active
+    seen["keys after undo"] = key_names()
+    seen["animated after undo"] = obj.data.shape_keys.animation_data is not None
+    seen["view after undo"] = obj.adaptive_fairing.view
+
+
+def delete_one_of_three(stage: Stage) -> Scenario:
+    """Delete one of three objects during their run; Ctrl Z brings it back afterwards."""
+    add_noisy("ico_sphere", 0.01, "DENOISE", subdivisions=5)
+    for name in ("Second", "Third"):
+        with stage.context():
+            bpy.ops.object.duplicate()
+        bpy.context.object.name = name
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.ed.undo_push(message="Three")
+    yield from press_fairing(stage)
+    with stage.context(), bpy.context.temp_override(selected_objects=[bpy.data.objects["Second"]]):
+        bpy.ops.object.delete("EXEC_DEFAULT", True)
+    yield stage.until(lambda: not stage.is_running(), 200, "end of the run")
+    yield 1.0
+    stage.results["results"] = _results()
+    yield from stage.picture("deleted-one")
+    yield from stage.press_in_view("ctrl+z")
+    yield 1.0
+    stage.results["after one undo"] = _results()
+    yield from stage.press_in_view("ctrl+z")
+    yield 1.0
+    stage.results["after two"] = _results()
+
+
+def _results() -> dict[str, str]:
+    return {obj.name: obj.adaptive_fairing.result for obj in bpy.data.objects}
 
 
 def delete_object(stage: Stage) -> Scenario:

@@ -20,7 +20,7 @@ def walk(stage: Stage) -> Scenario:
     scan = stage.directory / "scan.ply"
     with stage.context():
         to_viewer = bpy.context.region_data.view_rotation @ Vector((0.0, 0.0, 1.0))
-        add_noisy("ico_sphere", 0.02, "auto", subdivisions=5, nose=to_viewer)
+        add_noisy("ico_sphere", 0.02, "DENOISE", subdivisions=5, nose=to_viewer)
         bpy.ops.wm.ply_export(filepath=str(scan), export_uv=False)
         bpy.ops.object.delete()
         started = time.monotonic()
@@ -83,18 +83,18 @@ def languages(stage: Stage) -> Scenario:
         view.use_translate_interface = True
         translated = bpy.app.translations.pgettext
         stage.results[language] = [translated("Paint Back", each) for each in ("*", "Operator")]
-        for method in ("auto", "adaptive_timestep"):
-            add_noisy("ico_sphere", 0.02, method, subdivisions=4)
+        for algorithm in ("DENOISE", "FAIR"):
+            add_noisy("ico_sphere", 0.02, algorithm, subdivisions=4)
             yield from stage.open_sidebar("Fairing")
             yield 0.5
-            yield from stage.picture(f"{language}-{method}-before")
+            yield from stage.picture(f"{language}-{algorithm}-before")
             with stage.context():
-                bpy.ops.object.adaptive_fairing(method=method)
+                bpy.ops.object.adaptive_fairing(algorithm=algorithm)
             yield 0.5
-            yield from stage.picture(f"{language}-{method}-after")
+            yield from stage.picture(f"{language}-{algorithm}-after")
             stage.scroll_down("UI")
             yield 0.5
-            yield from stage.picture(f"{language}-{method}-below")
+            yield from stage.picture(f"{language}-{algorithm}-below")
 
 
 def manual(stage: Stage) -> Scenario:

@@ -44,7 +44,7 @@ class TestEditMode:
         before = read_positions(sphere.data)
         select(sphere, chosen)
         enter("EDIT")
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2)
         assert sphere.mode == "EDIT"
         enter("OBJECT")
         found = key_positions(sphere, "Fairing 2")
@@ -57,21 +57,21 @@ class TestEditMode:
         positions = expected(sphere, None)
         select(sphere, np.zeros(len(sphere.data.vertices), bool) if use_region else upper(sphere))
         enter("EDIT")
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2, use_region=use_region)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2, use_region=use_region)
         enter("OBJECT")
         assert np.array_equal(key_positions(sphere, "Fairing 2"), positions)
 
     def test_the_selection_counts_in_edit_mode_only(self, sphere):
         positions = expected(sphere, None)
         select(sphere, upper(sphere))
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2)
         assert np.array_equal(key_positions(sphere, "Fairing 2"), positions)
 
     def test_what_was_edited_before_the_run_counts(self, sphere):
         enter("EDIT")
         bpy.ops.mesh.select_all(action="SELECT")
         bpy.ops.transform.resize(value=(2.0, 2.0, 2.0))
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2)
         enter("OBJECT")
         assert np.ptp(key_positions(sphere, "Basis")[:, 0]) > 3.9
         assert np.array_equal(key_positions(sphere, "Fairing 2"), expected(sphere, None))
@@ -81,7 +81,7 @@ class TestEditMode:
         second.select_set(True)
         sphere.select_set(True)
         enter("EDIT")
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
         assert {sphere.mode, second.mode} == {"EDIT"}
         enter("OBJECT")
         for obj in (sphere, second):
@@ -98,7 +98,7 @@ class TestSculptMode:
         positions = expected(sphere, 1.0 - mask.astype(np.float64))
         self.mask(sphere, mask)
         enter("SCULPT")
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2)
         assert sphere.mode == "SCULPT"
         enter("OBJECT")
         assert np.array_equal(key_positions(sphere, "Fairing 2"), positions)
@@ -106,21 +106,21 @@ class TestSculptMode:
     def test_the_mask_counts_in_sculpt_mode_only(self, sphere):
         positions = expected(sphere, None)
         self.mask(sphere, np.ones(len(sphere.data.vertices)))
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2)
         assert np.array_equal(key_positions(sphere, "Fairing 2"), positions)
 
     def test_a_mask_over_everything_is_refused(self, sphere):
         self.mask(sphere, np.ones(len(sphere.data.vertices)))
         enter("SCULPT")
         with pytest.raises(RuntimeError, match="leave no vertex to smooth"):
-            bpy.ops.object.adaptive_fairing(method="adaptive_timestep")
+            bpy.ops.object.adaptive_fairing(algorithm="FAIR")
         assert sphere.mode == "SCULPT"
 
     def test_a_multiresolution_sculpture_is_refused(self, sphere):
         sphere.modifiers.new("Multires", "MULTIRES")
         enter("SCULPT")
         with pytest.raises(RuntimeError, match="Leave Sculpt Mode"):
-            bpy.ops.object.adaptive_fairing(method="adaptive_timestep")
+            bpy.ops.object.adaptive_fairing(algorithm="FAIR")
 
 
 class TestVertexGroup:
@@ -133,7 +133,7 @@ class TestVertexGroup:
             group.add([int(vertex)], weights[vertex], "REPLACE")
         positions = expected(sphere, 1.0 - weights if invert else weights)
         bpy.ops.object.adaptive_fairing(
-            method="adaptive_timestep", steps=2, vertex_group="Half", invert_vertex_group=invert
+            algorithm="FAIR", steps=2, vertex_group="Half", invert_vertex_group=invert
         )
         assert np.array_equal(key_positions(sphere, "Fairing 2"), positions)
 
@@ -145,19 +145,19 @@ class TestVertexGroup:
         positions = expected(sphere, both.astype(float))
         select(sphere, chosen)
         enter("EDIT")
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2, vertex_group="Some")
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2, vertex_group="Some")
         enter("OBJECT")
         assert np.array_equal(key_positions(sphere, "Fairing 2"), positions)
 
     def test_an_empty_group_is_refused(self, sphere):
         sphere.vertex_groups.new(name="Empty")
         with pytest.raises(RuntimeError, match="leave no vertex to smooth"):
-            bpy.ops.object.adaptive_fairing(method="adaptive_timestep", vertex_group="Empty")
+            bpy.ops.object.adaptive_fairing(algorithm="FAIR", vertex_group="Empty")
 
 
 class TestSharpEdges:
-    @pytest.mark.parametrize("method", ["adaptive_timestep", "auto"])
-    def test_vertices_of_marked_edges_are_held_on_request(self, method):
+    @pytest.mark.parametrize("algorithm", ["FAIR", "DENOISE"])
+    def test_vertices_of_marked_edges_are_held_on_request(self, algorithm):
         obj = add_object(*noisy_ball(4, 0.02))
         obj.select_set(True)
         before = read_positions(obj.data).astype(np.float32)
@@ -167,12 +167,12 @@ class TestSharpEdges:
             obj.data.edges[edge].use_edge_sharp = True
             held[list(obj.data.edges[edge].vertices)] = True
         for hold_sharp in (True, False):
-            bpy.ops.object.adaptive_fairing(method=method, hold_sharp=hold_sharp)
+            bpy.ops.object.adaptive_fairing(algorithm=algorithm, hold_sharp=hold_sharp)
             stays = (shown_positions(obj) == before).all(axis=1)
             assert np.array_equal(stays, held) if hold_sharp else not stays[held].any()
             bpy.ops.object.adaptive_fairing_discard()
 
     def test_without_marked_edges_nothing_is_held(self, sphere):
         positions = expected(sphere, None)
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2, hold_sharp=True)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2, hold_sharp=True)
         assert np.array_equal(key_positions(sphere, "Fairing 2"), positions)

@@ -12,7 +12,7 @@ pytestmark = pytest.mark.usefixtures("addon")
 
 
 def run(**options):
-    return bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1, **options)
+    return bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1, **options)
 
 
 def state(obj):

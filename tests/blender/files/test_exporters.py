@@ -71,7 +71,7 @@ def test_the_file_has_the_shape_that_the_slider_shows(noisy, tmp_path, kind, way
         bpy.ops.object.adaptive_fairing()
         noisy.adaptive_fairing.strength = at
     else:
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2, tau=0.01)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2, tau=0.01)
         noisy.adaptive_fairing.evolution = at
     shown = shown_positions(noisy)
     assert same_points(before, shown) > 1e-3, "no test"
@@ -94,7 +94,7 @@ def test_ply_writes_the_colors_of_the_scan(noisy, tmp_path):
     """The density's colours had become the active ones."""
     paint = noisy.data.color_attributes.new("Scan", "FLOAT_COLOR", "POINT")
     paint.data.foreach_set("color", np.tile([1.0, 0.0, 0.0, 1.0], len(noisy.data.vertices)))
-    bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1)
+    bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
     for field in ("DENSITY", "REMOVED"):
         bpy.ops.object.adaptive_fairing_view(field=field)
     names = noisy.data.attributes.active_color_name, noisy.data.attributes.default_color_name

@@ -50,9 +50,7 @@ def fair(obj, way, tmp_path):
         )
         run_job(job)
         return import_mesh(tmp_path / "out.blend", name)
-    assert bpy.ops.object.adaptive_fairing(method="adaptive_timestep", output=way, steps=1) == {
-        "FINISHED"
-    }
+    assert bpy.ops.object.adaptive_fairing(algorithm="FAIR", output=way, steps=1) == {"FINISHED"}
     return bpy.data.objects[name]
 
 

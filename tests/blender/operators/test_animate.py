@@ -12,7 +12,7 @@ pytestmark = pytest.mark.usefixtures("addon")
 def obj():
     obj = add_object(*icosphere(1))
     obj.select_set(True)
-    bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2)
+    bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2)
     return obj
 
 
@@ -58,7 +58,7 @@ def test_frames_in_the_wrong_order_are_refused(obj):
 
 @pytest.mark.parametrize("output", ["RELATIVE_KEYS", "FINAL_SHAPE"])
 def test_without_an_evolution_it_says_what_to_do(obj, output):
-    bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1, output=output)
+    bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1, output=output)
     with pytest.raises(RuntimeError, match="Fair the active object first"):
         bpy.ops.object.adaptive_fairing_animate()
 
@@ -69,3 +69,45 @@ def test_absolute_keys_of_someone_else_are_left_alone():
     obj.data.shape_keys.use_relative = False
     with pytest.raises(RuntimeError, match="Fair the active object first"):
         bpy.ops.object.adaptive_fairing_animate()
+
+
+class TestPlay:
+    """Without a window nothing moves, but all is set for it."""
+
+    def test_the_first_time_it_animates_and_shows_the_density(self, obj):
+        scene = bpy.context.scene
+        scene.frame_set(60)
+        assert bpy.ops.object.adaptive_fairing_play(frame_start=11, frame_end=31) == {"FINISHED"}
+        assert (scene.frame_current, obj.adaptive_fairing.evolution) == (11, 0.0)
+        assert scene.use_preview_range
+        assert (scene.frame_preview_start, scene.frame_preview_end) == (11, 31)
+        assert evolution_at(obj, 31) == 1.0
+        assert obj.adaptive_fairing.view == "DENSITY"
+
+    def test_again_it_keeps_the_frames_and_the_colours(self, obj):
+        bpy.ops.object.adaptive_fairing_animate(frame_start=5, frame_end=9)
+        bpy.ops.object.adaptive_fairing_play()
+        scene = bpy.context.scene
+        assert (scene.frame_preview_start, scene.frame_preview_end) == (5, 9)
+        assert evolution_at(obj, 9) == 1.0
+        assert obj.adaptive_fairing.view == ""
+
+    def test_another_field_stays(self, obj):
+        bpy.ops.object.adaptive_fairing_view(field="DISPLACEMENT")
+        bpy.ops.object.adaptive_fairing_play()
+        assert obj.adaptive_fairing.view == "DISPLACEMENT"
+
+    def test_the_end_plays_the_whole_scene_again(self, obj):
+        bpy.ops.object.adaptive_fairing_play()
+        assert bpy.ops.object.adaptive_fairing_play_end() == {"FINISHED"}
+        assert not bpy.context.scene.use_preview_range
+
+    def test_frames_in_the_wrong_order_are_refused(self, obj):
+        with pytest.raises(RuntimeError, match="The last frame must come after the first"):
+            bpy.ops.object.adaptive_fairing_play(frame_start=5, frame_end=5)
+        assert obj.adaptive_fairing.view == ""
+
+    def test_without_an_evolution_it_says_what_to_do(self):
+        bpy.ops.mesh.primitive_cube_add()
+        with pytest.raises(RuntimeError, match="Fair the active object first"):
+            bpy.ops.object.adaptive_fairing_play()

@@ -125,7 +125,7 @@ class TestActiveColors:
     def test_diffusion_leaves_its_density_active_on_a_mesh_without_colours(self):
         obj = add_object(*icosphere(2))
         obj.select_set(True)
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1, tau=0.001)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1, tau=0.001)
         attributes = obj.data.attributes
         shown = "fairing_density_color"
         assert attributes.active_color_name == attributes.default_color_name == shown
@@ -138,7 +138,7 @@ class TestActiveColors:
         obj = add_rich_object()
         obj.select_set(True)
         paint = colors_by_vertex(obj.data, "Paint")
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1, tau=0.001)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1, tau=0.001)
         assert obj.data.attributes.active_color_name == "Paint"
         show()
         bpy.ops.object.adaptive_fairing_view_end()

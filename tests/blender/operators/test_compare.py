@@ -24,7 +24,7 @@ def obj():
 
 
 def compare(**options):
-    return bpy.ops.object.adaptive_fairing_compare(**{"method": "adaptive_timestep", **options})
+    return bpy.ops.object.adaptive_fairing_compare(**{"algorithm": "FAIR", **options})
 
 
 def test_both_copies_are_the_cores_results(obj):
@@ -44,9 +44,12 @@ def test_a_uniform_tau_can_be_given(obj):
     assert bpy.data.objects["Ball uniform"].adaptive_fairing.tau == pytest.approx(0.003)
 
 
-def test_with_the_uniform_method_chosen_the_other_copy_is_adaptive(obj):
-    compare(steps=1, method="uniform")
-    assert bpy.data.objects["Ball adaptive"].adaptive_fairing.method == "adaptive_timestep"
+def test_with_the_uniform_scheme_chosen_the_other_copy_is_adaptive(obj):
+    compare(steps=1, scheme="UNIFORM", tau=0.02)
+    data = read_mesh(obj.data)
+    expected = fair(data.vertices, data.triangles, FairingSettings(steps=1, tau=0.02)).positions
+    found = key_positions(bpy.data.objects["Ball adaptive"], "Fairing 1")
+    assert np.array_equal(found, expected.astype(np.float32))
 
 
 def test_the_source_is_untouched_and_the_copies_do_not_overlap(obj):
@@ -64,10 +67,11 @@ def test_the_source_is_untouched_and_the_copies_do_not_overlap(obj):
 
 def test_each_has_a_label_below_it(obj):
     compare(steps=1)
+    tau = bpy.data.objects["Ball adaptive"].adaptive_fairing.tau
     labels = {each.name: each for each in bpy.data.objects if each.type == "FONT"}
     assert set(labels) == {"Before", "Uniform", "Adaptive"}
     assert labels["Before"].data.body == "Before"
-    assert labels["Adaptive"].data.body.startswith("Adaptive\nτ = 0.016\nH ")
+    assert labels["Adaptive"].data.body.startswith(f"Adaptive\nτ = {tau:.3g}\nH ")
     for name, other in (("Before", "Ball"), ("Uniform", "Ball uniform")):
         target = bpy.data.objects[other]
         assert labels[name].location.x == pytest.approx(target.matrix_world.translation.x, abs=0.01)
@@ -76,7 +80,7 @@ def test_each_has_a_label_below_it(obj):
 
 def test_an_object_with_an_evolution_gets_a_copy_of_its_undeformed_shape(obj):
     undeformed = read_positions(obj.data)
-    bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1, tau=0.1)
+    bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1, tau=0.1)
     compare(steps=1)
     before = bpy.data.objects["Ball before"]
     assert before.data.shape_keys is None

@@ -9,6 +9,9 @@ from support.meshes import graded_sphere, icosphere
 from support.objects import add_object, key_positions, numbers
 
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
+from adaptive_fairing.blender.data.results import shown_positions
+from adaptive_fairing.blender.jobs.solve import run_solves
+from adaptive_fairing.blender.operators.modal_run import ModalRun
 from adaptive_fairing.blender.properties import (
     DENOISE_NAMES,
     FAIRING_NAMES,
@@ -16,15 +19,16 @@ from adaptive_fairing.blender.properties import (
     fairing_settings,
     solver_settings,
 )
-from adaptive_fairing.cli.options import parse, settings_of
+from adaptive_fairing.cli.arguments import parse, settings_of
 from adaptive_fairing.core import DenoiseSettings, FairingSettings, fair
+from adaptive_fairing.core.diffusion.settings import DENSITIES, SCHEMES
 
 pytestmark = pytest.mark.usefixtures("addon")
 
 
 def run(**options):
-    """Fair the selected objects by a method of the paper."""
-    return bpy.ops.object.adaptive_fairing(**{"method": "adaptive_timestep", **options})
+    """Run the paper on the selected objects."""
+    return bpy.ops.object.adaptive_fairing(**{"algorithm": "FAIR", **options})
 
 
 def noisy_sphere(levels=2, seed=1, **options):
@@ -44,39 +48,67 @@ def core_result(obj, **settings):
 
 class TestSettings:
     def test_every_setting_of_the_core_is_a_property(self):
-        assert set(FAIRING_NAMES) == set(FairingSettings.names())
+        words = {"scheme": "method"}
+        of_fair = [words.get(name, name) for name in FAIRING_NAMES if name != "use_tau"]
+        assert sorted(of_fair) == sorted(FairingSettings.names())
         of_denoise = {field.name for field in fields(DenoiseSettings)}
         assert set(DENOISE_NAMES) == of_denoise
-        assert set(SOLVER_NAMES) == of_denoise | set(FAIRING_NAMES)
+        assert set(SOLVER_NAMES) == {"algorithm", *of_denoise, *FAIRING_NAMES}
+
+    @pytest.mark.parametrize(("name", "words"), [("scheme", SCHEMES), ("density", DENSITIES)])
+    def test_the_words_are_the_cores_in_capitals(self, name, words):
+        items = bpy.context.scene.adaptive_fairing.bl_rna.properties[name].enum_items
+        assert items.keys() == [word.upper() for word in words]
 
     def test_panel_command_line_and_python_start_with_denoise(self):
         assert solver_settings(bpy.context.scene.adaptive_fairing) == DenoiseSettings()
-        assert settings_of(parse(["in.ply"])) == DenoiseSettings()
+        assert settings_of(parse(["denoise", "in.ply"])) == DenoiseSettings()
 
     def test_the_papers_defaults_are_the_cores(self):
-        bpy.context.scene.adaptive_fairing.method = "adaptive_timestep"
+        bpy.context.scene.adaptive_fairing.algorithm = "FAIR"
         assert solver_settings(bpy.context.scene.adaptive_fairing) == FairingSettings()
+        assert settings_of(parse(["fair", "in.ply"])) == FairingSettings()
 
     def test_numbers_come_through_as_they_were_typed(self):
         settings = bpy.context.scene.adaptive_fairing
-        settings.method = "uniform"
+        settings.algorithm, settings.use_tau = "FAIR", True
         settings.tau, settings.cg_tolerance, settings.stop_rate = 0.0107, 3e-8, 0.7
         made = solver_settings(settings)
         assert (made.tau, made.cg_tolerance, made.stop_rate) == (0.0107, 3e-8, 0.7)
 
-    def test_zero_turns_a_stopping_rule_off(self):
+    def test_zero_turns_a_stopping_rule_and_a_limit_off(self):
         made = fairing_settings(bpy.context.scene.adaptive_fairing)
         assert made.stop_curvature is None
         assert made.stop_rate is None
+        assert made.max_deviation is None
+
+    @pytest.mark.parametrize(
+        ("frame", "expected"), [("BOX", "box"), ("SPHERE", "sphere"), ("NONE", False)]
+    )
+    def test_the_frame(self, frame, expected):
+        bpy.context.scene.adaptive_fairing.normalize = frame
+        assert fairing_settings(bpy.context.scene.adaptive_fairing).normalize == expected
+
+    def test_tau_counts_where_it_is_chosen_or_is_all_that_a_script_gives(self):
+        obj = noisy_sphere()
+        settings = bpy.context.scene.adaptive_fairing
+        settings.tau = 0.02
+        assert fairing_settings(settings).tau is None
+        settings.use_tau = True
+        assert fairing_settings(settings).tau == 0.02
+        for options, is_tau in (({}, True), ({"use_tau": False}, False), ({"use_tau": True}, True)):
+            run(steps=1, tau=0.02, radius=0.3, **options)
+            assert (obj.adaptive_fairing.tau == np.float32(0.02)) == is_tau
+            bpy.ops.object.adaptive_fairing_discard()
 
     @pytest.mark.parametrize(
         ("options", "message"),
         [
-            ({"steps": 4}, "steps belongs to the paper's methods, not to 'auto'"),
-            ({"method": "auto", "tau": 0.1}, "tau belongs to the paper's methods, not to 'auto'"),
+            ({"steps": 4}, "steps belongs to algorithm='FAIR', not to 'DENOISE'"),
+            ({"scheme": "UNIFORM"}, "scheme belongs to algorithm='FAIR', not to 'DENOISE'"),
             (
-                {"method": "uniform", "strength": 2.0},
-                "strength belongs to method=\"auto\", not to 'uniform'",
+                {"algorithm": "FAIR", "strength": 2.0},
+                "strength belongs to algorithm='DENOISE', not to 'FAIR'",
             ),
         ],
     )
@@ -87,16 +119,17 @@ class TestSettings:
 
 
 class TestResult:
-    @pytest.mark.parametrize("method", ["uniform", "adaptive_timestep", "adaptive_tensor"])
-    @pytest.mark.parametrize("density", ["edge_length", "area"])
-    def test_every_key_is_the_step_of_the_core_to_the_last_bit_of_float32(self, method, density):
+    @pytest.mark.parametrize("scheme", SCHEMES)
+    @pytest.mark.parametrize("density", DENSITIES)
+    def test_every_key_is_the_step_of_the_core_to_the_last_bit_of_float32(self, scheme, density):
         vertices, faces = graded_sphere(2)
         obj = add_object(vertices, faces)
         obj.select_set(True)
-        options = {"method": method, "density": density, "tau": 0.01, "steps": 3}
-        expected = core_result(obj, **options)
+        words = {"method": SCHEMES[scheme], "density": DENSITIES[density]}
+        expected = core_result(obj, **words, tau=0.01, steps=3)
         before = read_positions(obj.data)
-        assert run(**options) == {"FINISHED"}
+        words = {"scheme": scheme.upper(), "density": density.upper()}
+        assert run(**words, tau=0.01, steps=3) == {"FINISHED"}
         assert np.array_equal(read_positions(obj.data), before)
         for step in expected.steps:
             found = key_positions(obj, f"Fairing {step.index}")
@@ -148,8 +181,8 @@ class TestResult:
 
     def test_a_stopping_rule_ends_the_run_early(self):
         obj = noisy_sphere()
-        threshold = core_result(obj, steps=2).steps[-1].curvature_ratio + 1e-4
-        run(steps=9, stop_curvature=threshold)
+        threshold = core_result(obj, steps=2, tau=0.016).steps[-1].curvature_ratio + 1e-4
+        run(steps=9, tau=0.016, stop_curvature=threshold)
         assert obj.adaptive_fairing.stop_reason == "curvature"
         assert obj.data.shape_keys.key_blocks.keys() == ["Basis", "Fairing 1", "Fairing 2"]
 
@@ -284,3 +317,77 @@ class TestErrors:
         noisy_sphere()
         with pytest.raises(RuntimeError, match="A run is going on"):
             run()
+
+
+class TestDeletedDuringTheRun:
+    """Objects that are gone when their result arrives, or whose creation was undone."""
+
+    @pytest.fixture
+    def delete_meanwhile(self, monkeypatch):
+        def delete(doomed):
+            def steps(_operator, solves):
+                yield from run_solves(solves)
+                bpy.data.objects.remove(doomed)
+
+            monkeypatch.setattr(ModalRun, "_generator", steps)
+
+        return delete
+
+    @pytest.mark.parametrize("algorithm", ["DENOISE", "FAIR"])
+    def test_the_others_keep_their_results(self, delete_meanwhile, algorithm, capfd):
+        first, second, third = (noisy_sphere(3, name=f"Ball {i}", seed=i) for i in (1, 2, 3))
+        delete_meanwhile(second)
+        assert bpy.ops.object.adaptive_fairing(algorithm=algorithm) == {"FINISHED"}
+        assert all(each.adaptive_fairing.result for each in (first, third))
+        said = capfd.readouterr().out
+        assert "Ball 2: the object was deleted during the run" in said
+        assert f" {2 * len(first.data.vertices)} vertices" in said
+
+    @pytest.mark.parametrize("algorithm", ["DENOISE", "FAIR"])
+    def test_alone_it_is_an_error_in_one_line(self, delete_meanwhile, algorithm):
+        delete_meanwhile(noisy_sphere())
+        with pytest.raises(RuntimeError, match="Thing: the object was deleted during the run"):
+            bpy.ops.object.adaptive_fairing(algorithm=algorithm)
+
+
+@pytest.mark.parametrize("algorithm", ["DENOISE", "FAIR"])
+def test_the_vertices_that_may_move_are_counted(algorithm, capfd):
+    obj = noisy_sphere(3)
+    obj.vertex_groups.new(name="Part").add(range(100), 0.5, "REPLACE")
+    bpy.ops.object.adaptive_fairing(algorithm=algorithm, vertex_group="Part")
+    assert "d 100 vertices" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("algorithm", ["FAIR"])
+def test_no_vertex_moves_further_than_it_may_in_the_world(algorithm):
+    obj = noisy_sphere(3)
+    before = read_positions(obj.data)
+    obj.scale = (0.1, 0.1, 0.1)
+    bpy.context.view_layer.update()
+
+    def largest_move():
+        shown = shown_positions(obj)
+        return 0.1 * np.linalg.norm(shown - before, axis=1).max()
+
+    bpy.ops.object.adaptive_fairing(algorithm=algorithm)
+    free = largest_move()
+    bpy.ops.object.adaptive_fairing_discard()
+    bpy.ops.object.adaptive_fairing(algorithm=algorithm, max_deviation=free / 2)
+    assert largest_move() == pytest.approx(free / 2, rel=1e-4)
+
+
+def test_the_volume_is_kept_on_request():
+    obj = noisy_sphere()
+    triangles = read_mesh(obj.data).triangles
+
+    def volume():
+        a, b, c = np.moveaxis(shown_positions(obj).astype(float)[triangles], 1, 0)
+        return np.einsum("fi,fi->", a, np.cross(b, c)) / 6
+
+    before, changes = volume(), []
+    for keep_volume in (False, True):
+        run(radius=2.0, keep_volume=keep_volume)
+        changes.append(abs(volume() / before - 1))
+        bpy.ops.object.adaptive_fairing_discard()
+    assert changes[0] > 1e-3
+    assert changes[1] < 1e-6

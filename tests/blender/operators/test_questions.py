@@ -44,7 +44,12 @@ def stand_in(operator, **given):
     )
     class_ = type("StandIn", (), {**vars_of(operator), "properties": properties})
     made = class_()
-    for name, value in {"is_confirmed": False, "method": "auto", "result": "LIVE", **given}.items():
+    for name, value in {
+        "is_confirmed": False,
+        "algorithm": "DENOISE",
+        "result": "LIVE",
+        **given,
+    }.items():
         setattr(made, name, value)
     made.from_original = False
     made.execute = lambda context: {"FINISHED"}
@@ -85,14 +90,14 @@ def test_a_run_says_what_else_it_changes_and_keeps_its_settings():
     obj.select_set(True)
     obj.scale = (1.0, 1.0, 3.0)
     context = Window(has_undo=False)
-    run = stand_in(ASKING[0], method="uniform", steps=7, tau=0.25)
+    run = stand_in(ASKING[0], algorithm="FAIR", steps=7, tau=0.25)
     assert run.invoke(context, None) == {"CANCELLED"}
     drawn = context.menu.layout.drawn
     assert drawn.texts[1:] == ["The scale is not uniform: apply it first"]
     (answer,) = drawn.operators
-    assert answer["text"] == "Diffuse"
-    given = {name: answer[name] for name in ("method", "steps", "tau", "is_confirmed")}
-    assert given == {"method": "uniform", "steps": 7, "tau": 0.25, "is_confirmed": True}
+    assert answer["text"] == "Fair"
+    given = {name: answer[name] for name in ("algorithm", "steps", "tau", "is_confirmed")}
+    assert given == {"algorithm": "FAIR", "steps": 7, "tau": 0.25, "is_confirmed": True}
 
 
 def test_scripts_are_not_asked():

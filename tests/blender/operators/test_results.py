@@ -249,6 +249,17 @@ class TestLinkedDuplicates:
 
 
 class TestKeys:
+    @pytest.mark.parametrize("by", ["shape_key_clear", "foreign key"])
+    def test_without_its_keys_there_is_no_result_to_end(self, noisy, by):
+        paper()
+        if by == "foreign key":
+            noisy.shape_key_add(name="Smile", from_mix=False)
+        else:
+            noisy.shape_key_clear()
+        for end in ("apply", "discard", "surface", "split"):
+            with pytest.raises(RuntimeError, match="The mesh was changed since the last run"):
+                getattr(bpy.ops.object, f"adaptive_fairing_{end}")()
+
     def test_the_paper_starts_from_what_is_shown_and_keeps_the_original(self, noisy):
         before = coordinates(noisy)
         run()

@@ -20,7 +20,7 @@ FLOAT32 = 2.0**-21
 
 
 def fair_frames(**options):
-    settings = {"method": "adaptive_timestep", "steps": 2, **options}
+    settings = {"algorithm": "FAIR", "steps": 2, **options}
     frames = {"frame_start": FRAMES[0], "frame_end": FRAMES[-1]}
     return bpy.ops.object.adaptive_fairing_sequence(**{**frames, **settings})
 
@@ -50,14 +50,7 @@ def test_every_frame_is_that_of_the_command_line(bean, tmp_path):
     for frame in FRAMES:
         bpy.context.scene.frame_set(frame)
         by_operator.append(world_positions(result))
-    arguments = [
-        "--frames",
-        "3-5",
-        "--steps",
-        "2",
-        "--same-strength",
-        "--quiet",
-    ]
+    arguments = ["--frames", "3-5", "--steps", "2", "--same-strength", "--quiet"]
     out = tmp_path / "all.blend"
     assert cli.main(["fair", str(tmp_path / "bean.blend"), *arguments, "-o", str(out)]) == 0
     bpy.ops.wm.open_mainfile(filepath=str(out))
@@ -95,13 +88,13 @@ def test_the_result_takes_the_place_of_the_object(bean):
 
 def test_a_stopping_rule_of_the_first_frame_holds_for_all(bean):
     data = read_frames(bean, FRAMES)[0].data
-    settings = FairingSettings(steps=9, stop_curvature=0.8)
+    settings = FairingSettings(steps=9, tau=0.016, stop_curvature=0.8)
     n_steps = len(fair(data.vertices, data.triangles, settings).steps)
     assert 1 < n_steps < 9
     shapes = []
     for options in ({"steps": 9, "stop_curvature": 0.8}, {"steps": n_steps}):
         bpy.context.view_layer.objects.active = bean
-        assert fair_frames(**options) == {"FINISHED"}
+        assert fair_frames(tau=0.016, **options) == {"FINISHED"}
         keys = bpy.context.view_layer.objects.active.data.shape_keys.key_blocks
         shapes.append([point.co[:] for key in keys for point in key.points])
     assert shapes[0] == shapes[1]

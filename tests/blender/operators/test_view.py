@@ -18,6 +18,7 @@ from adaptive_fairing.core import (
     TriangleTopology,
     fair,
 )
+from adaptive_fairing.core.diffusion.settings import DENSITIES
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -124,10 +125,10 @@ class TestRemoved:
         show("REMOVED")
         assert numbers(obj.data, "fairing_removed") == pytest.approx(0.0, abs=1e-6)
 
-    def test_it_follows_the_slider_and_is_for_every_method(self):
+    def test_it_follows_the_slider_and_is_for_every_scheme(self):
         obj = add_selected(*icosphere(2))
-        for method in ("uniform", "adaptive_tensor"):
-            bpy.ops.object.adaptive_fairing(method=method, steps=2, tau=0.01)
+        for scheme in ("UNIFORM", "TENSOR"):
+            bpy.ops.object.adaptive_fairing(algorithm="FAIR", scheme=scheme, steps=2, tau=0.01)
             show("REMOVED")
             whole = numbers(obj.data, "fairing_removed")
             assert (whole > 0).all()
@@ -144,9 +145,7 @@ class TestFinalShapeOnly:
         return add_selected(*icosphere(2))
 
     def run(self):
-        bpy.ops.object.adaptive_fairing(
-            method="adaptive_timestep", steps=2, tau=0.01, output="FINAL_SHAPE"
-        )
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2, tau=0.01, output="FINAL_SHAPE")
 
     @pytest.mark.parametrize("field", ["DISPLACEMENT", "REMOVED"])
     def test_a_run_ends_a_view_that_has_nothing_to_compare_with(self, obj, field):
@@ -172,7 +171,7 @@ class TestFinalShapeOnly:
 class TestOtherFields:
     def test_displacement_is_measured_from_the_undeformed_mesh_to_the_shown_one(self):
         obj = add_selected(*icosphere(2))
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=4, tau=0.05)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=4, tau=0.05)
         for evolution in (0.3, 1.0):
             obj.adaptive_fairing.evolution = evolution
             show("DISPLACEMENT")
@@ -181,22 +180,24 @@ class TestOtherFields:
 
     def test_displacement_of_relative_keys(self):
         obj = add_selected(*icosphere(2))
-        bpy.ops.object.adaptive_fairing(
-            method="adaptive_timestep", steps=2, tau=0.05, output="RELATIVE_KEYS"
-        )
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2, tau=0.05, output="RELATIVE_KEYS")
         blocks = obj.data.shape_keys.key_blocks
         blocks["Fairing 1"].value, blocks["Fairing 2"].value = 0.25, 0.5
         show("DISPLACEMENT")
         moved = np.linalg.norm(shown_positions(obj) - icosphere(2)[0], axis=1)
         assert numbers(obj.data, "fairing_displacement") == pytest.approx(moved, abs=2e-7)
 
-    @pytest.mark.parametrize("kind", ["edge_length", "area"])
+    @pytest.mark.parametrize("kind", ["edge", "area"])
     def test_density_before_a_run_is_the_one_its_first_step_uses(self, kind):
         vertices, faces = ellipsoid(2, (1.0, 2.0, 3.0))
-        bpy.context.scene.adaptive_fairing.density = kind
+        bpy.context.scene.adaptive_fairing.density = kind.upper()
         obj = add_selected(vertices, faces)
         show("DENSITY")
-        expected = fair(np.float32(vertices), faces, FairingSettings(density=kind)).steps[0].density
+        expected = (
+            fair(np.float32(vertices), faces, FairingSettings(density=DENSITIES[kind]))
+            .steps[0]
+            .density
+        )
         assert numbers(obj.data, "fairing_density") == pytest.approx(expected, rel=1e-6)
 
     def test_a_cut_in_the_surface_is_no_obstacle(self):
@@ -213,7 +214,8 @@ class TestOtherFields:
 
     def test_settings_without_sense_are_said(self):
         add_selected(*icosphere(1))
-        bpy.context.scene.adaptive_fairing.tau = 0.0
+        settings = bpy.context.scene.adaptive_fairing
+        settings.use_tau, settings.tau = True, 0.0
         with pytest.raises(RuntimeError, match="tau must be"):
             show("DENSITY")
 
@@ -240,7 +242,7 @@ class TestLegend:
         obj = add_selected(*ellipsoid(2, (1.0, 2.0, 3.0)))
         show("DISPLACEMENT")
         assert list(obj.adaptive_fairing.view_range) == [0.0, 0.0]
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2)
         assert obj.adaptive_fairing.view == "DISPLACEMENT"
         assert obj.adaptive_fairing.view_range[1] > 0.0
         moved = np.linalg.norm(shown_positions(obj) - ellipsoid(2, (1.0, 2.0, 3.0))[0], axis=1)
@@ -265,7 +267,7 @@ class TestLegend:
 
     def test_the_density_of_a_run_stays(self):
         obj = add_selected(*icosphere(2))
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
         show("DENSITY")
         bpy.ops.object.adaptive_fairing_view_end()
         assert {"fairing_density", "fairing_density_color"} <= set(obj.data.attributes.keys())

@@ -55,7 +55,7 @@ class TestResult:
         copy = bpy.data.objects["Thing automatic"]
         assert np.abs(read_positions(copy.data) - result.positions).max() < 1e-6
         uniform = bpy.data.objects["Thing uniform"].adaptive_fairing
-        assert (uniform.method, len(uniform.shapes) - 1) == ("uniform", 4)
+        assert len(uniform.shapes) - 1 == 4
         labels = [each.data.body for each in bpy.data.objects if each.type == "FONT"]
         assert any(f"Noise {result.noise_level:.2g}" in label for label in labels)
 
@@ -69,17 +69,25 @@ class TestResult:
 class TestPanel:
     def test_it_asks_for_the_strength_and_for_nothing_that_is_not_used(self, noisy):
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-        assert drawn.properties == ["method", "strength"]
+        assert drawn.properties == ["algorithm", "strength"]
         assert draw(settings_panel.VIEW3D_PT_adaptive_fairing_advanced) is None
         options = draw(settings_panel.VIEW3D_PT_adaptive_fairing_options)
         assert {"features", "boundary", "result"} <= set(options.properties)
 
     def test_for_diffusion_the_radius_comes_first(self, noisy):
-        bpy.context.scene.adaptive_fairing.method = "uniform"
+        bpy.context.scene.adaptive_fairing.algorithm = "FAIR"
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-        assert drawn.properties == ["method", "radius", "steps"]
-        advanced = draw(settings_panel.VIEW3D_PT_adaptive_fairing_advanced)
-        assert advanced.properties[0] == "tau"
+        assert drawn.properties == [
+            "algorithm",
+            "scheme",
+            "radius",
+            "use_tau",
+            "steps",
+            "keep_volume",
+        ]
+        bpy.context.scene.adaptive_fairing.use_tau = True
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert drawn.properties[2:4] == ["tau", "use_tau"]
 
     def test_the_result_is_one_line_a_slider_and_the_buttons(self, noisy):
         noisy.scale = (2.0, 2.0, 2.0)
@@ -88,7 +96,7 @@ class TestPanel:
         run()
         record = noisy.adaptive_fairing
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-        assert drawn.properties == ["method", "strength"]
+        assert drawn.properties == ["algorithm", "strength"]
         noise = f"{float(f'{2 * 100 * record.noise_length:.3g}'):g} cm"
         first, last = record.shapes[0], record.shapes[record.shown]
         volume = 100 * (last.volume / first.volume - 1)
@@ -113,10 +121,10 @@ class TestPanel:
             (button,) = [each for each in drawn.operators if each["name"].endswith("_surface")]
             assert button["text"] == text
 
-    @pytest.mark.parametrize("method", ["auto", "uniform"])
-    def test_in_edit_mode_its_slider_is_there_but_stands_still(self, noisy, method):
+    @pytest.mark.parametrize("algorithm", ["DENOISE", "FAIR"])
+    def test_in_edit_mode_its_slider_is_there_but_stands_still(self, noisy, algorithm):
         run()
-        bpy.context.scene.adaptive_fairing.method = method
+        bpy.context.scene.adaptive_fairing.algorithm = algorithm
         bpy.ops.object.mode_set(mode="EDIT")
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
         assert drawn.properties.count("strength") == 1
@@ -130,7 +138,7 @@ class TestPanel:
         noisy.data.vertices[0].co.x += 1.0
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
         assert "The mesh was changed since the last run" in " ".join(drawn.texts)
-        assert drawn.properties == ["method", "strength"]
+        assert drawn.properties == ["algorithm", "strength"]
 
     def test_statistics_of_denoise_and_of_the_paper(self, noisy):
         run()
@@ -140,7 +148,7 @@ class TestPanel:
         ]
         assert f"{noisy.adaptive_fairing.radius:.2f} edges" in drawn.texts
         assert not any("τ" in text for text in drawn.texts)
-        bpy.ops.object.adaptive_fairing(method="uniform", steps=2, tau=0.001)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", scheme="UNIFORM", steps=2, tau=0.001)
         drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics)
         assert "Treated as" not in drawn.texts
         assert "2  ·  τ = 0.001" in drawn.texts
@@ -260,24 +268,14 @@ class TestRun:
         assert solve.is_cancelled
 
 
-@pytest.mark.parametrize("method", ["auto", "adaptive_timestep"])
-def test_who_waits_for_a_run_sees_its_progress_at_the_pointer(noisy, monkeypatch, method):
+@pytest.mark.parametrize("algorithm", ["DENOISE", "FAIR"])
+def test_who_waits_for_a_run_sees_its_progress_at_the_pointer(noisy, monkeypatch, algorithm):
     """In the redo panel, which blocks the window."""
     parts = []
     factor = modal_run.Progress.factor.fget
     watched = property(lambda progress: parts.append(factor(progress)) or parts[-1])
     monkeypatch.setattr(modal_run.Progress, "factor", watched)
-    run(method=method)
+    run(algorithm=algorithm)
     assert parts == sorted(parts)
     assert len(parts) >= 4
     assert parts[-1] == 1.0
-
-
-def test_numbers_in_files_keep_their_meaning():
-    items = bpy.context.scene.adaptive_fairing.bl_rna.properties["method"].enum_items
-    assert {item.identifier: item.value for item in items} == {
-        "adaptive_timestep": 0,
-        "adaptive_tensor": 1,
-        "uniform": 2,
-        "auto": 3,
-    }

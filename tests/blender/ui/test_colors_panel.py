@@ -49,15 +49,15 @@ def areas(vertices, faces):
 
 class TestDensity:
     @pytest.mark.parametrize("system", ["NONE", "METRIC", "IMPERIAL"])
-    @pytest.mark.parametrize("kind", ["edge_length", "area"])
+    @pytest.mark.parametrize("kind", ["EDGE", "AREA"])
     def test_it_is_a_length_or_an_area_of_the_world(self, sphere, system, kind):
         scene = bpy.context.scene
         scene.unit_settings.system, scene.unit_settings.scale_length = system, 0.01
         scene.adaptive_fairing.density = kind
         bpy.ops.object.adaptive_fairing_view(field="DENSITY")
         title, *values = drawn().texts[:6]
-        power = 1 if kind == "edge_length" else 2
-        measured = {"edge_length": edge_lengths, "area": areas}[kind](*graded_sphere(2))
+        power = 1 if kind == "EDGE" else 2
+        measured = {"EDGE": edge_lengths, "AREA": areas}[kind](*graded_sphere(2))
         assert title == {1: "Mean edge length", 2: "Area of the triangles"}[power] + " at a vertex"
         assert values[0].endswith("  coarse")
         assert values[-1].endswith("  dense")

@@ -41,8 +41,8 @@ def buttons():
     found |= shown_buttons()
     bpy.ops.object.adaptive_fairing_material()
     found |= shown_buttons()
-    bpy.context.scene.adaptive_fairing.method = "uniform"
-    bpy.ops.object.adaptive_fairing(method="uniform", steps=2, tau=0.001)
+    bpy.context.scene.adaptive_fairing.algorithm = "FAIR"
+    bpy.ops.object.adaptive_fairing(algorithm="FAIR", scheme="UNIFORM", steps=2, tau=0.001)
     bpy.ops.object.adaptive_fairing_animate()
     noisy.adaptive_fairing.notes = "found"
     found |= shown_buttons()

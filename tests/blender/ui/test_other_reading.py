@@ -87,9 +87,11 @@ def test_smooth_noise_is_removed_and_a_click_takes_it_for_detail():
 def test_changes_by_hand_are_not_lost_when_the_original_is_asked_for():
     obj = scanned()
     bpy.ops.object.adaptive_fairing()
+    _, (button,) = offered()
     obj.data.transform(Matrix.Translation((1, 0, 0)))
     changed = coordinates(obj)
-    press(offered()[1][0])
+    assert offered()[1] == []
+    press(button)
     np.testing.assert_array_equal(coordinates(obj), changed)
 
 
@@ -101,12 +103,34 @@ def test_it_is_forgotten_with_the_file():
     assert readings._readings == {}
 
 
-def test_another_method_and_another_object_show_nothing():
+def test_another_algorithm_and_another_object_show_nothing():
     model()
     bpy.ops.object.adaptive_fairing()
-    bpy.context.scene.adaptive_fairing.method = "uniform"
+    bpy.context.scene.adaptive_fairing.algorithm = "FAIR"
     assert offered()[1] == []
-    bpy.context.scene.adaptive_fairing.method = "auto"
+    bpy.context.scene.adaptive_fairing.algorithm = "DENOISE"
     assert len(offered()[1]) == 1
     add_object(*meshes.noisy_ball(2, 0.02))
+    assert offered()[1] == []
+
+
+def test_what_was_said_of_another_shape_is_not_shown():
+    obj = model()
+    bpy.ops.object.adaptive_fairing()
+    before = coordinates(obj)
+    obj.data.transform(Matrix.Diagonal((1, 1, 2, 1)))
+    drawn, buttons = offered()
+    assert buttons == []
+    assert not any("noise" in text for text in drawn.texts)
+    obj.data.transform(Matrix.Diagonal((1, 1, 0.5, 1)))
+    assert np.array_equal(coordinates(obj), before)
+    assert len(offered()[1]) == 1
+
+
+def test_what_was_said_of_a_result_ends_with_it():
+    scanned()
+    bpy.ops.object.adaptive_fairing()
+    bpy.context.active_object.adaptive_fairing.strength = 0.3
+    assert len(offered()[1]) == 1
+    bpy.ops.object.adaptive_fairing_discard()
     assert offered()[1] == []

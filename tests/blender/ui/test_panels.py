@@ -1,7 +1,6 @@
 """The panels: what they offer before, during and after a run, and when something is missing."""
 
 import math
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -57,9 +56,9 @@ class TestEveryPanel:
 
     @pytest.mark.parametrize("output", ["ABSOLUTE_KEYS", "RELATIVE_KEYS", "FINAL_SHAPE"])
     def test_it_can_be_drawn_after_a_run(self, panel, sphere, output):
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=2, output=output)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=2, output=output)
         bpy.ops.object.adaptive_fairing_view(field="CURVATURE")
-        bpy.context.scene.adaptive_fairing.method = "adaptive_timestep"
+        bpy.context.scene.adaptive_fairing.algorithm = "FAIR"
         has_evolution = output == "ABSOLUTE_KEYS"
         assert (draw(panel) is not None) == (has_evolution or "animation" not in panel.__name__)
 
@@ -72,10 +71,11 @@ class TestEveryPanel:
 class TestBeforeTheRun:
     def test_the_button_has_the_settings_of_the_panel(self, sphere):
         settings = bpy.context.scene.adaptive_fairing
-        settings.method, settings.steps, settings.output = "adaptive_tensor", 7, "RELATIVE_KEYS"
+        settings.algorithm, settings.scheme = "FAIR", "TENSOR"
+        settings.steps, settings.output = 7, "RELATIVE_KEYS"
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
         fair = button(drawn, "object.adaptive_fairing")
-        assert (fair["method"], fair["steps"]) == ("adaptive_tensor", 7)
+        assert (fair["algorithm"], fair["scheme"], fair["steps"]) == ("FAIR", "TENSOR", 7)
         assert fair["output"] == "RELATIVE_KEYS"
         for name in (*FAIRING_NAMES, *OUTPUT_NAMES):
             assert fair[name] == getattr(settings, name)
@@ -93,16 +93,26 @@ class TestBeforeTheRun:
     def test_the_radii_are_those_of_tau_and_the_steps(self, sphere):
         settings = bpy.context.scene.adaptive_fairing
         scale = mesh_scale.measure(sphere, settings)
-        settings.method = "adaptive_timestep"
+        settings.algorithm = "FAIR"
+        settings.use_tau = True
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing_advanced)
         radii = [*scale.radii(0.016), *scale.radii(4 * 0.016)]
         assert [f"{radius:.2f}" for radius in radii] == [
             text for text in drawn.texts if text[:1].isdigit()
         ]
+        assert "τ = 0.016" in drawn.texts
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert f"Radius on this mesh: {radii[4]:.2f} edges" in drawn.texts
+        settings.use_tau, settings.radius = False, 0.75
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert not any("Radius on" in text for text in drawn.texts)
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing_advanced)
+        table = [text for text in drawn.texts if text[:1].isdigit()]
+        assert [table[1], table[4]] == [f"{0.75 / 2:.2f}", "0.75"]
 
     def test_why_a_mesh_has_no_radius_is_shown(self):
         wire = add_object([[0, 0, 0], [1, 0, 0]], [])
-        bpy.context.scene.adaptive_fairing.method = "adaptive_timestep"
+        bpy.context.scene.adaptive_fairing.algorithm = "FAIR"
         mesh_scale.measure(wire, bpy.context.scene.adaptive_fairing)
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing_advanced)
         assert "the mesh has no triangles" in " ".join(drawn.texts)
@@ -116,7 +126,7 @@ class TestBeforeTheRun:
 def test_the_button_for_frames_has_the_scenes_range_and_the_panels_settings(sphere):
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = 11, 20
-    scene.adaptive_fairing.method, scene.adaptive_fairing.tau = "uniform", 0.25
+    scene.adaptive_fairing.algorithm, scene.adaptive_fairing.tau = "FAIR", 0.25
     scene.adaptive_fairing.same_strength = False
     drawn = draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
     found = button(drawn, "object.adaptive_fairing_sequence")
@@ -203,7 +213,7 @@ class TestAfterTheRun:
         assert not bpy.ops.object.adaptive_fairing_stop.poll()
 
     def test_numbers_of_the_run(self, sphere):
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=3, tau=0.01)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=3, tau=0.01)
         drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics)
         first, *_, last = sphere.adaptive_fairing.shapes
         text = "\n".join(drawn.texts)
@@ -214,13 +224,30 @@ class TestAfterTheRun:
         assert shown[0] == f"Before   {first.curvature_energy:.4g}"
         assert shown[-1].startswith(f"Step 3   {last.curvature_energy:.4g}   ")
         assert drawn.progress[0][0] == 1.0
-        assert "evolution" in draw(settings_panel.VIEW3D_PT_adaptive_fairing).properties
+
+    def test_below_an_evolution_are_play_density_and_h(self, sphere):
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=3)
+        settings = bpy.context.scene.adaptive_fairing
+        settings.frame_start, settings.frame_end = 7, 19
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert {"evolution", "show_energy"} <= set(drawn.properties)
+        assert drawn.progress == []
+        play = button(drawn, "object.adaptive_fairing_play")
+        assert (play["frame_start"], play["frame_end"]) == (7, 19)
+        assert button(drawn, "object.adaptive_fairing_view")["field"] == "DENSITY"
+        bpy.ops.object.adaptive_fairing_view(field="DENSITY")
+        settings.show_energy = True
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert button(drawn, "object.adaptive_fairing_view_end")["depress"]
+        energies = [shape.curvature_energy for shape in sphere.adaptive_fairing.shapes]
+        parts = [energy / max(energies) for energy in energies]
+        assert [factor for factor, _ in drawn.progress] == parts
 
     @pytest.mark.parametrize(("system", "unit"), [("NONE", ""), ("METRIC", " m")])
     def test_the_largest_move_is_a_length_of_the_world(self, sphere, system, unit):
         bpy.context.scene.unit_settings.system = system
         sphere.scale = (1000.0, 1000.0, 1000.0)
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
         bpy.context.view_layer.update()
         drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics)
         length = 1000.0 * sphere.adaptive_fairing.shapes[-1].displacement
@@ -230,12 +257,12 @@ class TestAfterTheRun:
     def test_an_open_surface_has_no_volume(self):
         obj = add_object(*open_cylinder(12, 5))
         obj.select_set(True)
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
         assert math.isnan(obj.adaptive_fairing.shapes[0].volume)
         assert "–" in draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics).texts
 
     def test_without_keys_there_is_no_slider(self, sphere):
-        options = {"method": "adaptive_timestep", "steps": 1, "output": "FINAL_SHAPE"}
+        options = {"algorithm": "FAIR", "steps": 1, "output": "FINAL_SHAPE"}
         bpy.ops.object.adaptive_fairing(**options)
         assert "evolution" not in draw(settings_panel.VIEW3D_PT_adaptive_fairing).properties
 
@@ -243,22 +270,26 @@ class TestAfterTheRun:
         vertices, faces = icosphere(1)
         vertices = np.concatenate([vertices, [[2.0, 2, 2]]])
         add_object(vertices, [*faces.tolist(), [*faces[0][:2], 42]]).select_set(True)
-        bpy.ops.object.adaptive_fairing(method="adaptive_timestep", steps=1)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
         drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics)
         assert "more than two triangles" in " ".join(drawn.texts)
 
 
-def test_the_redo_panel_offers_every_property_that_the_method_uses(sphere):
-    def offered(method):
-        stand = SimpleNamespace(bl_rna=bpy.context.scene.adaptive_fairing.bl_rna, method=method)
+def test_the_redo_panel_offers_every_property_that_the_algorithm_uses(sphere):
+    settings = bpy.context.scene.adaptive_fairing
+
+    def offered(algorithm):
+        settings.algorithm = algorithm
         layout = FakeLayout()
-        settings_layout.draw_operator(layout, stand, sphere)
+        settings_layout.draw_operator(layout, settings, sphere)
         assert len(layout.drawn.properties) == len(set(layout.drawn.properties))
         return set(layout.drawn.properties)
 
-    of_denoise = {"result", "store_density"}
-    assert offered("uniform") == {*FAIRING_NAMES, *OUTPUT_NAMES} - of_denoise
-    assert offered("auto") == {"method", *DENOISE_NAMES, *OUTPUT_NAMES} - {"output"}
+    of_fair = {"algorithm", *FAIRING_NAMES, *OUTPUT_NAMES} - {"result", "store_density"}
+    assert offered("FAIR") == of_fair - {"tau"}
+    assert offered("DENOISE") == {"algorithm", *DENOISE_NAMES, *OUTPUT_NAMES} - {"output"}
+    settings.use_tau = True
+    assert offered("FAIR") == of_fair - {"radius"}
 
 
 def test_menus_run_with_the_settings_of_the_scene(sphere):
@@ -268,13 +299,14 @@ def test_menus_run_with_the_settings_of_the_scene(sphere):
         layout = FakeLayout()
 
     settings = bpy.context.scene.adaptive_fairing
-    settings.method, settings.steps = "uniform", 9
+    settings.steps = 9
     menus.draw_object_menu(Stand(), FakeContext())
     drawn = Stand.layout.drawn
-    denoise, diffuse = [
-        each for each in drawn.operators if each["name"] == "object.adaptive_fairing"
-    ]
-    assert (denoise["method"], diffuse["method"], diffuse["steps"]) == ("auto", "uniform", 9)
-    words = f"{denoise['text']} {diffuse['text']}".lower()
+    denoise, fair = [each for each in drawn.operators if each["name"] == "object.adaptive_fairing"]
+    assert (denoise["algorithm"], fair["algorithm"], fair["steps"]) == ("DENOISE", "FAIR", 9)
+    words = f"{denoise['text']} {fair['text']}".lower()
     assert all(word in words for word in ("noise", "smooth", "fair", "scan"))
-    assert button(drawn, "object.adaptive_fairing_compare")["steps"] == 9
+    settings.algorithm = "FAIR"
+    menus.draw_object_menu(Stand(), FakeContext())
+    assert drawn.operators[-2]["name"] == "object.adaptive_fairing_compare"
+    assert drawn.operators[-2]["steps"] == 9

@@ -37,13 +37,14 @@ def test_blender_finds_the_folder():
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_a_preset_that_comes_along_sets_scheme_and_density_whatever_was_set(path):
     found = []
-    for method, density, passes, steps in (
-        ("uniform", "area", 9, 1),
-        ("adaptive_tensor", "edge_length", 0, 7),
+    for scheme, density, passes, steps in (
+        ("UNIFORM", "AREA", 9, 1),
+        ("TENSOR", "EDGE", 0, 7),
     ):
         settings = bpy.context.scene.adaptive_fairing
-        settings.method, settings.density, settings.density_passes = method, density, passes
-        settings.steps, settings.tau = steps, 0.3
+        settings.scheme, settings.density, settings.density_passes = scheme, density, passes
+        settings.steps, settings.radius, settings.tau = steps, 0.7, 0.3
+        settings.use_tau = scheme == "TENSOR"
         assert execute(path) == {"FINISHED"}
         found.append(solver_settings(settings))
     assert found[0] == found[1]
@@ -51,16 +52,16 @@ def test_a_preset_that_comes_along_sets_scheme_and_density_whatever_was_set(path
 
 def test_one_leads_back_to_denoise():
     settings = bpy.context.scene.adaptive_fairing
-    settings.method, settings.strength, settings.features = "uniform", 1.7, "sharp"
+    settings.algorithm, settings.strength, settings.features = "FAIR", 1.7, "sharp"
     (path,) = [path for path in SHIPPED if path.stem == "Denoise"]
     execute(path)
     assert solver_settings(settings) == DenoiseSettings()
 
 
-def test_the_papers_head_is_the_default():
-    (path,) = [path for path in SHIPPED if path.stem == "Diffusion_Paper_Head"]
+def test_the_papers_head_has_the_papers_tau():
+    (path,) = [path for path in SHIPPED if path.stem == "Fairing_Paper_Head"]
     execute(path)
-    assert solver_settings(bpy.context.scene.adaptive_fairing) == FairingSettings()
+    assert solver_settings(bpy.context.scene.adaptive_fairing) == FairingSettings(tau=0.016)
 
 
 def test_a_preset_of_ones_own_brings_every_setting_back(tmp_path, monkeypatch):
@@ -68,7 +69,8 @@ def test_a_preset_of_ones_own_brings_every_setting_back(tmp_path, monkeypatch):
         bpy.utils, "user_resource", lambda *_, path="", **__: _made(tmp_path / path)
     )
     settings = bpy.context.scene.adaptive_fairing
-    settings.method, settings.tau, settings.steps = "adaptive_tensor", 0.0107, 9
+    settings.algorithm, settings.scheme, settings.steps = "FAIR", "TENSOR", 9
+    settings.use_tau, settings.tau = True, 0.0107
     settings.boundary, settings.stop_rate = "free", 0.25
     wanted = solver_settings(settings)
     assert bpy.ops.object.adaptive_fairing_preset_add(name="Mine") == {"FINISHED"}

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import bpy
 
-from ...properties import CONTEXT
+from ...run_properties import CONTEXT
 
 
 def languages() -> dict[str, dict[str, str]]:

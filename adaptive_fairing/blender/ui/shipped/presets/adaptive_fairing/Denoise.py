@@ -4,7 +4,7 @@ import bpy
 
 settings = bpy.context.scene.adaptive_fairing
 
-settings.method = "auto"
+settings.algorithm = "DENOISE"
 settings.strength = 1.0
 settings.features = "auto"
 settings.clean = "keep"

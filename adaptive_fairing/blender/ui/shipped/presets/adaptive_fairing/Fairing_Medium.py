@@ -4,8 +4,10 @@ import bpy
 
 settings = bpy.context.scene.adaptive_fairing
 
-settings.method = "adaptive_timestep"
-settings.tau = 0.0107
+settings.algorithm = "FAIR"
+settings.scheme = "TIMESTEP"
+settings.use_tau = False
+settings.radius = 0.47
 settings.steps = 4
-settings.density = "area"
+settings.density = "AREA"
 settings.density_passes = 3

@@ -4,8 +4,10 @@ import bpy
 
 settings = bpy.context.scene.adaptive_fairing
 
-settings.method = "adaptive_timestep"
+settings.algorithm = "FAIR"
+settings.scheme = "TIMESTEP"
+settings.use_tau = True
 settings.tau = 0.025
 settings.steps = 3
-settings.density = "edge_length"
+settings.density = "EDGE"
 settings.density_passes = 3

@@ -1,4 +1,4 @@
-"""What τ means on the mesh, and a τ from a wanted radius."""
+"""What τ and the radius mean on the mesh at hand, as the panel looks it up."""
 
 import bpy
 import pytest
@@ -9,14 +9,16 @@ from support.objects import add_object
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh
 from adaptive_fairing.blender.operators import mesh_scale
 from adaptive_fairing.core import FairingSettings
-from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale, suggest_tau
+from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale
 
 pytestmark = pytest.mark.usefixtures("addon")
 
 
 @pytest.fixture
 def obj():
-    return add_object(*graded_sphere(2))
+    obj = add_object(*graded_sphere(2))
+    obj.select_set(True)
+    return obj
 
 
 @pytest.fixture
@@ -24,46 +26,51 @@ def settings():
     return bpy.context.scene.adaptive_fairing
 
 
-@pytest.mark.parametrize("method", ["uniform", "adaptive_timestep"])
-@pytest.mark.parametrize("density", ["edge_length", "area"])
-def test_the_suggested_tau_gives_the_wanted_radius(obj, settings, method, density):
-    settings.method, settings.density = method, density
-    settings.radius, settings.steps = 2.5, 3
-    assert bpy.ops.object.adaptive_fairing_suggest_tau() == {"FINISHED"}
-    data = read_mesh(obj.data)
-    scale = radius_scale(
-        data.vertices, data.triangles, FairingSettings(method=method, density=density)
-    )
-    assert scale.radii(3 * settings.tau)[1] == pytest.approx(2.5, rel=1e-6)
-
-
-def test_the_mesh_is_measured_anew(obj, settings):
-    bpy.ops.object.adaptive_fairing_suggest_tau()
-    before = mesh_scale.known_scale(obj, settings)
-    obj.data.transform(Matrix.Diagonal((1.0, 1.0, 3.0, 1.0)))
+def known_now(obj, settings):
     assert bpy.ops.object.adaptive_fairing_measure() == {"FINISHED"}
-    assert mesh_scale.known_scale(obj, settings).radii(0.01) != before.radii(0.01)
+    return mesh_scale.known_scale(obj, settings)
 
 
-def test_it_works_in_edit_mode_on_what_was_edited(obj, settings):
+def test_it_is_the_cores(obj, settings):
+    data = read_mesh(obj.data)
+    expected = radius_scale(data.vertices, data.triangles, FairingSettings())
+    assert known_now(obj, settings) == expected
+
+
+def test_in_edit_mode_nothing_is_known(obj, settings):
+    mesh_scale.measure(obj, settings)
     bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.adaptive_fairing_suggest_tau()
-    assert obj.mode == "EDIT"
-    data_size = mesh_scale.known_scale(obj, settings)
-    assert data_size is not None
+    assert mesh_scale.known_scale(obj, settings) is None
+    with pytest.raises(RuntimeError, match="Leave Edit Mode to measure the mesh"):
+        bpy.ops.object.adaptive_fairing_measure()
 
 
 def test_a_mesh_without_faces_is_refused():
     add_object([[0, 0, 0], [1, 0, 0]], [])
     with pytest.raises(RuntimeError, match="the mesh has no triangles"):
-        bpy.ops.object.adaptive_fairing_suggest_tau()
+        bpy.ops.object.adaptive_fairing_measure()
 
 
 def test_without_a_mesh_it_says_so():
     with pytest.raises(RuntimeError, match="Make a mesh object active"):
-        bpy.ops.object.adaptive_fairing_suggest_tau()
+        bpy.ops.object.adaptive_fairing_measure()
+
+
+@pytest.mark.parametrize("scheme", ["UNIFORM", "TIMESTEP", "TENSOR"])
+@pytest.mark.parametrize("density", ["EDGE", "AREA"])
+@pytest.mark.parametrize("normalize", ["BOX", "NONE"])
+def test_the_radius_that_is_set_is_what_runs(obj, settings, scheme, density, normalize):
+    """For every change of mesh, steps and density: nothing is remembered between runs."""
+    settings.algorithm, settings.scheme, settings.density = "FAIR", scheme, density
+    settings.normalize = normalize
+    for radius, steps in ((0.8, 2), (0.3, 3)):
+        obj.data.transform(Matrix.Diagonal((1.0, 1.3, 2.0, 1.0)))
+        scale = known_now(obj, settings)
+        words = {"scheme": scheme, "density": density, "normalize": normalize}
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", radius=radius, steps=steps, **words)
+        ran = scale.radii(steps * obj.adaptive_fairing.tau)[1]
+        assert ran == pytest.approx(radius, rel=1e-5)
+        bpy.ops.object.adaptive_fairing_discard()
 
 
 class TestMemory:
@@ -74,8 +81,21 @@ class TestMemory:
 
     def test_another_density_is_another_scale(self, obj, settings):
         mesh_scale.measure(obj, settings)
-        settings.density = "area"
+        settings.density = "AREA"
         assert mesh_scale.known_scale(obj, settings) is None
+
+    def test_another_shape_is_another_scale(self, obj, settings):
+        mesh_scale.measure(obj, settings)
+        obj.data.vertices[0].co.x += 0.1
+        assert mesh_scale.known_scale(obj, settings) is None
+
+    def test_what_is_shown_counts_or_the_original(self, obj, settings):
+        before = mesh_scale.measure(obj, settings)
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", radius=2.0)
+        assert mesh_scale.known_scale(obj, settings) is None
+        assert mesh_scale.measure(obj, settings) != before
+        settings.from_original = True
+        assert mesh_scale.measure(obj, settings) == before
 
     def test_tau_and_steps_do_not_matter(self, obj, settings):
         scale = mesh_scale.measure(obj, settings)
@@ -104,13 +124,3 @@ class TestMemory:
     def test_a_large_mesh_is_not_measured_unasked(self, obj, settings, monkeypatch):
         monkeypatch.setattr(mesh_scale, "LARGEST_UNASKED", 10)
         assert not mesh_scale.measure_soon(obj, settings)
-
-
-def test_tau_follows_the_radius_of_a_paper_method(obj, settings):
-    settings.method = "adaptive_timestep"
-    settings.radius = 0.8
-    first = settings.tau
-    scale = mesh_scale.known_scale(obj, settings)
-    assert first == pytest.approx(suggest_tau(scale, 0.8, settings.steps), rel=1e-6)
-    settings.radius = 1.6
-    assert settings.tau == pytest.approx(4 * first, rel=1e-5)
