@@ -81,14 +81,12 @@ def frame_views(objects: list[bpy.types.Object]) -> None:
                 space = area.spaces.active
                 space.shading.light = "STUDIO"
                 space.shading.color_type = "VERTEX"
-                # Highlights would hide the dark colours of dense parts.
-                space.shading.show_specular_highlight = False
                 space.clip_start, space.clip_end = 1e-3 * size, 1e2 * size
                 view = space.region_3d
                 view.view_location = 0.5 * (low + high)
                 view.view_rotation = Vector((0.3, -1.0, 0.15)).to_track_quat("Z", "Y")
-                # With the usual 50 mm it then sees 1.4 times their size across the middle.
-                view.view_distance = size * space.lens / 50.0
+                # With the usual 50 mm it then sees 1.2 times their size across the middle.
+                view.view_distance = 0.85 * size * space.lens / 50.0
 
 
 def _corners(objects: list[bpy.types.Object]) -> tuple[Vector, Vector]:
