@@ -1,5 +1,6 @@
 """Attributes of every type and domain, read as arrays and written back."""
 
+import bpy
 import numpy as np
 import pytest
 from support.meshes import icosphere
@@ -15,6 +16,9 @@ from adaptive_fairing.blender.data.attribute_arrays import (
     remove_attributes,
     write_attribute,
 )
+
+KNOWN = bpy.types.Attribute.bl_rna.properties["data_type"].enum_items.keys()
+KINDS = [kind for kind in STORAGE if kind in KNOWN]  # Blender 4.2 has fewer
 
 
 @pytest.fixture
@@ -36,7 +40,7 @@ def random_values(kind, size):
 
 
 @pytest.mark.parametrize("domain", ["POINT", "EDGE", "FACE", "CORNER"])
-@pytest.mark.parametrize("kind", STORAGE)
+@pytest.mark.parametrize("kind", KINDS)
 def test_what_was_written_is_read_again(mesh, kind, domain):
     if kind == "QUATERNION":
         values = np.tile(np.float32([1, 0, 0, 0]), (size_of(mesh, domain), 1))

@@ -1,0 +1,138 @@
+"""Results that are stored, shown, refined by a second run, kept and undone."""
+
+import bpy
+import numpy as np
+import pytest
+from support.meshes import icosphere
+from support.objects import add_object, everything, key_positions
+from support.objects import shown_positions as evaluated
+
+from adaptive_fairing.blender.data import results
+from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
+from adaptive_fairing.core import InputError
+
+pytestmark = pytest.mark.usefixtures("addon")
+
+STRENGTHS = [0.5, 1.0, 2.0]
+ROUNDING = 1e-6
+
+
+@pytest.fixture
+def obj():
+    return add_object(*icosphere(1))
+
+
+def moves(obj, seed=0):
+    """Random displacements at the strengths, (k, n, 3)."""
+    shape = (len(STRENGTHS), len(obj.data.vertices), 3)
+    return np.random.default_rng(seed).normal(scale=0.1, size=shape).astype(np.float32)
+
+
+def store(obj, way, strength=1.0, seed=0, **options):
+    """Store displacements of what the object shows; give the start and the shapes."""
+    start = results.shown_positions(obj)
+    shapes = list(start + moves(obj, seed))
+    results.store_strengths(obj, start, shapes, STRENGTHS, strength, way, **options)
+    return start, shapes
+
+
+@pytest.mark.parametrize("way", ["LIVE", "MODIFIER"])
+class TestStrengths:
+    def test_each_is_shown_and_the_original_is_known(self, obj, way):
+        start, shapes = store(obj, way)
+        for strength, shape in zip(STRENGTHS, shapes, strict=True):
+            obj.adaptive_fairing.strength = strength
+            np.testing.assert_allclose(results.shown_positions(obj), shape, atol=ROUNDING)
+            np.testing.assert_allclose(evaluated(obj), shape, atol=ROUNDING)
+        np.testing.assert_array_equal(results.original_positions(obj), start)
+
+    def test_a_second_run_adds_to_the_first_and_0_stays_the_first_original(self, obj, way):
+        start, first = store(obj, way)
+        second_start, second = store(obj, way, seed=1)
+        np.testing.assert_allclose(second_start, first[1], atol=ROUNDING)
+        np.testing.assert_allclose(results.shown_positions(obj), second[1], atol=ROUNDING)
+        obj.adaptive_fairing.strength = 0.0
+        np.testing.assert_allclose(results.shown_positions(obj), start, atol=ROUNDING)
+        obj.adaptive_fairing.strength = 0.5  # half of each run
+        expected = first[0] + (second[0] - second_start)
+        np.testing.assert_allclose(results.shown_positions(obj), expected, atol=ROUNDING)
+
+    def test_from_the_original_an_earlier_run_does_not_count(self, obj, way):
+        start, _ = store(obj, way)
+        shapes = list(start + moves(obj, 1))
+        results.store_strengths(obj, start, shapes, STRENGTHS, 1.0, way, from_original=True)
+        np.testing.assert_allclose(results.shown_positions(obj), shapes[1], atol=ROUNDING)
+
+    def test_kept_only_the_shape_is_left(self, obj, way):
+        plain = everything(obj)
+        _, shapes = store(obj, way)
+        results.apply(obj)
+        assert not results.has_result(obj)
+        np.testing.assert_allclose(read_mesh_coordinates(obj.data), shapes[1], atol=ROUNDING)
+        assert {**everything(obj), "coordinates": plain["coordinates"]} == plain
+        assert len(obj.modifiers) == len(bpy.data.node_groups) == 0
+
+    def test_discarded_all_is_as_before(self, obj, way):
+        before = everything(obj)
+        store(obj, way)
+        store(obj, way, seed=1)
+        results.discard(obj)
+        assert everything(obj) == before
+        assert obj.adaptive_fairing.result == ""
+
+    def test_somebody_else_s_edit_makes_it_stale(self, obj, way):
+        store(obj, way)
+        assert results.has_result(obj) and not results.is_stale(obj)
+        obj.data.vertices[0].co.x += 1.0
+        assert results.is_stale(obj) and not results.has_result(obj)
+        with pytest.raises(InputError, match="no result"):
+            results.discard(obj)
+
+    def test_a_plane_shows_the_original_behind_it(self, obj, way):
+        start, shapes = store(obj, way)
+        results.show_split(obj, (0.0, 0.0, 1.0), (0.0, 0.0, 0.05))
+        expected = np.where(start[:, 2:] < np.float32(0.05), start, shapes[1])
+        np.testing.assert_allclose(evaluated(obj), expected, atol=ROUNDING)
+
+
+class TestSteps:
+    @pytest.mark.parametrize("output", ["ABSOLUTE_KEYS", "RELATIVE_KEYS"])
+    def test_they_are_keys_and_go_again(self, obj, output):
+        before = everything(obj)
+        start = read_mesh_coordinates(obj.data)
+        shapes = list(start + moves(obj))
+        results.store_steps(obj, start, shapes, output)
+        for number, shape in enumerate(shapes, start=1):
+            np.testing.assert_array_equal(key_positions(obj, f"Fairing {number}"), shape)
+        np.testing.assert_array_equal(results.original_positions(obj), start)
+        np.testing.assert_allclose(results.shown_positions(obj), shapes[-1], atol=ROUNDING)
+        results.discard(obj)
+        assert everything(obj) == before
+
+    def test_the_final_shape_alone_is_no_result(self, obj):
+        start = read_mesh_coordinates(obj.data)
+        shapes = list(start + moves(obj))
+        results.store_steps(obj, start, shapes, "FINAL_SHAPE")
+        np.testing.assert_array_equal(read_mesh_coordinates(obj.data), shapes[-1])
+        assert not results.has_result(obj)
+        assert results.original_positions(obj) is None
+
+    def test_of_a_shape_that_was_denoised_before_the_first_original_is_kept(self, obj):
+        original = read_mesh_coordinates(obj.data)
+        _, denoised = store(obj, "LIVE")
+        results.store_steps(obj, denoised[1], list(denoised[1] + moves(obj, 2)), "ABSOLUTE_KEYS")
+        np.testing.assert_array_equal(results.original_positions(obj), original)
+        results.discard(obj)
+        np.testing.assert_array_equal(read_mesh_coordinates(obj.data), original)
+
+
+def test_all_keys_of_the_user_move_along_when_a_modifier_s_result_is_kept(obj):
+    obj.shape_key_add(name="Basis", from_mix=False)
+    obj.shape_key_add(name="Smile", from_mix=False).points[2].co.z += 1.0
+    obj.data.shape_keys.key_blocks["Smile"].value = 0.0
+    before = {name: key_positions(obj, name) for name in ("Basis", "Smile")}
+    start, shapes = store(obj, "MODIFIER")
+    results.apply(obj)
+    for name, positions in before.items():
+        expected = positions + (shapes[1] - start)
+        np.testing.assert_allclose(key_positions(obj, name), expected, atol=ROUNDING)
