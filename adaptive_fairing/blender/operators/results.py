@@ -43,6 +43,14 @@ def result_refusal(context: bpy.types.Context) -> str | None:
     return "The mesh was changed since the last run: its stored result does not fit any more"
 
 
+def result_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
+    """Give the active object and, in Object Mode, the other selected ones that have a result."""
+    active = context.active_object
+    selected = context.selected_objects if active.mode == "OBJECT" else []
+    meshes = [obj for obj in selected if obj.type == "MESH" and obj != active]
+    return [active, *(obj for obj in meshes if obj.adaptive_fairing.result)]
+
+
 class _OnResult:
     """Mix-in: works on the result of the active object."""
 
@@ -52,24 +60,27 @@ class _OnResult:
     def poll(cls, context):
         return is_allowed(cls, result_refusal(context), busy_refusal())
 
-    def finish(self, context, action):
-        """Do something with the result in Object Mode, and come back."""
+    def finish(self, context, action, objects=None):
+        """Do something with the results of objects in Object Mode, and come back."""
         from ...core import FairingError
 
-        obj = context.active_object
+        objects, problems = objects or [context.active_object], []
         prepare_undo(context)
         with object_mode(context):
-            end_comparison(obj.adaptive_fairing)
-            try:
-                action(obj)
-            except FairingError as error:
-                self.report({"ERROR"}, str(error))
-                return {"CANCELLED"}
-        return {"FINISHED"}
+            for obj in objects:
+                end_comparison(obj.adaptive_fairing)
+                try:
+                    action(obj)
+                except FairingError as error:
+                    problems.append(f"{obj.name}: {error}")
+        is_done = len(problems) < len(objects)
+        for problem in problems:
+            self.report({"WARNING"} if is_done else {"ERROR"}, problem)
+        return {"FINISHED"} if is_done else {"CANCELLED"}
 
 
 class _EndOfResult(Asking, _OnResult):
-    """Mix-in: after this the result is no more."""
+    """Mix-in: after this the results of all selected objects are no more."""
 
     def invoke(self, context, event):
         return self.ask(context, iface_(self.bl_label)) or self.execute(context)
@@ -80,7 +91,7 @@ class OBJECT_OT_adaptive_fairing_apply(_EndOfResult, bpy.types.Operator):
     bl_label = "Apply"
     bl_description = (
         "Keep the shape as it is shown and remove everything else that the runs have left: stored "
-        "shapes, shape keys, modifier, colors"
+        "shapes, shape keys, modifier, colors. Of all selected objects"
     )
 
     def execute(self, context):
@@ -91,16 +102,19 @@ class OBJECT_OT_adaptive_fairing_apply(_EndOfResult, bpy.types.Operator):
             end_view(obj)
             apply(obj)
 
-        return self.finish(context, keep)
+        return self.finish(context, keep, result_objects(context))
 
 
 class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_discard"
     bl_label = "Discard"
-    bl_description = "Bring the mesh back to exactly what it was before the runs"
+    bl_description = (
+        "Bring the mesh back to exactly what it was before the runs. Of all selected objects"
+    )
 
     def execute(self, context):
-        return self.finish(context, lambda obj: discard_result(self, obj))
+        objects = result_objects(context)
+        return self.finish(context, lambda obj: discard_result(self, obj), objects)
 
 
 class OBJECT_OT_adaptive_fairing_surface(_OnResult, bpy.types.Operator):

@@ -19,6 +19,7 @@ from ..operators.results import (
     OBJECT_OT_adaptive_fairing_paint,
     OBJECT_OT_adaptive_fairing_split,
     OBJECT_OT_adaptive_fairing_surface,
+    result_objects,
     surface_name,
 )
 from ..properties import copy_settings
@@ -68,9 +69,24 @@ def draw_result(context: bpy.types.Context, layout) -> None:
     split.label(text="Surface")
     name = OBJECT_OT_adaptive_fairing_surface.bl_idname
     split.operator_menu_enum(name, "surface", text=iface_(surface_name(record)))
-    row = column.row(align=True)
-    row.operator(OBJECT_OT_adaptive_fairing_apply.bl_idname, icon="CHECKMARK")
-    row.operator(OBJECT_OT_adaptive_fairing_discard.bl_idname, icon="X")
+    _draw_ends(context, column)
+
+
+def _draw_ends(context, column) -> None:
+    """Draw the buttons that end a result, and of how many objects."""
+    n_objects = len(result_objects(context))
+    buttons = column.row(align=True) if n_objects == 1 else column.column(align=True)
+    for operator, icon in (
+        (OBJECT_OT_adaptive_fairing_apply, "CHECKMARK"),
+        (OBJECT_OT_adaptive_fairing_discard, "X"),
+    ):
+        text = iface_(operator.bl_label)
+        if n_objects > 1:
+            text = iface_("{:s} {:d} Objects").format(text, n_objects)
+        buttons.operator(operator.bl_idname, text=text, icon=icon)
+    if n_objects > 1:
+        hint = iface_("Alt at a slider moves those of all selected objects")
+        draw_lines(context, column, hint, icon="INFO")
 
 
 def _draw_slider(context, column, record) -> None:

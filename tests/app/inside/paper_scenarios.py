@@ -136,7 +136,7 @@ def evolution(stage: Stage) -> Scenario:
 
 def delete_one_of_three(stage: Stage) -> Scenario:
     """Delete one of three objects during their run; Ctrl Z brings it back afterwards."""
-    add_noisy("ico_sphere", 0.01, "DENOISE", subdivisions=5)
+    add_noisy("ico_sphere", 0.01, "DENOISE", subdivisions=6)
     for name in ("Second", "Third"):
         with stage.context():
             bpy.ops.object.duplicate()
@@ -144,7 +144,9 @@ def delete_one_of_three(stage: Stage) -> Scenario:
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.ed.undo_push(message="Three")
     yield from press_fairing(stage)
-    with stage.context(), bpy.context.temp_override(selected_objects=[bpy.data.objects["Second"]]):
+    for obj in bpy.data.objects:
+        obj.select_set(obj.name == "Second")
+    with stage.context():
         bpy.ops.object.delete("EXEC_DEFAULT", True)
     yield stage.until(lambda: not stage.is_running(), 200, "end of the run")
     yield 1.0

@@ -307,3 +307,41 @@ class TestKeys:
         bpy.ops.object.adaptive_fairing_apply()
         assert noisy.data.shape_keys is None
         assert near(coordinates(noisy), shown)
+
+
+class TestSeveralObjects:
+    @pytest.fixture
+    def three(self, noisy):
+        for name in ("Second", "Clean"):
+            copy = noisy.copy()
+            copy.name, copy.data = name, noisy.data.copy()
+            bpy.context.scene.collection.objects.link(copy)
+            copy.select_set(name == "Second")
+        run()
+        bpy.data.objects["Clean"].select_set(True)
+        return [noisy, bpy.data.objects["Second"], bpy.data.objects["Clean"]]
+
+    @pytest.mark.parametrize("end", ["apply", "discard"])
+    def test_a_result_ends_on_all_that_are_selected_and_have_one(self, three, end):
+        shown = [coordinates(obj) for obj in three]
+        original = shown[2]
+        assert getattr(bpy.ops.object, f"adaptive_fairing_{end}")() == {"FINISHED"}
+        for obj, positions in zip(three, shown, strict=True):
+            assert obj.adaptive_fairing.result == ""
+            expected = positions if end == "apply" else original
+            assert np.array_equal(coordinates(obj), expected)
+
+    def test_one_that_was_changed_keeps_its_changes(self, three, capfd):
+        first, second, _ = three
+        second.data.vertices[0].co.x += 1.0
+        changed = coordinates(second)
+        assert bpy.ops.object.adaptive_fairing_discard() == {"FINISHED"}
+        assert first.adaptive_fairing.result == ""
+        assert np.array_equal(coordinates(second), changed)
+        assert "Second: there is no result on this object" in capfd.readouterr().out
+
+    def test_one_that_is_not_selected_keeps_its_result(self, three):
+        first, second, _ = three
+        second.select_set(False)
+        bpy.ops.object.adaptive_fairing_discard()
+        assert (first.adaptive_fairing.result, second.adaptive_fairing.result) == ("", "LIVE")

@@ -87,6 +87,20 @@ class TestBeforeTheRun:
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
         assert button(drawn, "object.adaptive_fairing")["text"] == "Denoise 2 Objects"
 
+    def test_apply_and_discard_count_the_objects_too(self, sphere):
+        add_object(*graded_sphere(2), name="Second").select_set(True)
+        sphere.select_set(True)
+        ends = ("object.adaptive_fairing_apply", "object.adaptive_fairing_discard")
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        texts = [button(drawn, name)["text"] for name in ends]
+        assert texts == ["Apply 2 Objects", "Discard 2 Objects"]
+        bpy.data.objects["Second"].select_set(False)
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        bpy.context.view_layer.objects.active = sphere
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert [button(drawn, name)["text"] for name in ends] == ["Apply", "Discard"]
+
     def test_no_result_is_shown(self, sphere):
         assert draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics) is None
 
