@@ -67,12 +67,14 @@ def grey_material():
 
 def prepare_render(scene, objects, size, samples):
     """Add a camera that sees all objects, and lights; choose Cycles, and the size in pixels."""
+    import _cycles  # exists once bpy has been imported
+
     scene.camera = add_camera(scene, objects, size[0] / size[1])
     add_lights(scene)
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
     scene.cycles.samples = samples
-    scene.cycles.use_denoising = True
+    scene.cycles.use_denoising = _cycles.with_openimagedenoise  # not in every build of Blender
     scene.render.resolution_x, scene.render.resolution_y = size
     scene.render.resolution_percentage = 100
     scene.render.dither_intensity = 0.0
