@@ -20,6 +20,7 @@ from .gltf import inspect_gltf
 from .obj import inspect_obj
 from .ply import inspect_ply
 from .stl import inspect_stl
+from .usd import inspect_usd
 
 _INSPECTORS: Mapping[str, Callable[[Path], Contents]] = {
     ".obj": inspect_obj,
@@ -28,6 +29,10 @@ _INSPECTORS: Mapping[str, Callable[[Path], Contents]] = {
     ".glb": inspect_gltf,
     ".gltf": inspect_gltf,
     ".fbx": inspect_fbx,
+    ".usd": inspect_usd,
+    ".usda": inspect_usd,
+    ".usdc": inspect_usd,
+    ".usdz": inspect_usd,
 }
 
 

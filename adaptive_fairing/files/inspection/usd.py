@@ -1,0 +1,102 @@
+"""Look at a .usd file, text or binary, or a package of them: the faces of its meshes.
+
+Blender's importer believes the counts of corners. Where they contradict the corners it reads
+beyond them: another result at every run, or the end of the process.
+"""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .contents import Contents, DamagedError, refuse_unknown_vertices
+
+_ZIP, _TEXT = b"PK\3\4", b"#usda"
+
+_DEFINITION = re.compile(rb"^[ \t]*(?:def|over|class)\b[^\n]*", re.MULTILINE)
+_NAME = re.compile(rb'"([^"]*)"')
+
+
+class Faces(NamedTuple):
+    """Faces of a mesh: its name, how many corners each has, the corners, the number of points."""
+
+    mesh: str
+    counts: NDArray[np.int64]
+    corners: NDArray[np.int64]
+    n_points: int | None
+
+
+def inspect_usd(path: Path) -> Contents:
+    """Check that the corners of all faces are there; what changes in time is not looked at."""
+    for faces in _meshes(path.read_bytes()):
+        _check(faces)
+    return Contents()
+
+
+def _meshes(data: bytes) -> Iterator[Faces]:
+    if data.startswith(_ZIP):
+        try:
+            with zipfile.ZipFile(BytesIO(data)) as package:
+                for name in package.namelist():
+                    if Path(name).suffix.lower() in (".usd", ".usda", ".usdc"):
+                        yield from _meshes(package.read(name))
+        except (zipfile.BadZipFile, NotImplementedError, EOFError, ValueError) as error:
+            raise DamagedError(f"its package is damaged ({error})") from error
+    elif data.startswith(_TEXT):
+        yield from _meshes_of_text(data)
+
+
+def _check(faces: Faces) -> None:
+    bad = np.flatnonzero(faces.counts < 0)
+    if len(bad):
+        raise DamagedError(f"{len(bad)} faces of {faces.mesh!r} have less than no corners")
+    promised, there = int(faces.counts.sum()), len(faces.corners)
+    if promised != there:
+        raise DamagedError(
+            f"its faceVertexCounts of {faces.mesh!r} promise {promised} corners of faces, {there} "
+            "are there"
+        )
+    if faces.n_points is not None:
+        face_of = np.repeat(np.arange(len(faces.counts)), faces.counts)
+        is_bad = (faces.corners < 0) | (faces.corners >= faces.n_points)
+        refuse_unknown_vertices(np.unique(face_of[is_bad]), faces.n_points)
+
+
+def _meshes_of_text(data: bytes) -> Iterator[Faces]:
+    heads = list(_DEFINITION.finditer(data))
+    for head, following in zip(heads, [*heads[1:], None], strict=True):
+        # The numbers of a mesh stand above what else is in it.
+        body = data[head.end() : following.start() if following else len(data)]
+        counts, corners = (
+            _list(body, rb"int[] faceVertexCounts"), _list(body, rb"int[] faceVertexIndices")
+        )  # fmt: skip
+        if counts is None or corners is None:
+            continue
+        name = _NAME.search(head[0])
+        points = _list(body, rb"point3f[] points")
+        yield Faces(
+            name[1].decode("utf-8", "replace") if name else "a mesh",
+            _whole_numbers(counts),
+            _whole_numbers(corners),
+            None if points is None else points.count(b"("),
+        )
+
+
+def _list(body: bytes, name: bytes) -> bytes | None:
+    """Find the text between the brackets of a list."""
+    found = re.search(rb"\b" + re.escape(name) + rb"\s*=\s*\[([^\]]*)\]", body)
+    return None if found is None else found[1]
+
+
+def _whole_numbers(text: bytes) -> NDArray[np.int64]:
+    try:
+        return np.array(text.replace(b",", b" ").split(), dtype=np.bytes_).astype(np.int64)
+    except (ValueError, OverflowError) as error:
+        raise DamagedError("a face has text where a whole number should be") from error
