@@ -1,12 +1,13 @@
-"""Run the command line on malformed files of every format, and print what became of them.
+"""Run the command line on malformed and odd files of every format, and print what became of them.
 
     python -m benchmarks.attack [--count 500] [--seed 0] [--alone 40]
 
-The files are made from one mesh: cut, with changed bytes or bits, with other numbers in their text,
-with pieces taken out, doubled or filled with zeros. All of them are a batch; those that ended a
-worker process, and some others, are run alone as well. Exit status 1 if anything is wrong: a status
-other than 0 and 1, a message of several lines, an output that is not whole or not finite, a draft
-that is left.
+The files are made from one mesh: as it is, cut, with changed bytes or bits, with other numbers in
+their text, with pieces taken out, doubled or filled with zeros. All of them are a batch; those that
+ended a worker process, and some others, are run alone as well, to outputs of all formats. Where the
+outputs go, other files have the names of what exporters write beside them. Exit status 1 if
+anything is wrong: a status other than 0 and 1, a message of several lines, an output that is not
+whole or not finite, a file that is changed, or new without an output that names it.
 """
 
 from __future__ import annotations
@@ -20,10 +21,15 @@ import sys
 import tempfile
 from collections import Counter, defaultdict
 from pathlib import Path
+from urllib.parse import unquote
 
+import bpy
 import numpy as np
 
+from adaptive_fairing.batch.plan import RECORDS
 from adaptive_fairing.blender.files.mesh_files import empty_scene, export_mesh, save_blend
+from adaptive_fairing.files.inspection import inspect
+from tests.support.folders import contents_of
 from tests.support.objects import add_rich_object
 
 from .corpus import read_mesh_file
@@ -49,8 +55,9 @@ def main() -> int:
         died = [path for path in given if outcomes.get(path.name) == DIED]
         rest = [path for path in given if path not in died]
         chosen = died + random.Random(options.seed).sample(rest, min(options.alone, len(rest)))
-        for path in chosen:
-            problems += run_alone(path, Path(folder))
+        for number, path in enumerate(chosen):
+            suffix = SUFFIXES[number % len(SUFFIXES)]
+            problems += run_alone(path, Path(folder), suffix)
         print_table(outcomes)
     print(f"\n{len(given)} files, {len(chosen)} of them alone as well; {len(problems)} problems")
     print("\n".join(problems))
@@ -64,23 +71,38 @@ def make_files(folder: Path, count: int, chance: random.Random) -> list[Path]:
     given.mkdir()
     empty_scene()
     item = add_rich_object()
+    add_texture(item)
     for suffix in SUFFIXES:
         path = sound / f"mesh{suffix}"
         if suffix == ".blend":
             save_blend(path)
         else:
             export_mesh(item, path, alone=False)
-    shutil.copy(sound / "mesh.bin", given)  # the binary buffer of .gltf is found by its name
+    for name in ("mesh.bin", "wood.png"):  # the .gltf files find them by their names
+        shutil.copy(sound / name, given)
     files = []
     for number in range(count):
         suffix = SUFFIXES[number % len(SUFFIXES)]
         data = bytearray((sound / f"mesh{suffix}").read_bytes())
-        for _ in range(chance.choice([1, 1, 2, 4])):
+        for _ in range(chance.choice([0, 1, 1, 2, 4])):
             chance.choice(ATTACKS)(data, chance)
         path = given / f"{number:04d}{suffix}"
         path.write_bytes(data)
         files.append(path)
     return files
+
+
+def add_texture(obj: bpy.types.Object) -> None:
+    """Give the first material of an object a small picture as its colour."""
+    image = bpy.data.images.new("wood", 4, 4)
+    image.pack()
+    material = obj.data.materials[0]
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    texture = nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
+    material.node_tree.links.new(texture.outputs["Color"], shader.inputs["Base Color"])
 
 
 def _cut(data: bytearray, chance: random.Random) -> None:
@@ -133,12 +155,15 @@ ATTACKS = (_cut, _flip_bits, _change_head, _lie, _lie, _take_out, _double, _zero
 def run_batch(given: list[Path], folder: Path) -> tuple[dict[str, str], list[str]]:
     """Run all files as a batch; give what became of each, and what was wrong."""
     out, report = folder / "out", folder / "report.json"
-    options = ["--format", "ply", "--jobs", "2", "--memory", "8G"]
+    add_others(out, [path.stem for path in given])
+    before = {place: contents_of(place) for place in (given[0].parent, out)}
+    options = ["--jobs", "2", "--memory", "8G"]
     run = run_program("denoise", *given, "--out-dir", out, "--report", report, *options)
-    outcomes, problems = {}, []
+    outcomes, problems, done = {}, [], []
     for mesh in json.loads(report.read_text())["meshes"]:
         name, error = Path(mesh["input"]).name, mesh["error"] or ""
         is_done = mesh["status"] == "done"
+        done += [out / mesh["output"]] if is_done else []
         outcomes[name] = FAIRED if is_done else DIED if "was ended" in error else REFUSED
         problems += [f"{name}: {each}" for each in problems_of(out / mesh["output"], is_done)]
     n_failed = sum(outcome != FAIRED for outcome in outcomes.values())
@@ -146,20 +171,64 @@ def run_batch(given: list[Path], folder: Path) -> tuple[dict[str, str], list[str
         problems.append(f"batch: status {run.status}")
     if len(run.messages) != n_failed + 1 + (n_failed > 0):
         problems.append(f"batch: {len(run.messages)} lines for {n_failed} failures")
-    return outcomes, problems + drafts_in(out)
+    for place, old in before.items():
+        problems += unannounced(place, old, done)
+    return outcomes, problems
 
 
-def run_alone(path: Path, folder: Path) -> list[str]:
-    """Run a file alone; give what was wrong."""
-    place = folder / "alone"
-    place.mkdir(exist_ok=True)
-    output = place / f"{path.name}.ply"
+def run_alone(path: Path, folder: Path, suffix: str) -> list[str]:
+    """Run a file alone, with an output of another kind; give what was wrong."""
+    place = folder / "alone" / path.name
+    add_others(place, ["out"])
+    before = contents_of(place)
+    output = place / f"out{suffix}"
     run = run_program("denoise", path, "-o", output, "--quiet")
     problems = problems_of_run(run)
     if len(run.messages) != run.status:
         problems.append(f"{len(run.messages)} lines")
     problems += problems_of(output, run.status == 0)
-    return [f"{path.name} alone: {each}" for each in problems] + drafts_in(place)
+    problems += unannounced(place, before, [output] if run.status == 0 else [])
+    return [f"{path.name} to {suffix}: {each}" for each in problems]
+
+
+def add_others(folder: Path, stems: list[str]) -> None:
+    """Make files that have the names which exporters give to companions."""
+    (folder / "textures").mkdir(parents=True)
+    names = [f"{stem}{suffix}" for stem in stems for suffix in (".bin", ".mtl")]
+    for name in [*names, "wood.png", "textures/wood.png"]:
+        (folder / name).write_text(f"{name} of another program")
+
+
+def unannounced(folder: Path, before: dict[str, bytes], outputs: list[Path]) -> list[str]:
+    """Name the files in a folder that were changed, or are there though no output names them."""
+    after = contents_of(folder)
+    changed = [name for name in before if after.get(name) != before[name]]
+    named = {
+        output.relative_to(folder).as_posix() for output in outputs if folder in output.parents
+    }
+    for name in set(named):
+        named |= companions_named_by(folder / name)
+    new = [
+        name for name in after.keys() - before.keys() - named if not name.startswith(f"{RECORDS}/")
+    ]
+    return [
+        *(f"changed: {name}" for name in changed),
+        *(f"nobody has named {name}" for name in sorted(new)),
+    ]
+
+
+def companions_named_by(output: Path) -> set[str]:
+    """Names of the files that an output says it needs."""
+    if output.suffix == ".gltf":
+        scene = json.loads(output.read_bytes())
+        items = [*scene.get("buffers", []), *scene.get("images", [])]
+        return {unquote(item["uri"]) for item in items}
+    if output.suffix == ".obj":
+        lines = output.read_text(encoding="utf-8").splitlines()
+        return {line[7:] for line in lines if line.startswith("mtllib ")}
+    if output.suffix in (".usda", ".usdc"):  # in the latter, names are packed
+        return {"textures/wood_2.png"}
+    return set()
 
 
 def problems_of(output: Path, is_done: bool) -> list[str]:
@@ -167,15 +236,13 @@ def problems_of(output: Path, is_done: bool) -> list[str]:
     if not is_done:
         return ["output in spite of an error"] if output.exists() else []
     try:
+        if output.suffix not in (".ply", ".obj", ".stl"):
+            inspect(output)
+            return []
         mesh = read_mesh_file(output)
     except Exception as error:  # whatever it is, the file is not whole
         return [str(error)]
     return [] if np.isfinite(mesh.vertices).all() else ["not finite"]
-
-
-def drafts_in(folder: Path) -> list[str]:
-    """Name what was left of files that were not finished."""
-    return [f"left: {path.name}" for path in folder.rglob(".*")]
 
 
 def print_table(outcomes: dict[str, str]) -> None:
