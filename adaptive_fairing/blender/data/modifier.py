@@ -136,7 +136,7 @@ def _add_nodes(nodes: bpy.types.NodeTree, knots: Sequence[float]) -> None:
         part.inputs["From Max"].default_value = high
         attribute = add("GeometryNodeInputNamedAttribute", index, 3)
         attribute.data_type = "FLOAT_VECTOR"
-        attribute.inputs["Name"].default_value = f"fairing_offset_{index}"
+        attribute.inputs["Name"].default_value = f".fairing_offset_{index}"
         mix = add("ShaderNodeMix", index + 1, 2)
         mix.data_type = "VECTOR"
         factor, before, after = (

@@ -14,7 +14,7 @@ from .attribute_arrays import remove_attributes
 from .stored_result import write_vectors
 
 NAME = "Adaptive Fairing Split"
-SIDE, ORIGINAL = "fairing_split", "fairing_split_original"
+SIDE, ORIGINAL = ".fairing_split", ".fairing_split_original"
 _MARK = "fairing_split"
 
 

@@ -28,7 +28,7 @@ from .vertex_groups import group_weights
 if TYPE_CHECKING:  # enabling the add-on does not load the core
     from ...core.runtime.arrays import SingleArray
 
-ORIGINAL = "fairing_original"
+ORIGINAL = ".fairing_original"
 """Vector point attribute: coordinates before the first run."""
 
 PAINT_GROUP = "Fairing"
@@ -37,7 +37,7 @@ PAINT_GROUP = "Fairing"
 
 def offset_name(index: int) -> str:
     """Name of the attribute with the offset at a strength, counted from 1."""
-    return f"fairing_offset_{index}"
+    return f".fairing_offset_{index}"
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..data import stored_result
+from ..data import hidden_attributes, stored_result
 from . import viewport
 
 _weights_before: dict[int, np.ndarray] = {}  # of the object being painted, by its session_uid
@@ -58,6 +58,7 @@ def _leave_file(*_arguments) -> None:
 
 @bpy.app.handlers.persistent
 def _enter_file(*_arguments) -> None:
+    hidden_attributes.hide()
     viewport.adopt()
 
 

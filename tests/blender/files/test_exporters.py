@@ -90,6 +90,40 @@ def test_a_modifier_is_written_where_modifiers_are_applied(noisy, tmp_path, kind
     assert same_points(written(kind, tmp_path), shown) < 1e-5
 
 
+@pytest.mark.parametrize("kind", EXPORTERS)
+@pytest.mark.parametrize("way", ["LIVE", "MODIFIER"])
+def test_nothing_internal_is_written(noisy, tmp_path, kind, way):
+    bpy.ops.object.adaptive_fairing(result=way)
+    written(kind, tmp_path)
+    names = [name for mesh in bpy.data.meshes for name in mesh.attributes.keys()]
+    assert [name for name in names if "fairing" in name] == []
+
+
+@pytest.mark.parametrize("way", ["LIVE", "MODIFIER"])
+def test_a_file_with_the_old_names_of_attributes_works_on(noisy, tmp_path, way):
+    bpy.ops.object.adaptive_fairing(result=way)
+    hidden = [name for name in noisy.data.attributes.keys() if name.startswith(".fairing")]
+    assert hidden
+    for name in hidden:
+        noisy.data.attributes[name].name = name[1:]
+    for tree in bpy.data.node_groups:
+        for node in tree.nodes:
+            if node.bl_idname == "GeometryNodeInputNamedAttribute":
+                node.inputs["Name"].default_value = node.inputs["Name"].default_value[1:]
+    name, expected = noisy.name, {}
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "old.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "old.blend"))
+    obj = bpy.data.objects[name]
+    assert hidden == [name for name in obj.data.attributes.keys() if "fairing" in name]
+    expected[1.0] = shown_positions(obj)
+    for strength in (0.0, 0.5, 1.0):
+        obj.adaptive_fairing.strength = strength
+        expected[strength] = shown_positions(obj)
+    assert np.abs(expected[1.0] - expected[0.0]).max() > 1e-3
+    middle = (expected[0.0] + expected[1.0]) / 2
+    assert np.abs(expected[0.5] - middle).max() < np.abs(expected[1.0] - middle).max()
+
+
 def test_ply_writes_the_colors_of_the_scan(noisy, tmp_path):
     """The density's colours had become the active ones."""
     paint = noisy.data.color_attributes.new("Scan", "FLOAT_COLOR", "POINT")
