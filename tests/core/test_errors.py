@@ -24,7 +24,7 @@ BAD_FAIRING = {
     "radius": [0, -1, float("nan"), float("inf"), "1", None, True],
     "steps": [0, -1, 2.0, "4", None, True],
     "density": ["edges", None],
-    "density_passes": [-1, 1.5, None],
+    "density_passes": [-1, 1.5, None, 10**9],
     "boundary": ["open", None],
     "keep_volume": [None, 1, "yes"],
     "max_deviation": [0, -1, float("nan"), "x"],
@@ -59,6 +59,22 @@ def test_bad_setting_is_refused_by_the_name_of_its_field(settings, field, value)
     assert "\n" not in str(caught.value)
 
 
+def test_numbers_of_numpy_are_settings_and_become_pythons_own():
+    settings = FairingSettings(
+        steps=np.int64(4), tau=np.float32(0.5), radius=np.float64(2), density_passes=np.uint8(3)
+    )
+    assert settings == FairingSettings(tau=0.5, radius=2.0, steps=4, density_passes=3)
+    kinds = [type(getattr(settings, name)) for name in ("steps", "tau", "radius")]
+    assert kinds == [int, float, float]
+
+
+@pytest.mark.parametrize("run", [fair, fair_steps])
+@pytest.mark.parametrize("settings", [{}, {"steps": 2}, "uniform", DenoiseSettings()])
+def test_settings_of_another_type_are_refused(run, settings):
+    with pytest.raises(SettingsError, match=r"settings must be FairingSettings\(…\), not"):
+        run(*meshes.octahedron(), settings)
+
+
 def test_unsupported_quadrature_tolerance_is_refused_by_name():
     with pytest.raises(SettingsError, match="quadrature_tolerance"):
         fair(*meshes.octahedron(), FairingSettings(quadrature_tolerance=1e-12))
@@ -82,6 +98,13 @@ def test_all_errors_have_one_base():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
+        (lambda v, f: ([[0, 0, 0], [1, 0]], f), "vertices must be an array of numbers: .+"),
+        (lambda v, f: (v.astype(str), f), "vertices must be an array of numbers, not of <U"),
+        (lambda v, f: (v * 1j, f), "vertices must be an array of numbers, not of complex128"),
+        (lambda v, f: (np.ma.masked_less(v, -0.5), f), "3 rows of vertices are masked: "),
+        (lambda v, f: (v, [*f.tolist(), [0, 1]]), "faces must be an array of numbers: .+"),
+        (lambda v, f: (v, f.astype(str)), "faces must be an array of numbers, not of <U"),
+        (lambda v, f: (v, np.ma.masked_equal(f, 0)), "4 rows of faces are masked: "),
         (lambda v, f: (v[:, :2], f), r"vertices must have shape \(n, 3\), not \(6, 2\)"),
         (lambda v, f: (v.ravel(), f), r"vertices must have shape \(n, 3\), not \(18,\)"),
         (lambda v, f: (v, f[:, :2]), r"faces must have shape \(m, 3\), not \(8, 2\)"),

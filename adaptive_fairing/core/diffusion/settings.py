@@ -28,6 +28,9 @@ DENSITIES: Mapping[str, str] = MappingProxyType({"edge": "edge_length", "area": 
 
 DEFAULT_RADIUS = 0.5
 
+# The paper takes three; a run with more than so many would hardly end.
+MOST_PASSES = 10_000
+
 # Beyond these the entries of the linear system overflow or underflow in double precision.
 TAU_RANGE = (1e-30, 1e30)
 
@@ -105,7 +108,7 @@ class FairingSettings:
         require_choice(self, "density", DENSITY_KINDS)
         require_choice(self, "boundary", BOUNDARIES)
         require_integer(self, "steps", least=1)
-        require_integer(self, "density_passes", least=0)
+        require_integer(self, "density_passes", least=0, most=MOST_PASSES)
         require_integer(self, "cg_max_iterations", least=1)
         require_number(self, "radius", above=0)
         if self.tau is not None:

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..mesh.density import mesh_density
+from ..mesh.input_checks import plain_array
 from ..mesh.solver_mesh import SolverFrame, solvable_surface
 from ..mesh.topology import TriangleTopology, checked_triangles
 from ..runtime.arrays import FloatArray
@@ -178,8 +179,8 @@ def _in_frame(
     vertices: ArrayLike, faces: ArrayLike, settings: FairingSettings
 ) -> tuple[TriangleTopology, FloatArray, float]:
     """Give the mesh as the solver sees it: topology, positions in its frame, the frame's scale."""
-    points = np.asarray(vertices, dtype=np.float64)
-    triangles = checked_triangles(np.asarray(faces), len(points))
+    points = plain_array(vertices, "vertices").astype(np.float64)
+    triangles = checked_triangles(faces, len(points))
     if not len(triangles):
         raise InputError("the mesh has no triangles: there is no surface to fair")
     surface = solvable_surface(points, triangles)

@@ -16,6 +16,7 @@ from ..mesh.density import mesh_density
 from ..problem.caller_mesh import CallerMesh
 from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import SolverProblem
+from ..problem.setting_checks import checked_settings
 from ..runtime.arrays import FloatArray
 from ..runtime.precision import SINGLE
 from .deviation import limited
@@ -50,7 +51,7 @@ def fair(
     >>> bool(result.steps[1].volume < result.steps[0].volume)  # diffusion shrinks
     True
     """
-    settings = settings or FairingSettings()
+    settings = checked_settings(settings, FairingSettings)
     steps = tuple(fair_steps(vertices, faces, settings, weights=weights, prepared=prepared))
     last = steps[-1]
     return FairingResult(steps, last.stop_reason or "steps", settings, last.initial)
@@ -96,7 +97,7 @@ def fair_steps(
 
     Source: section 3.4 of the paper.
     """
-    settings = settings or FairingSettings()
+    settings = checked_settings(settings, FairingSettings)
     mesh = CallerMesh.checked(vertices, faces, weights)
     if prepared is not None:
         prepared.require(mesh.triangles, len(mesh.points), settings.quadrature_tolerance)

@@ -15,10 +15,12 @@ from ..errors import InputError, SolverError, listed
 from ..linalg.conjugate_gradients import conjugate_gradients
 from ..linalg.successive_solves import SuccessiveSolves
 from ..mesh.density import mesh_density
+from ..mesh.input_checks import plain_array
 from ..mesh.topology import TriangleTopology
 from ..problem.caller_mesh import CallerMesh
 from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import SolverProblem
+from ..problem.setting_checks import checked_settings
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
 from .scheme import scheme_fields
 from .settings import FairingSettings
@@ -84,7 +86,7 @@ def fair_values(
 
     Source: section 3.4 of the paper, with functions instead of coordinates.
     """
-    settings = settings or FairingSettings()
+    settings = checked_settings(settings, FairingSettings)
     mesh = CallerMesh.checked(vertices, faces, weights)
     given = _checked_values(values, len(mesh.points))
     prepared = PreparedMesh.of(
@@ -109,7 +111,7 @@ def fair_values(
 
 
 def _checked_values(values: ArrayLike, n_vertices: int) -> FloatArray:
-    checked = np.array(values, dtype=np.float64)
+    checked = plain_array(values, "values").astype(np.float64)
     if checked.ndim != 2 or len(checked) != n_vertices:
         raise InputError(f"values must have shape ({n_vertices}, k), not {checked.shape}")
     bad = np.flatnonzero(~np.isfinite(checked).all(axis=1))

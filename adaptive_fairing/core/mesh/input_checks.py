@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError, listed
 from ..runtime.arrays import FloatArray, IndexArray, IntArray
@@ -14,9 +16,27 @@ LARGEST_COORDINATE = 1e39
 SMALLEST_SIZE = 1e-39
 
 
+def plain_array(values: ArrayLike, name: str) -> NDArray[Any]:
+    """Copy an array of numbers; refuse ragged rows, text and masked entries."""
+    try:
+        array = np.array(values, copy=True, subok=True)
+        # Lists of unlike numbers, such as fractions, become objects.
+        array = array.astype(np.float64) if array.dtype.kind == "O" else array
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} must be an array of numbers: {error}") from error
+    if array.dtype.kind not in "biuf":
+        raise InputError(f"{name} must be an array of numbers, not of {array.dtype}")
+    if np.ma.is_masked(array):
+        masked = np.unique(np.nonzero(np.ma.getmaskarray(array))[0])
+        raise InputError(
+            f"{len(masked)} rows of {name} are masked: {listed(masked)}; fill or leave them out"
+        )
+    return np.asarray(array)
+
+
 def checked_vertices(vertices: ArrayLike) -> FloatArray:
     """Copy positions as float64; refuse what is no (n, 3), not finite or far too large."""
-    points = np.array(vertices, dtype=np.float64)
+    points = plain_array(vertices, "vertices").astype(np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
         raise InputError(f"vertices must have shape (n, 3), not {points.shape}")
     if (np.abs(points) <= LARGEST_COORDINATE).all():
@@ -66,7 +86,7 @@ def checked_weights(weights: ArrayLike | None, n_vertices: int) -> FloatArray:
     """Copy weights as float64, by default 1; refuse what is no (n,) in [0, 1]."""
     if weights is None:
         return np.ones(n_vertices)
-    checked = np.array(weights, dtype=np.float64)
+    checked = plain_array(weights, "weights").astype(np.float64)
     if checked.shape != (n_vertices,):
         raise InputError(f"weights must have shape ({n_vertices},), not {checked.shape}")
     bad = np.flatnonzero(~((checked >= 0) & (checked <= 1)))

@@ -18,6 +18,7 @@ from scipy import sparse
 
 from ..errors import InputError, TopologyError, listed
 from ..runtime.arrays import BoolArray, IndexArray, IntArray, LongArray
+from .input_checks import plain_array
 
 
 class TriangleTopology:
@@ -158,8 +159,8 @@ class TriangleTopology:
 
 
 def checked_triangles(faces: ArrayLike, n_vertices: int) -> IntArray:
-    """Return `faces` as (m, 3) int32, or raise InputError if they cannot be vertex indices."""
-    array = np.asarray(faces)
+    """Copy `faces` as (m, 3) int32, or raise InputError if they cannot be vertex indices."""
+    array = plain_array(faces, "faces")
     if array.size == 0:
         return np.empty((0, 3), dtype=np.int32)
     if array.ndim != 2 or array.shape[1] != 3:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from ..mesh.input_checks import checked_vertices, checked_weights, require_surface
@@ -40,6 +39,6 @@ class CallerMesh(NamedTuple):
             out of range, no triangle at all.
         """
         points = checked_vertices(vertices)
-        triangles = checked_triangles(np.array(faces), len(points))
+        triangles = checked_triangles(faces, len(points))
         require_surface(points, triangles)
         return cls(points, triangles, checked_weights(weights, len(points)))

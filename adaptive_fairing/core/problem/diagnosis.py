@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from ..errors import InputError
 from ..fem.differential_geometry import THINNEST_ASPECT
+from ..mesh.input_checks import plain_array
 from ..mesh.normals import dots
 from ..mesh.solver_mesh import SolverSurface, solvable_surface
 from ..mesh.topology import checked_triangles
@@ -65,7 +66,7 @@ def find_problems(vertices: ArrayLike, faces: ArrayLike) -> MeshProblems:
     InputError
         The arrays have the wrong shape or type, or indices are out of range.
     """
-    points = np.asarray(vertices, dtype=np.float64)
+    points = plain_array(vertices, "vertices").astype(np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
         raise InputError(f"vertices must have shape (n, 3), not {points.shape}")
     triangles = checked_triangles(faces, len(points))

@@ -3,6 +3,10 @@
 from __future__ import annotations
 
 import math
+from numbers import Integral, Real
+from typing import TypeVar
+
+import numpy as np
 
 from ..errors import SettingsError
 from ..mesh.solver_mesh import FRAMES
@@ -12,29 +16,45 @@ from ..mesh.solver_mesh import FRAMES
 BOUNDARIES = ("fixed", "free")
 
 
+Settings = TypeVar("Settings")
+
+
+def checked_settings(settings: object | None, kind: type[Settings]) -> Settings:
+    """Give the settings of an algorithm, by default all as they come."""
+    if settings is None:
+        return kind()
+    if not isinstance(settings, kind):
+        raise SettingsError(f"settings must be {kind.__name__}(…), not {settings!r:.60}")
+    return settings
+
+
 def require_choice(settings: object, name: str, choices: tuple[str, ...]) -> None:
     """Require one of a few words."""
     value = getattr(settings, name)
-    if value not in choices:
+    if not (isinstance(value, str) and value in choices):
         raise SettingsError(f"{name} must be one of {', '.join(choices)}, not {value!r}")
 
 
-def require_integer(settings: object, name: str, *, least: int) -> None:
-    """Require a whole number of at least `least`."""
+def require_integer(settings: object, name: str, *, least: int, most: int | None = None) -> None:
+    """Require a whole number from `least` to `most`; keep one of numpy's as Python's own."""
     value = getattr(settings, name)
-    if isinstance(value, bool) or not isinstance(value, int) or value < least:
-        raise SettingsError(f"{name} must be a whole number of at least {least}, not {value!r}")
+    is_whole = isinstance(value, Integral) and not isinstance(value, bool)
+    if not is_whole or value < least or (most is not None and value > most):
+        bound = f"of at least {least}" if most is None else f"from {least} to {most}"
+        raise SettingsError(f"{name} must be a whole number {bound}, not {value!r}")
+    object.__setattr__(settings, name, int(value))
 
 
 def require_number(settings: object, name: str, *, above: float, below: float = math.inf) -> None:
-    """Require a number between two bounds, which are left out."""
+    """Require a number between two bounds, which are left out; keep it as Python's own."""
     value = getattr(settings, name)
-    is_number = isinstance(value, (int, float)) and not isinstance(value, bool)
+    is_number = isinstance(value, Real) and not isinstance(value, (bool, np.bool_))
     if not is_number or not above < value < below:
         bound = f"greater than {above:g}" + (
             f" and less than {below:g}" if below < math.inf else ""
         )
         raise SettingsError(f"{name} must be a number {bound}, not {value!r}")
+    object.__setattr__(settings, name, float(value))
 
 
 def require_frame(settings: object, name: str) -> None:
