@@ -18,7 +18,7 @@ from ..errors import InputError
 from ..linalg.symmetric_matrix import SymmetricMatrix
 from ..linalg.symmetric_pattern import SymmetricPattern, scattered
 from ..loop.patches import PatchSet
-from ..mesh.topology import TriangleTopology
+from ..mesh.topology import TriangleTopology, require_topology
 from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
 from ..runtime.threads import Workspace, ordered_map
@@ -94,6 +94,7 @@ class LoopSpace:
         quadrature_tolerance: float = 1e-3,
         patches: PatchSet | None = None,
     ) -> None:
+        require_topology(topology)
         self.topology = topology
         patches = patches or PatchSet(topology)
         tables = SpaceTables(patches, patches.quadrature(quadrature_tolerance))

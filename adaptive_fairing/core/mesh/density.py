@@ -11,7 +11,7 @@ from ..runtime.arrays import FloatArray
 from ..runtime.threads import chunks, ordered_map
 from .loop_masks import limit_weight
 from .normals import dots, triangle_normals
-from .topology import TriangleTopology
+from .topology import TriangleTopology, require_topology
 
 DENSITY_KINDS = ("edge_length", "area")
 
@@ -59,6 +59,7 @@ def mesh_density(
     >>> mesh_density(triangle, corners, kind="area", smoothing_passes=0).tolist()
     [6.0, 6.0, 6.0]
     """
+    require_topology(topology)
     points = np.asarray(positions, dtype=np.float64)
     if kind == "edge_length":
         density = _mean_edge_length(topology, points)

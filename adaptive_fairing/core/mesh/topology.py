@@ -158,6 +158,15 @@ class TriangleTopology:
             )
 
 
+def require_topology(topology: object) -> None:
+    """Refuse what is no topology: most likely the faces or the positions themselves."""
+    if not isinstance(topology, TriangleTopology):
+        raise InputError(
+            "the topology comes first, TriangleTopology(faces, n_vertices), and then positions; "
+            f"not {type(topology).__name__}"
+        )
+
+
 def checked_triangles(faces: ArrayLike, n_vertices: int) -> IntArray:
     """Copy `faces` as (m, 3) int32, or raise InputError if they cannot be vertex indices."""
     array = plain_array(faces, "faces")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
+from numbers import Integral
 from typing import NamedTuple
 
 import numpy as np
@@ -10,14 +11,16 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from ..errors import InputError
+from ..loop.patches import PatchSet
 from ..mesh.input_checks import checked_vertices
 from ..mesh.normals import unit_vectors
-from ..mesh.topology import TriangleTopology
+from ..mesh.topology import TriangleTopology, require_topology
 from ..runtime.arrays import FloatArray, IntArray
 from .curvature import curvature, refined_curvature
 from .edge_points import edge_control_points, edge_limits, unit_cross
 from .masks import limit_matrix, refinement_matrix, tangent_matrices, vertex_matrix
-from .refined_mesh import RefinedMesh, unrefined_mesh
+from .patch_evaluation import PatchEvaluation, SurfacePoints, checked_places
+from .refined_mesh import CORNER, RefinedMesh, unrefined_mesh
 from .sectors import Sectors, sector_normals, sectors_of
 
 
@@ -64,6 +67,7 @@ class RefinementLevels:
             if indices.size and not 0 <= indices.min() <= indices.max() < topology.n_vertices:
                 raise InputError(f"{name} use vertices outside 0 … {topology.n_vertices - 1}")
         is_corner[numbers] = True
+        self._topology = topology
         self._meshes = [unrefined_mesh(topology, pairs, is_corner)]
         self._steps: list[sparse.csr_array] = []
         self._vertex_steps: list[sparse.csr_array] = []
@@ -79,7 +83,15 @@ class RefinementLevels:
         return tangent_matrices(self.mesh(0))
 
     def mesh(self, level: int) -> RefinedMesh:
-        """Give the connectivity after `level` steps."""
+        """Give the connectivity after `level` steps.
+
+        Raises
+        ------
+        InputError
+            The level is no whole number from 0 on.
+        """
+        if not isinstance(level, Integral) or isinstance(level, bool) or level < 0:
+            raise InputError(f"levels must be a whole number from 0 on, not {level!r}")
         while len(self._meshes) <= level:
             self._meshes.append(self._meshes[-1].finer)
         return self._meshes[level]
@@ -96,6 +108,21 @@ class RefinementLevels:
             self._vertex_steps.append(vertex_matrix(self.mesh(len(self._vertex_steps))))
         return self._vertex_steps[level]
 
+    @cached_property
+    def patch_evaluation(self) -> PatchEvaluation:
+        """What evaluates single points.
+
+        Raises
+        ------
+        InputError
+            There are creases or corners, which no patch has.
+        """
+        if self.has_creases or (self.mesh(0).kind == CORNER).any():
+            raise InputError(
+                "single points cannot be evaluated on a surface with creases or corners: refine it"
+            )
+        return PatchEvaluation(PatchSet(self._topology))
+
     @property
     def has_creases(self) -> bool:
         """Whether there are sharp edges inside, so that normals differ at one vertex."""
@@ -104,6 +131,7 @@ class RefinementLevels:
 
     def control_points(self, positions: FloatArray, level: int) -> list[FloatArray]:
         """Control points of all levels up to `level`, each (n, 3), from those of level 0."""
+        self.mesh(level)
         control = [positions]
         for step in range(level):
             mesh = self.mesh(step)
@@ -192,7 +220,8 @@ class LimitSurface:
     Raises
     ------
     InputError
-        Positions of another shape or not finite; a crease is no edge.
+        A topology that is none, such as the faces themselves; positions of another shape or not
+        finite; a crease is no edge.
 
     Examples
     --------
@@ -214,6 +243,7 @@ class LimitSurface:
         creases: ArrayLike = (),
         corners: ArrayLike = (),
     ) -> None:
+        require_topology(topology)
         self.levels = RefinementLevels(topology, creases, corners)
         self.positions = _control_points(positions, topology.n_vertices)
 
@@ -242,6 +272,46 @@ class LimitSurface:
     def normals(self) -> FloatArray:
         """Unit normals at the vertices, (n, 3); see `RefinementLevels.points_and_normals`."""
         return self.levels.points_and_normals([self.positions])[1]
+
+    def evaluate(self, triangles: ArrayLike, barycentric: ArrayLike) -> SurfacePoints:
+        """Evaluate any points of the surface, exact in irregular patches as well.
+
+        Parameters
+        ----------
+        triangles : (k,) int
+            Triangle of the control mesh that each point belongs to.
+        barycentric : (k, 3) float
+            Its place there: how much of each corner, at least 0, 1 together.
+
+        Returns
+        -------
+        SurfacePoints
+            `points` and unit `normals`, (k, 3) each.
+
+        Raises
+        ------
+        InputError
+            Arrays of the wrong shape or type, unknown triangles, points outside their triangle;
+            a surface with creases or corners.
+
+        Source: J. Stam, *Evaluation of Loop Subdivision Surfaces*, 1998, by subdividing towards
+        the point instead of eigenvectors.
+        """
+        evaluation = self.levels.patch_evaluation
+        mesh = self.levels.mesh(0)
+        numbers, places = checked_places(triangles, barycentric, len(mesh.triangles))
+        result = SurfacePoints(np.empty((len(numbers), 3)), np.empty((len(numbers), 3)))
+        at_corner = places.max(axis=1, initial=0) == 1
+        corner = mesh.triangles[numbers[at_corner], places[at_corner].argmax(axis=1)]
+        inside = ~at_corner
+        found = evaluation.evaluate(self.positions, numbers[inside], places[inside])
+        result.points[inside], result.normals[inside] = found
+        if len(corner):
+            result.points[at_corner], result.normals[at_corner] = (
+                self.points[corner],
+                self.normals[corner],
+            )
+        return result
 
     def refined(self, levels: int) -> Refined:
         """Cut every triangle into 4 ** levels ones, all vertices on the limit surface.
