@@ -32,6 +32,9 @@ DONE, COULD_NOT = 0, 1
 WORKER = "--worker"
 """The only argument of a worker process."""
 
+PYTHONS_WITH_BPY = (3, 11), (3, 13)
+"""Versions of Python that Blender exists for as a module, as in pyproject.toml."""
+
 ADDRESS_SPACE = 1_000_000_000
 """Blender takes 1.4 GB as a module on Linux (measured); with far less, libraries that it loads wait
 for memory without end."""
@@ -110,9 +113,9 @@ def _run_here(arguments: argparse.Namespace, worker_command: Sequence[str], is_a
         is_change = arguments.algorithm == REFINE or _has_attribute(arguments)
         return _change(arguments) if is_change else _run(arguments)
     except ModuleNotFoundError as error:
-        if error.name not in _MISSING:
+        if error.name not in ("bpy", *_MISSING):
             raise
-        return _fail(_MISSING[error.name])
+        return _fail(_MISSING.get(error.name) or _without_blender())
     except MemoryError:
         return _fail("not enough memory for this mesh: reduce it, or use a larger machine")
     except Exception as error:
@@ -137,8 +140,19 @@ def _run_apart(arguments: argparse.Namespace, command: Sequence[str]) -> int:
         )
 
 
+def _without_blender() -> str:
+    """Say how to get Blender, which exists for two versions of Python."""
+    version = sys.version_info[:2]
+    if version in PYTHONS_WITH_BPY:
+        return 'Blender is missing: pip install bpy, or the extra "blender" of this package'
+    known = " and ".join(f"{major}.{minor}" for major, minor in PYTHONS_WITH_BPY)
+    return (
+        f"Blender is missing: its module bpy exists for Python {known}, this is {version[0]}."
+        f"{version[1]}; install into one of those"
+    )
+
+
 _MISSING = {
-    "bpy": "Blender is missing: pip install bpy, for a Python version that it exists for",
     "numpy": "numpy is missing: pip install numpy",
     "scipy": "scipy is missing: pip install scipy, or install the extension with its wheels",
 }

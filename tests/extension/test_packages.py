@@ -19,7 +19,9 @@ ROOT = Path(__file__).resolve().parents[2]
 def expected_files() -> set[str]:
     files = (ROOT / "adaptive_fairing").rglob("*")
     return {"LICENSE", "__init__.py", "blender_manifest.toml"} | {
-        path.relative_to(ROOT).as_posix() for path in files if path.suffix in (".py", ".json")
+        path.relative_to(ROOT).as_posix()
+        for path in files
+        if path.suffix in (".py", ".json", ".typed")
     }
 
 

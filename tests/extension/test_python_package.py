@@ -19,7 +19,7 @@ from adaptive_fairing.version import program_version
 pytestmark = pytest.mark.thorough
 
 ROOT = Path(__file__).resolve().parents[2]
-PACKAGED = (".py", ".json")
+PACKAGED = (".py", ".json", ".typed")
 VERTICES = [[0, 0, 1], [1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, -1.5]]
 TRIANGLES = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1), (5, 2, 1), (5, 3, 2), (5, 4, 3), (5, 1, 4)]
 OCTAHEDRON = "".join(
@@ -73,10 +73,11 @@ def test_sdist_holds_what_builds_and_tests_need(distributions):
 
 
 def test_installed_from_the_wheel_it_does_the_main_job(distributions, tmp_path):
-    """With everything pip resolves for this Python, bpy included."""
+    """With everything that pip resolves for this Python and the extra "blender"."""
     venv.create(tmp_path / "environment", with_pip=True)
     python = tmp_path / "environment" / "bin" / "python"
-    run(python, "-m", "pip", "install", "--quiet", distributions["wheel"], cwd=tmp_path)
+    package = f"{distributions['wheel']}[blender]"
+    run(python, "-m", "pip", "install", "--quiet", package, cwd=tmp_path)
     run(python, "-m", "pip", "check", cwd=tmp_path)
     program = python.with_name("adaptive-fairing")
     assert program_version() in run(program, "--version", cwd=tmp_path)
@@ -91,12 +92,14 @@ def test_installed_from_the_wheel_it_does_the_main_job(distributions, tmp_path):
 
 
 def test_the_core_installs_and_works_without_blender(distributions, tmp_path):
-    """`pip install --no-deps` beside numpy and scipy: what a script without Blender needs."""
+    """Without an extra pip brings numpy and scipy: what a script without Blender needs."""
     venv.create(tmp_path / "environment", with_pip=True)
     python = tmp_path / "environment" / "bin" / "python"
-    pip = [python, "-m", "pip", "install", "--quiet"]
-    run(*pip, "--no-deps", distributions["sdist"], cwd=tmp_path)
-    run(*pip, "numpy", "scipy", cwd=tmp_path)
+    own = {"pip", "setuptools"}  # of the empty environment
+    run(python, "-m", "pip", "install", "--quiet", distributions["sdist"], cwd=tmp_path)
+    installed = run(python, "-m", "pip", "list", "--format=freeze", cwd=tmp_path).split()
+    names = {line.partition("==")[0] for line in installed} - own
+    assert names == {"adaptive-fairing", "numpy", "scipy"}
     script = f"""
 import importlib.util, numpy
 from adaptive_fairing.core import FairingSettings, fair
@@ -106,6 +109,8 @@ result = fair(vertices, numpy.array({TRIANGLES}), FairingSettings(steps=1))
 print(result.stop_reason, numpy.isfinite(result.positions).all())
 """
     assert run(python, "-c", script, cwd=tmp_path).split() == ["steps", "True"]
-    done = subprocess.run([python.with_name("adaptive-fairing"), "a.obj"], capture_output=True)
+    (tmp_path / "octahedron.obj").write_text(OCTAHEDRON)
+    command = [python.with_name("adaptive-fairing"), "denoise", "octahedron.obj"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True)
     assert done.returncode == 1
     assert b"pip install bpy" in done.stderr

@@ -58,6 +58,12 @@ def denoise(
         Called with `DenoiseProgress` now and then, by any thread but one at a time; may raise to
         end the run.
 
+    Returns
+    -------
+    DenoiseResult
+        `positions` (n, 3) of the vertices, in their order, at the strength asked for; the shapes
+        of other strengths; the noise that was found; notes.
+
     Raises
     ------
     InputError

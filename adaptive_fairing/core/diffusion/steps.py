@@ -41,6 +41,11 @@ def fair(
 ) -> FairingResult:
     """Run all steps of `fair_steps`, which has the parameters and errors.
 
+    Returns
+    -------
+    FairingResult
+        `positions` (n, 3) after the last step, and all `steps`.
+
     Examples
     --------
     >>> from adaptive_fairing.core import FairingSettings, fair
@@ -84,8 +89,16 @@ def fair_steps(
     prepared : PreparedMesh, optional
         What an earlier solve of a mesh with the same triangles can hand on.
 
+    Yields
+    ------
+    FairingStep
+        `positions` (n, 3) of the vertices, in their order, the density that the step used, and
+        measures of the surface. The last one says why the run ended.
+
     Raises
     ------
+    SettingsError
+        Settings of another type.
     InputError
         Arrays of the wrong shape or type, coordinates that are not finite, indices or weights out
         of range, no triangle at all; a preparation for something else.
