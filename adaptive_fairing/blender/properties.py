@@ -9,7 +9,7 @@ import bpy
 from bpy.props import BoolProperty, IntProperty
 
 from .choices import DENOISE, FAIR
-from .run_properties import OutputProperties, SolverProperties
+from .run_properties import CONTEXT, OutputProperties, SolverProperties
 
 if TYPE_CHECKING:
     from ..core import DenoiseSettings, FairingSettings
@@ -27,6 +27,7 @@ class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.Propert
     )
     show_energy: BoolProperty(
         name="H",
+        translation_context=CONTEXT,  # Blender's own H is that of a hue
         description="Show the curvature energy H of every step, as bars",
         default=False,
     )

@@ -116,7 +116,9 @@ def _draw_evolution(context, column, record) -> None:
         play = row.operator(OBJECT_OT_adaptive_fairing_play.bl_idname, icon="PLAY")
         copy_settings(settings, play, ("frame_start", "frame_end"))
     draw_field_button(row, "DENSITY", record.view)
-    row.prop(settings, "show_energy", toggle=True)
+    narrow = row.row(align=True)
+    narrow.ui_units_x = 1.5
+    narrow.prop(settings, "show_energy", toggle=True)
     if settings.show_energy:
         draw_energies(column, record)
 
