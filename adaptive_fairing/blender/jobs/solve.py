@@ -60,6 +60,8 @@ class Solve:
         Time that each step took, or the whole of `denoise`.
     kept
         Positions (n, 3) of the result, once `keep_result_only` has left nothing else.
+    is_repeated
+        Whether the result is that of an earlier solve, and has cost no time.
     progress
         How far `denoise` is.
     is_cancelled
@@ -83,6 +85,7 @@ class Solve:
     steps: list[FairingStep] = field(default_factory=list)
     step_seconds: list[float] = field(default_factory=list)
     kept: NDArray[np.float32] | None = None
+    is_repeated: bool = False
     progress: DenoiseProgress = field(default_factory=DenoiseProgress)
     is_cancelled: bool = False
     failed_step: FairingStep | None = None
@@ -166,7 +169,7 @@ class Solve:
     def take_result(self, other: Solve) -> None:
         """Take over the result of a solve with the same input."""
         self.denoised, self.steps = other.denoised, list(other.steps)
-        self.step_seconds = list(other.step_seconds)
+        self.step_seconds, self.is_repeated = list(other.step_seconds), True
 
     def has_input_of(self, other: Solve) -> bool:
         """Whether another solve has the same input, so that its result would be the same."""

@@ -231,7 +231,7 @@ def run_label(algorithm: str) -> str:
 
 def _summary(solves, is_stopped: bool) -> str:
     n_vertices = sum(_n_smoothed(solve) for solve in solves)
-    seconds = sum(solve.seconds for solve in solves)
+    seconds = sum(solve.seconds for solve in solves if not solve.is_repeated)
     if solves[0].is_denoise:
         text = rpt_("Denoised {:d} vertices, {:.1f} s").format(n_vertices, seconds)
     else:

@@ -27,7 +27,7 @@ class Reading(NamedTuple):
     ----------
     notes : tuple of str
     others : tuple of str
-        Values of the setting `clean` to run with instead.
+        Values of the setting `clean` to run with instead, if there are any.
     shape : str
         Checksum of the mesh that nothing was done to; empty if there is a result.
     """
@@ -38,17 +38,17 @@ class Reading(NamedTuple):
 
 
 def remember(obj: bpy.types.Object | None, solve: Solve) -> None:
-    """Remember what a run said; nothing if there is no other reading, or no object any more."""
+    """Remember what a run said, if it has changed nothing or there is another reading."""
     if obj is None:
         return
     _readings.pop(obj.session_uid, None)
-    if solve.denoised is not None and solve.denoised.other_readings:
+    if solve.denoised is not None and (solve.denoised.other_readings or not solve.is_changed):
         shape = "" if obj.adaptive_fairing.result else checksum(read_mesh_coordinates(obj.data))
         _readings[obj.session_uid] = Reading(solve.notes, solve.denoised.other_readings, shape)
 
 
 def reading_of(obj: bpy.types.Object | None) -> Reading | None:
-    """Return what was said of an object, if there is another reading and it still holds."""
+    """Return what was said of an object, if it still holds."""
     reading = None if obj is None else _readings.get(obj.session_uid)
     if reading is None or obj.type != "MESH":
         return None

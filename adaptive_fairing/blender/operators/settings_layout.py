@@ -37,7 +37,9 @@ def draw_main(layout, settings, live_record=None) -> None:
     layout.prop(settings, "scheme")
     row = layout.row(align=True)
     row.prop(settings, "tau" if uses_tau(settings) else "radius")
-    row.prop(settings, "use_tau", text=iface_("τ"), toggle=True)
+    narrow = row.row(align=True)
+    narrow.ui_units_x = 1.5
+    narrow.prop(settings, "use_tau", text=iface_("τ"), toggle=True)
     layout.prop(settings, "steps")
     layout.prop(settings, "keep_volume")
 

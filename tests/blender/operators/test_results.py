@@ -217,14 +217,16 @@ def test_the_end_of_a_result_leaves_no_statistics_and_no_density(noisy, end, way
 class TestTheRedoPanel:
     """Undo, and the same again with one property changed."""
 
-    def test_what_does_not_change_the_solve_costs_none(self, noisy, monkeypatch):
+    def test_what_does_not_change_the_solve_costs_none(self, noisy, monkeypatch, capfd):
         from adaptive_fairing.blender.jobs import solve
 
         run()
         shown = coordinates(noisy)
         bpy.ops.object.adaptive_fairing_discard()
         monkeypatch.setattr(solve, "denoise", None)  # would fail if it were called
+        capfd.readouterr()
         assert run(result="MODIFIER", store_density=True) == {"FINISHED"}
+        assert "vertices, 0.0 s" in capfd.readouterr().out
         assert near(shown_positions(noisy), shown)
         assert "fairing_density" in noisy.data.attributes
 

@@ -134,3 +134,11 @@ def test_what_was_said_of_a_result_ends_with_it():
     assert len(offered()[1]) == 1
     bpy.ops.object.adaptive_fairing_discard()
     assert offered()[1] == []
+
+
+def test_why_nothing_was_done_is_said_where_there_is_no_other_reading():
+    bpy.ops.mesh.primitive_cube_add()
+    assert bpy.ops.object.adaptive_fairing() == {"CANCELLED"}
+    drawn, buttons = offered()
+    assert buttons == []
+    assert "too few to tell noise from shape" in " ".join(drawn.texts)
