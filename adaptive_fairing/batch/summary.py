@@ -38,6 +38,7 @@ def mesh_entry(item: Item, status: str, record: Json | None) -> Json:
         "vertices": report.get("mesh", {}).get("vertices"),
         "triangles": report.get("mesh", {}).get("triangles"),
         "steps": len(steps),
+        "tau": outcome.get("tau"),
         "stop_reason": report.get("stop_reason"),
         "curvature_ratio": outcome.get("curvature_ratio"),
         "largest_displacement": outcome.get("largest_displacement"),

@@ -208,6 +208,20 @@ def test_same_strength_takes_the_first_frames_number_of_steps(sources, tmp_path)
     assert steps_of(tmp_path / "r.json") == [each[0]] * len(FRAMES)
 
 
+def test_same_strength_takes_the_first_frames_tau(sources, tmp_path):
+    """The radius asks for another τ in frames of another shape."""
+    report = tmp_path / "r.json"
+    common = (sources[".blend"], "--frames", "1-4", "--report", report)
+
+    def taus(folder, *options):
+        run(*common, "--out-dir", tmp_path / folder, *options, algorithm="fair")
+        return [mesh["tau"] for mesh in json.loads(report.read_text())["meshes"]]
+
+    each = taus("each")
+    assert len(set(each)) == len(FRAMES)
+    assert taus("same", "--same-strength") == [each[0]] * len(FRAMES)
+
+
 def test_one_strength_or_each_its_own_are_different_results(sources, tmp_path):
     """Asked for later, what was made without is made anew."""
     # So small a mesh counts as a clean model otherwise.
