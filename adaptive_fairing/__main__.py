@@ -19,7 +19,8 @@ def run() -> None:
     leave_at_interrupt()  # before anything that takes time
 
     from .cli.apart import prepare_standard_streams
-    from .cli.main import COULD_NOT, main
+    from .cli.main import main
+    from .cli.status import COULD_NOT
 
     status = COULD_NOT
 

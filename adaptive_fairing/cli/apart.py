@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from types import FrameType
 
 from ..batch.process import ending, environment
-from .interrupts import INTERRUPTED
+from .status import INTERRUPTED
 
 CHILD = "--child"
 """First argument of the process that does the work."""

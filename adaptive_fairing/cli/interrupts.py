@@ -6,8 +6,7 @@ import os
 import signal
 from types import FrameType
 
-INTERRUPTED = 130
-"""Exit status."""
+from .status import INTERRUPTED
 
 
 def leave_at_interrupt() -> None:

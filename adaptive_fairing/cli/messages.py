@@ -6,12 +6,20 @@ import contextlib
 import sys
 from typing import TextIO
 
+from .status import COULD_NOT
+
 PROGRAM = "adaptive-fairing"
 
 
 def say(text: str) -> None:
     """Write a message to standard error, whether or not somebody listens."""
     write_line(f"{PROGRAM}: {text}", sys.stderr)
+
+
+def fail(message: str, status: int = COULD_NOT) -> int:
+    """Tell why something could not be done; give the exit status."""
+    say(f"error: {message}")
+    return status
 
 
 def write_line(text: str, stream: TextIO) -> None:

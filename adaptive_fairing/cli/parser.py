@@ -7,10 +7,8 @@ import difflib
 from collections.abc import Callable, Iterable
 from typing import NoReturn
 
-from .messages import say
-
-WRONG_ARGUMENTS = 2
-"""Exit status."""
+from .messages import fail
+from .status import WRONG_ARGUMENTS
 
 
 class Parser(argparse.ArgumentParser):
@@ -18,8 +16,7 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """End the process with one line that says what is wrong."""
-        say(f"error: {message} (see {self.prog} --help)")
-        raise SystemExit(WRONG_ARGUMENTS)
+        raise SystemExit(fail(f"{message} (see {self.prog} --help)", WRONG_ARGUMENTS))
 
     @property
     def option_names(self) -> list[str]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 import time
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from typing import TYPE_CHECKING, Any
 
 from ..batch.summary import FAILED
@@ -55,6 +55,8 @@ def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[Solve], No
 def part_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
     """Show a progress bar for `denoise`, whose result comes all at once, if there is tqdm.
 
+    It appears with the first news: `denoise` may be what comes after something else.
+
     Parameters
     ----------
     enabled
@@ -75,9 +77,17 @@ def part_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
         "miniters": 1e-6,
         "bar_format": "{l_bar}{bar}| {elapsed}<{remaining}",
     }
-    with tqdm(total=1.0, file=sys.stderr, **options) as bar:
-        # Solves run side by side, so their messages may arrive in another order.
-        yield lambda part: bar.update(max(part - bar.n, 0))
+    with ExitStack() as stack:
+        bar = None
+
+        def advance(part: float) -> None:
+            nonlocal bar
+            if bar is None:
+                bar = stack.enter_context(tqdm(total=1.0, file=sys.stderr, **options))
+            # Solves run side by side, so their messages may arrive in another order.
+            bar.update(max(part - bar.n, 0))
+
+        yield advance
 
 
 class MeshProgress:

@@ -19,6 +19,7 @@ from adaptive_fairing.blender.files.mesh_files import (
     save_blend,
 )
 from adaptive_fairing.cli import main as cli
+from adaptive_fairing.cli import runs
 from adaptive_fairing.core import FairingSettings
 from adaptive_fairing.version import program_version
 
@@ -180,10 +181,10 @@ def test_a_file_without_a_mesh_is_status_1(capsys, tmp_path):
 
 def test_a_solve_that_does_not_converge_is_status_1(capsys, noisy, tmp_path, monkeypatch):
     settings = FairingSettings(cg_max_iterations=1, cg_tolerance=1e-12)
-    monkeypatch.setattr(cli, "settings_of", lambda arguments: settings)
+    monkeypatch.setattr(runs, "settings_of", lambda arguments: settings)
     line = error_of(capsys, "fair", noisy, "-o", tmp_path / "out.ply", status=1)
     assert "step 1 did not converge: residual" in line
-    assert "choose a smaller tau" in line
+    assert "choose a smaller radius or tau" in line
 
 
 @pytest.mark.parametrize("target", ["missing/out.ply", "folder.ply"])

@@ -119,7 +119,7 @@ def run_job(
     on_step
         Called with the solve after every step of the paper's methods.
     on_progress
-        Called with the part of `denoise` that is done, up to 1.
+        Called with the part of `denoise` that is done, up to 1; also of what is put beside.
     prepare
         Gives the preparation of a surface, by default a new one; a caller of many jobs may have
         one already.
@@ -213,7 +213,7 @@ class _Run:
             is_own_scene = suffix_of(job.input) != BLEND
             objects = [obj]
             if solve.steps and is_own_scene and job.denoised_beside:
-                beside, note = denoised_beside(obj, solve, surface_vertex)
+                beside, note = denoised_beside(obj, solve, surface_vertex, solve.on_progress)
                 self.notes.append(note)
                 objects += [] if beside is None else [beside]
             shapes = [shape[surface_vertex] for shape in solve.shapes]

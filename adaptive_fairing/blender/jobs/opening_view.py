@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import bpy
 import numpy as np
 from mathutils import Vector
@@ -17,7 +19,10 @@ GAP = 0.1
 
 
 def denoised_beside(
-    obj: bpy.types.Object, solve: Solve, surface_vertex: np.ndarray | slice
+    obj: bpy.types.Object,
+    solve: Solve,
+    surface_vertex: np.ndarray | slice,
+    on_progress: Callable[[float], None] | None = None,
 ) -> tuple[bpy.types.Object | None, str]:
     """Put the result of `denoise` beside an object whose mesh is still the input.
 
@@ -29,6 +34,8 @@ def denoised_beside(
         A solve of the paper's method on it.
     surface_vertex
         Vertex of the solve for each vertex of the mesh.
+    on_progress
+        As in `Solve`.
 
     Returns
     -------
@@ -43,6 +50,7 @@ def denoised_beside(
         solve.triangles,
         DenoiseSettings(boundary=solve.settings.boundary),
         prepared=solve.prepared,
+        on_progress=on_progress,
     )
     for _ in beside.run():
         pass

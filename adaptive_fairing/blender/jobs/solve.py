@@ -250,7 +250,7 @@ class Solve:
                 self.failed_step = step
                 raise SolverError(
                     f"step {step.index} did not converge: residual {step.solve.residual:.3g} "
-                    f"after {step.solve.iterations} iterations; choose a smaller tau"
+                    f"after {step.solve.iterations} iterations; choose a smaller radius or tau"
                 )
             self.steps.append(step)
             yield self
