@@ -16,6 +16,7 @@ def _modules() -> tuple[ModuleType, ...]:
         animate,
         compare,
         fair,
+        fair_attribute,
         following,
         loop_subdivide,
         material,
@@ -30,6 +31,7 @@ def _modules() -> tuple[ModuleType, ...]:
         viewport,
     )
     from .ui import (
+        attribute_panel,
         colors_panel,
         manual,
         menus,
@@ -51,6 +53,7 @@ def _modules() -> tuple[ModuleType, ...]:
         modal_run,
         readings,
         fair,
+        fair_attribute,
         results,
         loop_subdivide,
         select_problems,
@@ -62,6 +65,7 @@ def _modules() -> tuple[ModuleType, ...]:
         sequence,
         presets,
         settings_panel,
+        attribute_panel,
         sequence_panel,
         colors_panel,
         results_panel,

@@ -108,8 +108,10 @@ class TestAutomatic:
     def test_the_split_shows_half_of_the_original(self, seen):
         assert 0.3 < seen["original in the split"] < 0.7
 
-    def test_the_colours_are_not_the_active_ones(self, seen):
-        assert seen["active colour"] == ""
+    def test_the_colours_are_the_active_ones_until_the_result_is_discarded(self, seen):
+        assert seen["active colour"] == "fairing_removed_color"
+        assert seen["active colour left"] == ""
+        assert seen["shading left"] == ["SOLID", "MATERIAL", "STUDIO"]
 
     def test_discard_leaves_the_original_and_nothing_else(self, seen):
         assert seen["discarded"]
@@ -234,6 +236,7 @@ class TestEvolution:
     def test_three_clicks_lead_to_an_evolution_that_plays_in_colours(self, seen):
         assert seen["algorithm"] == "FAIR"
         assert seen["view"] == "DENSITY"
+        assert seen["shading"] == ["SOLID", "VERTEX", "STUDIO"]
         assert seen["shown while it plays"] > 3
         assert seen["range"] == [1, 100, True]
 
@@ -245,10 +248,50 @@ class TestEvolution:
         assert seen["keys after undo"] == EVOLUTION
         assert not seen["animated after undo"]
         assert seen["view after undo"] == ""
+        assert seen["shading after undo"] == ["SOLID", "MATERIAL", "STUDIO"]
 
     def test_the_window_shows_each(self, seen):
         pictures = seen["pictures"].values()
         assert len({parts["WINDOW"]["checksum"] for parts in pictures}) >= 5
+
+
+class TestColors:
+    """Fields in colours, their material, and an attribute that is faired."""
+
+    BEFORE = ("Scan", "", ["Mine"], ["SOLID", "MATERIAL", "STUDIO"])
+    SHOWN = ("fairing_mean_curvature_color", "CURVATURE", ["Mine"], ["SOLID", "VERTEX", "STUDIO"])
+    RENDERED = (*SHOWN[:2], ["Fairing Colors"], SHOWN[3])
+
+    @pytest.fixture
+    def seen(self, app) -> dict:
+        return app.play("colors")
+
+    def test_a_click_shows_them_lit_and_another_renders_them(self, seen):
+        assert tuple(seen["before"]) == self.BEFORE
+        assert tuple(seen["shown"]) == self.SHOWN
+        assert tuple(seen["rendered"]) == self.RENDERED
+
+    def test_undo_and_redo_bring_each_state_back(self, seen):
+        assert list(map(tuple, seen["history"])) == [
+            self.SHOWN,
+            self.BEFORE,
+            self.SHOWN,
+            self.RENDERED,
+        ]
+
+    def test_a_click_on_the_lit_button_leaves_nothing(self, seen):
+        assert tuple(seen["ended"]) == self.BEFORE
+
+    def test_a_noisy_colour_is_faired_by_a_click_and_undone_in_one_step(self, seen):
+        noise = 12**-0.5  # of numbers that are even in [0, 1]
+        assert seen["spread"] < 0.8 * noise
+        assert seen["spread after undo"] == pytest.approx(noise, rel=0.02)
+
+    def test_the_window_shows_each(self, seen):
+        pictures = seen["pictures"]
+        for earlier, later in (("before", "shown"), ("shown", "ended"), ("noisy", "faired")):
+            parts = [pictures[f"colors-{each}"]["WINDOW"] for each in (earlier, later)]
+            assert parts[0]["checksum"] != parts[1]["checksum"]
 
 
 def test_one_of_three_is_deleted_during_the_run_and_undo_goes_on(app):

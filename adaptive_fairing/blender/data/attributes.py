@@ -24,10 +24,24 @@ FIELD_ATTRIBUTES = {
 COMPARED_FIELDS = ("DISPLACEMENT", "REMOVED")
 """Fields that tell the shown shape from the original."""
 
+COLORS_BEFORE = "fairing_colors_before"
+"""Custom property of a mesh: names of the active colours and of those of renders before a view."""
+
 
 def color_name(name: str) -> str:
     """Name of the colour attribute that shows a float attribute."""
     return f"{name}_color"
+
+
+def own_color(mesh: bpy.types.Mesh) -> str:
+    """Name of the active colour attribute, whatever field is shown; empty if all are of fields."""
+    name = mesh.get(COLORS_BEFORE, {}).get("active", mesh.attributes.active_color_name)
+    return "" if is_of_field(name) else name
+
+
+def is_of_field(name: str) -> bool:
+    """Whether an attribute has the numbers of a field, or its colours."""
+    return any(name in (each, color_name(each)) for each in FIELD_ATTRIBUTES.values())
 
 
 def write_scalar(mesh: bpy.types.Mesh, name: str, values: ArrayLike) -> None:

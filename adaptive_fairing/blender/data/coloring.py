@@ -12,12 +12,9 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ...core import FairingSettings, InputError
 from . import color_material
 from .attribute_arrays import remove_attributes
-from .attributes import FIELD_ATTRIBUTES, color_name, write_color, write_scalar
+from .attributes import COLORS_BEFORE, FIELD_ATTRIBUTES, color_name, write_color, write_scalar
 from .color_map import ANCHORS, DIVERGING_ANCHORS, SIGNED_FIELDS, field_range
 from .fields import measure_field
-
-COLORS_BEFORE = "fairing_colors_before"
-"""Custom property of a mesh: names of the active colours and of those of renders before a view."""
 
 
 def color_by_field(

@@ -34,6 +34,12 @@ def draw_main(layout, settings, live_record=None) -> None:
         row.enabled = live_record is None or live_record.id_data.mode != "EDIT"
         row.prop(live_record or settings, "strength", slider=live_record is not None)
         return
+    draw_amount(layout, settings)
+    layout.prop(settings, "keep_volume")
+
+
+def draw_amount(layout, settings) -> None:
+    """Draw by which scheme of the paper, how far and in how many steps is smoothed."""
     layout.prop(settings, "scheme")
     row = layout.row(align=True)
     row.prop(settings, "tau" if uses_tau(settings) else "radius")
@@ -41,7 +47,6 @@ def draw_main(layout, settings, live_record=None) -> None:
     narrow.ui_units_x = 1.5
     narrow.prop(settings, "use_tau", text=iface_("τ"), toggle=True)
     layout.prop(settings, "steps")
-    layout.prop(settings, "keep_volume")
 
 
 def draw_options(layout, properties, obj) -> None:
@@ -50,6 +55,8 @@ def draw_options(layout, properties, obj) -> None:
         layout.prop(properties, "features")
         layout.prop(properties, "clean")
     draw_region(layout, properties, obj)
+    if "max_deviation" in names_of(properties.algorithm):
+        layout.prop(properties, "max_deviation")
     draw_output(layout, properties)
 
 
@@ -62,7 +69,7 @@ def draw_density(layout, properties) -> None:
 
 
 def draw_region(layout, properties, obj) -> None:
-    """Draw where the smoothing works, and how far it may go."""
+    """Draw where the smoothing works."""
     layout.prop(properties, "use_region")
     row = layout.row(align=True)
     if obj is not None and obj.type == "MESH":
@@ -72,8 +79,6 @@ def draw_region(layout, properties, obj) -> None:
     row.prop(properties, "invert_vertex_group", text="", icon="ARROW_LEFTRIGHT")
     layout.prop(properties, "boundary")
     layout.prop(properties, "hold_sharp")
-    if "max_deviation" in names_of(properties.algorithm):
-        layout.prop(properties, "max_deviation")
 
 
 def draw_output(layout, properties) -> None:

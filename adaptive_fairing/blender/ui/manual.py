@@ -24,6 +24,7 @@ OPERATORS = {
     "_select_problems": "troubleshooting/#the-result",
     "_view": "colours/#what-the-colours-mean",
     "_view_end": "colours/#what-the-colours-mean",
+    "_attribute": "colours/#fair-what-the-mesh-carries",
     "_material": "colours/#render-the-colours",
     "_material_end": "colours/#render-the-colours",
     "_sequence": "sequences/#in-blender",

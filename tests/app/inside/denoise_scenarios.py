@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 from driver import Scenario, Stage, xdotool
 from meshes import add_noisy, shown_positions, vertex_positions
-from steps import BUTTON, finished_part, press_fairing, run_to_the_end
+from steps import BUTTON, finished_part, press_fairing, run_to_the_end, shading
 
 
 def automatic(stage: Stage) -> Scenario:
@@ -62,6 +62,8 @@ def automatic(stage: Stage) -> Scenario:
     yield from stage.picture("auto-removed")
     stage.results["active colour"] = obj.data.attributes.active_color_name
     yield from stage.click_button("adaptive_fairing_discard(")
+    stage.results["active colour left"] = obj.data.attributes.active_color_name
+    stage.results["shading left"] = shading(stage)
     stage.results["discarded"] = bool(np.array_equal(vertex_positions(obj), noisy))
     names = [name for name in obj.data.attributes.keys() if "fairing" in name]
     stage.results["attributes left"] = names

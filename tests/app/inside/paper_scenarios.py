@@ -16,7 +16,7 @@ from meshes import (
     shown_evolution,
     vertex_positions,
 )
-from steps import BUTTON, open_panel, press_fairing, run_to_the_end
+from steps import BUTTON, open_panel, press_fairing, run_to_the_end, shading
 
 
 def full_run(stage: Stage) -> Scenario:
@@ -112,7 +112,7 @@ def evolution(stage: Stage) -> Scenario:
     yield from stage.click_button("adaptive_fairing_play(", 0.2)
     screen = stage.window.screen
     yield stage.until(lambda: screen.is_animation_playing, 20, "start of the animation")
-    seen["view"] = obj.adaptive_fairing.view
+    seen["view"], seen["shading"] = obj.adaptive_fairing.view, shading(stage)
     shown = set()
     until = time.monotonic() + 8
     while time.monotonic() < until:
@@ -132,6 +132,56 @@ def evolution(stage: Stage) -> Scenario:
     seen["keys after undo"] = key_names()
     seen["animated after undo"] = obj.data.shape_keys.animation_data is not None
     seen["view after undo"] = obj.adaptive_fairing.view
+    seen["shading after undo"] = shading(stage)
+
+
+def colors(stage: Stage) -> Scenario:
+    """Colours and their material by clicks; undo and redo; an attribute faired by a click."""
+    obj = add_noisy("ico_sphere", 0.02, "FAIR", subdivisions=4)
+    seen = stage.results
+    noisy = obj.data.attributes.new("Scan", "FLOAT_COLOR", "POINT")
+    noisy.data.foreach_set("color", np.random.default_rng(2).random(4 * len(noisy.data)))
+    obj.data.materials.append(bpy.data.materials.new("Mine"))
+    bpy.ops.ed.undo_push(message="Colours and a material")
+    with stage.context():
+        bpy.ops.view3d.view_selected()
+    for panel in ("attribute", "view"):
+        open_panel(f"VIEW3D_PT_adaptive_fairing_{panel}")
+    yield from stage.open_sidebar("Fairing")
+    yield from stage.picture("colors-before")
+
+    def state() -> list[object]:
+        obj = bpy.context.view_layer.objects.active
+        attributes, slots = obj.data.attributes, obj.material_slots
+        material = [slot.material.name for slot in slots]
+        return [attributes.active_color_name, obj.adaptive_fairing.view, material, shading(stage)]
+
+    seen["before"] = state()
+    yield from stage.click_button("adaptive_fairing_view(field='CURVATURE'", 0.2)
+    seen["shown"] = state()
+    yield from stage.picture("colors-shown")
+    yield from stage.click_button("adaptive_fairing_material(")
+    seen["rendered"] = state()
+    for key in ("undo", "undo", "redo", "redo"):
+        yield from stage.press_in_view({"undo": "ctrl+z", "redo": "ctrl+shift+z"}[key])
+        yield 1.0
+        seen.setdefault("history", []).append(state())
+    yield from stage.click_button("adaptive_fairing_view_end(", 0.2)
+    seen["ended"] = state()
+    yield from stage.picture("colors-ended")
+    stage.view.spaces.active.shading.color_type = "VERTEX"
+    yield from stage.picture("colors-noisy")
+    yield from stage.click_button("source='COLOR'", 0.4)
+    yield from stage.picture("colors-faired")
+    obj = bpy.context.view_layer.objects.active
+    values = np.empty(4 * len(obj.data.vertices), dtype=np.float32)
+    obj.data.attributes["Scan"].data.foreach_get("color", values)
+    seen["spread"] = float(values.std())
+    yield from stage.press_in_view("ctrl+z")
+    yield 1.0
+    obj = bpy.context.view_layer.objects.active
+    obj.data.attributes["Scan"].data.foreach_get("color", values)
+    seen["spread after undo"] = float(values.std())
 
 
 def delete_one_of_three(stage: Stage) -> Scenario:

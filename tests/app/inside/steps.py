@@ -32,6 +32,12 @@ def run_to_the_end(stage: Stage, seconds: float) -> Scenario:
     yield 1.0
 
 
+def shading(stage: Stage) -> list[str]:
+    """How the 3D view draws: its type, where colours are from, its light."""
+    shown = stage.view.spaces.active.shading
+    return [shown.type, shown.color_type, shown.light]
+
+
 def take_brush(stage: Stage) -> None:
     """Take a brush with a hard edge in Weight Paint: Debian's Blender 4.3 comes without brushes."""
     brush = bpy.data.brushes.new("Hard", mode="WEIGHT_PAINT")
