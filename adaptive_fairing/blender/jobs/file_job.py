@@ -66,7 +66,7 @@ class FairingJob:
         without new ones, None leaves the result as it is.
     denoised_beside
         Whether an output .blend of a mesh file gets a second object with the result of `denoise`
-        beside that of the paper's method.
+        beside that of the paper's method, unless that is refined.
     """
 
     input: Path
@@ -212,7 +212,8 @@ class _Run:
         if suffix_of(job.output) == BLEND:
             is_own_scene = suffix_of(job.input) != BLEND
             objects = [obj]
-            if solve.steps and is_own_scene and job.denoised_beside:
+            is_alone = not job.denoised_beside or job.refine is not None
+            if solve.steps and is_own_scene and not is_alone:
                 beside, note = denoised_beside(obj, solve, surface_vertex, solve.on_progress)
                 self.notes.append(note)
                 objects += [] if beside is None else [beside]

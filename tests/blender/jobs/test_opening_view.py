@@ -58,6 +58,26 @@ def test_a_mesh_that_denoise_leaves_alone_stands_alone(meshes, tmp_path):
     assert any("leaves this mesh as it is" in note for note in notes)
 
 
+def test_its_progress_is_told(meshes, tmp_path):
+    job = FairingJob(meshes / "noisy.ply", tmp_path / "out.blend", SETTINGS, denoised_beside=True)
+    parts = []
+    run_job(job, on_progress=parts.append)
+    assert len(parts) > 3
+    assert max(parts) == 1.0
+
+
+@pytest.mark.parametrize("options", [{"refine": 1}, {"settings": DenoiseSettings()}])
+def test_a_refined_or_denoised_mesh_stands_alone(meshes, tmp_path, options):
+    job = FairingJob(
+        meshes / "noisy.ply",
+        tmp_path / "out.blend",
+        **{"settings": SETTINGS, "denoised_beside": True, **options},
+    )
+    run_job(job)
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out.blend"))
+    assert [obj.name for obj in bpy.context.scene.objects] == ["noisy"]
+
+
 @pytest.mark.parametrize("name", ["noisy", "clean"])
 def test_nobody_stands_beside_unless_asked_for(meshes, tmp_path, name):
     objects, notes = _opened(meshes / f"{name}.ply", tmp_path / "out.blend")
