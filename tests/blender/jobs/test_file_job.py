@@ -292,6 +292,7 @@ def test_the_report_says_what_was_asked_and_measured(noisy, tmp_path):
         assert seconds > 0
         assert record == {
             "step": step.index,
+            "tau": 0.005,
             "time": step.index * 0.005,
             "cg_iterations": step.solve.iterations,
             "cg_residual": step.solve.residual,
