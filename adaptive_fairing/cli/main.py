@@ -128,8 +128,8 @@ def _run_apart(arguments: argparse.Namespace, command: Sequence[str]) -> int:
     except CrashError as error:
         remove_drafts(arguments.output)
         return fail(
-            f"Blender or the solver died of {arguments.input}, ended {error}: the file is damaged, "
-            "or there is too little memory"
+            f"Blender or the solver crashed on {arguments.input}, ended {error}: the file is "
+            "damaged, or there is too little memory"
         )
 
 

@@ -64,7 +64,7 @@ def test_a_crash_while_a_file_is_read_is_one_line(tmp_path, name):
     assert (result.returncode, result.stdout) == (1, "")
     assert result.stderr.count("\n") == 1
     assert result.stderr.startswith(
-        f"adaptive-fairing: error: Blender or the solver died of {given}"
+        f"adaptive-fairing: error: Blender or the solver crashed on {given}"
     )
     assert name in result.stderr
     assert out.read_text() == "old"

@@ -49,7 +49,7 @@ def take_control(obj: bpy.types.Object) -> None:
     obj.data = control = record.control
     n = len(control.vertices)
     groups = [group.with_weights(lambda values: values[:n]) for group in groups]
-    has_same_net = record.refined_print.startswith(net_print(refined))
+    has_same_net = record.refined_fingerprint.startswith(net_fingerprint(refined))
     if has_same_net and not same_groups(groups, read_groups(obj)):
         write_groups(obj, groups)
     if list(control.materials) != list(refined.materials):
@@ -75,6 +75,6 @@ def show_again(obj: bpy.types.Object) -> None:
         write_positions(obj.data, mixed_keys(keys))
 
 
-def net_print(mesh: bpy.types.Mesh) -> str:
-    """Tell the net of a mesh from most others; `FairingRecord.refined_print` begins with it."""
+def net_fingerprint(mesh: bpy.types.Mesh) -> str:
+    """Numbers of vertices and polygons; `FairingRecord.refined_fingerprint` begins with them."""
     return f"{len(mesh.vertices)}-{len(mesh.polygons)}-"

@@ -130,7 +130,7 @@ class FairingRecord(bpy.types.PropertyGroup):
     control: PointerProperty(
         type=bpy.types.Mesh, description="Control mesh, while the object has a refined one"
     )
-    refined_print: StringProperty(description="Of the refined mesh as it was made")
+    refined_fingerprint: StringProperty(description="Of the refined mesh as it was made")
     checksum: StringProperty(description="Of the coordinates that belong to the stored result")
     strengths: FloatVectorProperty(size=N_STRENGTHS)
     n_strengths: IntProperty()

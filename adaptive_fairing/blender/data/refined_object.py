@@ -80,7 +80,7 @@ def refine_object(
     Returns
     -------
     tuple of str
-        What had to be cut, turned or left out because the mesh is no oriented manifold.
+        What had to be cut, turned or left out because the mesh is not an oriented manifold.
 
     Raises
     ------

@@ -21,7 +21,7 @@ import bpy
 from ...core import FairingSettings
 from .attribute_arrays import read_attributes
 from .coloring import color_by_field, pause_view
-from .control_mesh import CONTROL, LEVELS, is_refined, net_print, show_again, take_control
+from .control_mesh import CONTROL, LEVELS, is_refined, net_fingerprint, show_again, take_control
 from .mesh_arrays import is_shared, n_triangles, read_key
 from .refined_object import RENEWED, RefineOptions, refine_object
 from .rollback import remove_mesh
@@ -83,7 +83,7 @@ def show_control(obj: bpy.types.Object) -> str | None:
         return None
     pause_view(obj)
     refined, record = obj.data, obj.adaptive_fairing
-    is_changed = _print_of(obj.data) != record.refined_print
+    is_changed = _fingerprint(obj.data) != record.refined_fingerprint
     take_control(obj)
     record.control = None
     name = refined.name
@@ -101,7 +101,7 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        What had to be cut, turned or left out because the mesh is no oriented manifold.
+        What had to be cut, turned or left out because the mesh is not an oriented manifold.
 
     Raises
     ------
@@ -131,7 +131,7 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
     control.name, obj.data.name = f"{name} control", name
     record.control = control
     show_again(obj)
-    record.refined_print = _print_of(obj.data)
+    record.refined_fingerprint = _fingerprint(obj.data)
     if view:
         color_by_field(obj, view, FairingSettings())
     return notes
@@ -158,8 +158,8 @@ def control_written(obj: bpy.types.Object) -> Iterator[str | None]:
         refine_result(obj)
 
 
-def _print_of(mesh: bpy.types.Mesh) -> str:
-    """Tell a refined mesh from a changed one. What goes back to the control mesh does not count."""
+def _fingerprint(mesh: bpy.types.Mesh) -> str:
+    """Fingerprint of a refined mesh, without what goes back to the control mesh."""
     crc = 0
     for array in read_attributes(mesh, RENEWED):
         if not array.name.startswith(OWN_PREFIXES):
@@ -169,4 +169,4 @@ def _print_of(mesh: bpy.types.Mesh) -> str:
     if mesh.shape_keys is not None:
         for block in mesh.shape_keys.key_blocks:
             crc = zlib.crc32(read_key(block), zlib.crc32(block.name.encode(), crc))
-    return f"{net_print(mesh)}{crc}"
+    return f"{net_fingerprint(mesh)}{crc}"

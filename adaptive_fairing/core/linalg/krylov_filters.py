@@ -166,7 +166,7 @@ class _Space:
         return newest
 
     def add(self, vector: RealArray) -> bool:
-        """Add what of a vector (3, n) is not in the space; return False if that is hardly any."""
+        """Add the component of a vector (3, n) outside the space; False if it is negligible."""
         done = self.n_directions
         rest = vector.reshape(1, -1).copy()
         within = 0.0

@@ -1,8 +1,8 @@
 """Between the caller's mesh and the one that is solved on: numbering, cuts, units.
 
 The solve works on vertices in an order that keeps neighbours close in memory, on a mesh that was
-cut apart where it is no oriented manifold, and in a frame of its own: by default the paper's, the
-box [-3, 3]³.
+cut apart where it is not an oriented manifold, and in a frame of its own: by default the paper's,
+the box [-3, 3]³.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class SolverSurface:
 
 
 def solvable_surface(points: FloatArray, triangles: IntArray) -> SolverSurface:
-    """Renumber the caller's triangles; cut them only if they are no oriented manifold."""
+    """Renumber the caller's triangles; cut them only if they are not an oriented manifold."""
     try:
         order = sweep_order(points, triangles)
         topology = TriangleTopology(order.triangles, len(points))

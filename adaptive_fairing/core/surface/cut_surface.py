@@ -33,7 +33,7 @@ class CutSurface:
         have them in opposite order.
     is_turned : (m,) bool
     is_cut : bool
-        Whether the caller's mesh was no oriented manifold.
+        Whether the caller's mesh was not an oriented manifold.
     notes : tuple of str
         What was cut, turned or left out, with counts.
     """

@@ -286,7 +286,7 @@ def _edge_numbers(edges: IntArray, pairs: LongArray, n_vertices: int) -> IndexAr
     found = keys[numbers] == wanted if len(keys) else np.zeros(len(wanted), dtype=bool)
     if not found.all():
         missing = pairs[~found]
-        raise InputError(f"{len(missing)} creases are no edges of the mesh: {listed(missing)}")
+        raise InputError(f"{len(missing)} creases are not edges of the mesh: {listed(missing)}")
     return numbers
 
 

@@ -125,11 +125,11 @@ def read_header(data: bytes) -> Header:
     Raises
     ------
     DamagedError
-        There is none, or it makes no sense.
+        The header is missing or malformed.
     """
     end = _HEADER_END.search(data, 0, _LONGEST_HEADER)
     if data[:3] != b"ply" or end is None:
-        raise DamagedError("it has no header of a .ply file")
+        raise DamagedError("it does not begin with the header of a .ply file")
     elements: list[Element] = []
     byte_order = ""
     # Bytes are split at ends of lines only, text also at characters that a comment may have.
@@ -171,7 +171,7 @@ def read_rows(data: bytes, header: Header) -> dict[str, Rows]:
     Raises
     ------
     DamagedError
-        Not all that the header promises are there, or a row is none.
+        Rows that the header promises are missing, or a row is malformed.
     """
     found, place = {}, header.n_bytes
     read = _read_text if header.is_text else _read_binary

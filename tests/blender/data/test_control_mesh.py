@@ -6,7 +6,7 @@ from support.meshes import icosphere
 from support.objects import add_object, everything
 
 from adaptive_fairing.blender.data import results, shown_surface
-from adaptive_fairing.blender.data.control_mesh import control_read, is_refined, net_print
+from adaptive_fairing.blender.data.control_mesh import control_read, is_refined, net_fingerprint
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -54,5 +54,5 @@ def test_without_a_refined_mesh_nothing_changes():
 
 def test_nets_of_other_sizes_have_other_prints(obj):
     meshes = [add_object(*icosphere(levels)).data for levels in (0, 1, 2)]
-    assert len({net_print(mesh) for mesh in meshes}) == 3
-    assert net_print(meshes[2]) == net_print(obj.data)  # icosphere(1), refined once
+    assert len({net_fingerprint(mesh) for mesh in meshes}) == 3
+    assert net_fingerprint(meshes[2]) == net_fingerprint(obj.data)  # icosphere(1), refined once

@@ -172,7 +172,7 @@ def test_errors_name_what_is_wrong():
     topology = TriangleTopology(faces, 6)
     with pytest.raises(InputError, match="5 positions for 6 vertices"):
         LimitSurface(topology, vertices[:5])
-    with pytest.raises(InputError, match=r"1 creases are no edges of the mesh: \(4, 5\)"):
+    with pytest.raises(InputError, match=r"1 creases are not edges of the mesh: \(4, 5\)"):
         LimitSurface(topology, vertices, creases=[(0, 1), (4, 5)])
     with pytest.raises(InputError, match="creases use vertices outside 0 … 5"):
         LimitSurface(topology, vertices, creases=[(0, 6)])
