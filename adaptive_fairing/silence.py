@@ -1,4 +1,4 @@
-"""Keep Blender's own chatter out of what the program says."""
+"""Silence for Blender's own output, so that the program's messages stand alone."""
 
 from __future__ import annotations
 

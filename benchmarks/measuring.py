@@ -1,4 +1,4 @@
-"""What all benchmarks share: times, peak memory, the machine's description, tables of text."""
+"""Measuring for all benchmarks: times, peak memory, the machine, tables of text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the time of a step and of denoise goes, and how far a step is from what must be.
+"""Profile of a step and of denoise by module, and its distance from the machine's limit.
 
 A thread looks many times a second at what all threads of the core do, and counts it by module. In
 a table a module has the part of the looks that found a thread in it, functions of other packages

@@ -1,4 +1,4 @@
-"""What goes beside the zips of a release: their checksums, and the notes out of CHANGELOG.md."""
+"""Files beside the zips of a release: checksums, and notes out of CHANGELOG.md."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Many meshes: what there is to do, worker processes that do it, and the account of it.
+"""Batches of meshes: plan, worker processes, records, summary.
 
 No bpy here: it is the worker processes that have Blender in them.
 """

@@ -1,4 +1,4 @@
-"""Files that a run would write over what it reads, or over another of its results."""
+"""Conflicts of paths: an output that would replace an input or another output."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which files are meant: files as named, folders with all that is in them, patterns."""
+"""Input files of a batch, from names, folders and patterns."""
 
 from __future__ import annotations
 

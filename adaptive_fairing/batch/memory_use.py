@@ -1,4 +1,4 @@
-"""How much memory a process uses, where the system tells, and memory sizes as users write them."""
+"""Memory use of a process, and memory sizes as users write them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What there is to do: every mesh with its input, its output and its record."""
+"""Plan of a batch: every mesh with its input, its output and its record."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A worker process as its batch sees it: messages in and out, and how it ended."""
+"""Worker process as its batch sees it: messages in and out, and how it ended."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Records: what made an output, from what, so that a later run knows whether it is finished.
+"""Records beside outputs: settings and input of a finished result, for a later run.
 
 An output counts as finished if its record says so and these are the same as now: version of the
 program, settings, object and frame, format; size and time of the last change of the input, of the

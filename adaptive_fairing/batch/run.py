@@ -1,4 +1,4 @@
-"""Run a batch: skip what is finished, hand out the rest, keep records, give the summary."""
+"""Run of a batch: finished meshes skipped, the others handed out, records, summary."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Hand meshes to worker processes so that what they need together fits into memory."""
+"""Schedule of meshes over worker processes, within the memory of the machine."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The account of a batch as JSON: what every mesh came to."""
+"""Summary of a batch as JSON: the outcome of each mesh."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The Blender add-on: what there is to register, in order.
+"""The Blender add-on: everything that is registered, in order.
 
 Enabling it imports neither scipy nor the numeric core; they are imported when they are used.
 """

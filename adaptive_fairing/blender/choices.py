@@ -1,4 +1,4 @@
-"""The algorithms, schemes and results that there are, as the panel and the preferences offer them.
+"""Algorithms, schemes and kinds of results, as the panel and the preferences offer them.
 
 The identifiers of schemes, densities and frames are the core's words in capitals.
 """

@@ -1,4 +1,4 @@
-"""What the add-on needs of the Python that runs Blender, found out without importing it."""
+"""Requirements on the Python that runs Blender, checked without importing them."""
 
 from __future__ import annotations
 

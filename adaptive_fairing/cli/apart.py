@@ -1,4 +1,4 @@
-"""A run in a process of its own, so that a crash of Blender is one line and not a dead program.
+"""Runs in a process of their own, so that a crash of Blender is one line of error.
 
 The command line starts itself again and waits. That costs the start of a second interpreter
 without any of the large packages, a few hundredths of a second.

@@ -1,4 +1,4 @@
-"""What the arguments of a run mean: checked, with paths and settings."""
+"""Meaning of the arguments of a run: checks, paths, settings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Batches and sequences as the arguments ask for them: checks, the run."""
+"""Batches and sequences on the command line: checks and the run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an interrupt (Ctrl-C) does: while the program starts, and while it works."""
+"""Interrupts (Ctrl-C) while the program starts and while it works."""
 
 from __future__ import annotations
 

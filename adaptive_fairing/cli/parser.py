@@ -1,4 +1,4 @@
-"""A parser of arguments whose errors are one line that says what was probably meant."""
+"""Parser of arguments with one-line errors that suggest the option meant."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Errors that the core raises on purpose: one clear line each, with the culprits attached."""
+"""Errors of the core: one clear line each, with the culprits attached."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Files that are whole or absent: written under another name beside their place, then renamed.
+"""Atomic files: written under another name beside their place, then renamed.
 
 An interrupted run, a full disk or a crash leaves the old file as it was. The rename is atomic
 because both names are in one folder, hence on one file system.

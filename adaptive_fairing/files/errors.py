@@ -1,4 +1,4 @@
-"""The error of a file that cannot be read or written."""
+"""Errors of files that cannot be read or written."""
 
 from ..core.errors import FairingError
 

@@ -1,4 +1,4 @@
-"""The mesh files that a run can read and write: which of Blender's operators, with which options.
+"""Formats of mesh files: Blender's operators for them, and their options.
 
 Only data, no bpy: the command line checks names of files before it starts Blender.
 

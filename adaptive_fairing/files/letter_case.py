@@ -1,4 +1,4 @@
-"""Whether a folder tells names apart that differ in upper and lower case only."""
+"""Letter case of a file system: names that differ in upper and lower case only."""
 
 from __future__ import annotations
 

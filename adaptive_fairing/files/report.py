@@ -1,4 +1,4 @@
-"""The report of a run: everything that was asked for and measured, as strict JSON.
+"""Report of a run as strict JSON: all settings and all measures.
 
 Lengths, areas and volumes are in object units of the mesh; times and densities are those of the
 solver's [-3, 3]^3 frame. What has no value (the volume of an open surface) is null.

@@ -1,4 +1,4 @@
-"""How much the number of smoothing passes (3.6) over the density matters."""
+"""Influence of the smoothing passes (3.6) over the density."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How different two schemes come out, on one mesh, at three choices of τ.
+"""Differences between two schemes on one mesh, at three choices of τ.
 
 The adaptive timestep against the adaptive tensor (section 3.3, Fig 4.1), and the mean edge length
 against the ring area as the measure of density (section 3.2).

@@ -1,4 +1,4 @@
-"""Whether the diffusion tensor evens triangles out (section 3.3, "Homogenization Effect of D")."""
+"""Homogenisation of triangles by the diffusion tensor (section 3.3 of the paper)."""
 
 from __future__ import annotations
 

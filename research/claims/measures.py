@@ -1,4 +1,4 @@
-"""How far a surface is faired, by density, and timesteps matched to each other.
+"""Measures of fairness by density class, and timesteps matched to each other.
 
 The paper compares the uniform and the adaptive scheme where "the rough features" are equally
 smooth. Here that is a number: the roughness of the coarsest tenth of the vertices.

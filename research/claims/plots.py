@@ -1,4 +1,4 @@
-"""What all plots of the claims share."""
+"""Style of all plots of the claims."""
 
 from __future__ import annotations
 

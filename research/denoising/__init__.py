@@ -1,4 +1,4 @@
-"""How well noise is removed: our methods and the smoothers in use, against known clean surfaces.
+"""Benchmark of denoising: our methods and the smoothers in use, against clean surfaces.
 
 `python -m research.denoising --help` shows the one command. The modules, from the data up:
 `shapes` makes clean meshes, `noise` spoils them, `pairs` gives clean and noisy meshes by name,

@@ -1,4 +1,4 @@
-"""Run all on one pair. Scores are kept: they change only with the version of a peer, or of ours."""
+"""Contest of all methods on one pair; scores are kept per version of peer and of ours."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How often `denoise` takes fine detail for the smooth noise of a scanner.
+"""Rate at which `denoise` takes fine detail for the smooth noise of a scanner.
 
     python -m research.denoising.detail_alarms                 shapes that were not tuned on
     python -m research.denoising.detail_alarms --tuned

@@ -1,4 +1,4 @@
-"""How often `denoise` changes a clean model, and how often it misses noise.
+"""Rates at which `denoise` changes a clean model, and misses noise.
 
     python -m research.denoising.false_alarms              200 random models
     python -m research.denoising.false_alarms --models 50 --seed 1

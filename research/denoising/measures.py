@@ -1,4 +1,4 @@
-"""How far a result is from the clean mesh: distances by density class, normals, flips, rims."""
+"""Distance of a result from the clean mesh: by density class, normals, flips, boundaries."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the error and the angle of `denoise` answer when each of its parameters is moved.
+"""Sensitivity of the error and the angle of `denoise` to each of its parameters.
 
     python -m research.denoising.sensitivity                       three small tuning shapes
     python -m research.denoising.sensitivity --factor 1.5 --shapes gear foot

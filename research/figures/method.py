@@ -1,4 +1,4 @@
-"""The picture of docs/method.md: `python -m research.figures.method` in tools/."""
+"""Picture of docs/method.md: `python -m research.figures.method`."""
 
 from __future__ import annotations
 

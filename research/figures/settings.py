@@ -1,4 +1,4 @@
-"""The pictures of docs/settings.md: `python -m research.figures.settings` in tools/."""
+"""Pictures of docs/settings.md: `python -m research.figures.settings`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which files are meant, what their outputs are called, and what is refused."""
+"""Input files of a batch, names of their outputs, and refusals."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the arguments mean, and what is said of those that mean nothing."""
+"""Meaning of the arguments, and the errors of meaningless ones."""
 
 from __future__ import annotations
 

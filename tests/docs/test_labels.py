@@ -1,4 +1,4 @@
-"""What the manual calls a button or a field is what the add-on calls it."""
+"""Labels of buttons and fields in the manual are those of the add-on."""
 
 from __future__ import annotations
 

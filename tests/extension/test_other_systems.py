@@ -1,4 +1,4 @@
-"""What can be known of Windows and macOS without them: tags, names, paths, modules, encodings."""
+"""Windows and macOS as far as Linux can tell: tags, names, paths, modules, encodings."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is inside the zips: the add-on, its licence, its manifest, and the pinned wheels."""
+"""Contents of the zips: the add-on, its licence, its manifest, and the pinned wheels."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What the tests share: generated meshes and independent reference implementations."""
+"""Generated meshes and independent reference implementations for the tests."""

@@ -1,4 +1,4 @@
-"""What is in a folder, to be compared with what was in it."""
+"""Contents of a folder, to be compared with those before."""
 
 
 def contents_of(folder):

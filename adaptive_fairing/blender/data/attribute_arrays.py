@@ -1,4 +1,4 @@
-"""All attributes of a mesh as arrays, of any type and domain, and back onto another mesh."""
+"""Attributes of a mesh as arrays, of any type and domain, and back onto another mesh."""
 
 from __future__ import annotations
 

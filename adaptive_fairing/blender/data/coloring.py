@@ -1,4 +1,4 @@
-"""Colour a mesh by a field, and remember on the object what the colours mean.
+"""Colours of a field on a mesh, and their meaning in the record.
 
 While a field is shown its colours are the active ones of the mesh, which 3D views show, and those
 of renders. What was active before is noted on the mesh and comes back.

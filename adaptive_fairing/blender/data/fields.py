@@ -1,4 +1,4 @@
-"""Numbers per vertex worth looking at: density, displacement, what was removed, curvatures."""
+"""Fields of numbers per vertex: density, displacement, removed noise, curvatures."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Shape keys of a mesh taken to another one with more vertices: places, values, animation."""
+"""Shape keys copied to another mesh: positions, values, animation."""
 
 from __future__ import annotations
 

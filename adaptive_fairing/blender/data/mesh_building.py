@@ -1,4 +1,4 @@
-"""A new mesh from arrays: triangles, edges, attributes, normals; nothing is searched or sorted."""
+"""Meshes built from arrays: triangles, edges, attributes, normals, without a search."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The record of the runs on an object, and its sliders: saved with the file, undone with them."""
+"""Properties of the record on an object, and its sliders: saved and undone with the file."""
 
 from __future__ import annotations
 

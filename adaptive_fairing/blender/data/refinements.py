@@ -1,4 +1,4 @@
-"""The refinement that was computed last, for the redo panel, which asks for it again and again."""
+"""Cache of the last refinement, which the redo panel asks for again and again."""
 
 from __future__ import annotations
 

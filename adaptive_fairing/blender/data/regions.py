@@ -1,4 +1,4 @@
-"""Which objects a run works on, and with which weight at every vertex."""
+"""Regions: the objects of a run, and the weight of every vertex."""
 
 from __future__ import annotations
 

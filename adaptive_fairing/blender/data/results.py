@@ -1,4 +1,4 @@
-"""What became of an object in earlier runs: the shape it shows, its original, keep or undo it all.
+"""Results on an object: the shown shape, its original, apply and discard.
 
 A run leaves one of these on an object, named by `FairingRecord.result`:
 

@@ -1,4 +1,4 @@
-"""Write to an object completely or not at all."""
+"""Rollback: an object is written completely or not at all."""
 
 from __future__ import annotations
 

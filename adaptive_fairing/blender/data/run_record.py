@@ -1,4 +1,4 @@
-"""What a run did to an object: what is read from its record, and noted there.
+"""Functions of the record: strengths, measures, the look at the original.
 
 The record itself, with the sliders, is in `record_properties`.
 """

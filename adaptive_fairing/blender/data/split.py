@@ -1,4 +1,4 @@
-"""Show the original on one side of a plane by a modifier, for results that are not the mesh itself.
+"""Split view by a modifier: the original on one side of a plane, for results beside the mesh.
 
 The modifier puts the vertices of that side where an attribute of the mesh has them.
 """

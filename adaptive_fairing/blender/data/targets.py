@@ -1,4 +1,4 @@
-"""Which object is faired, and how to write to it without harm to anything else in the file."""
+"""Targets: the object that a run writes to, without harm to anything else in the file."""
 
 from __future__ import annotations
 

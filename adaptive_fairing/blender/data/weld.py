@@ -1,4 +1,4 @@
-"""One surface of a mesh whose file has torn it apart at seams and sharp edges."""
+"""Welding of a mesh that its file has split at seams and sharp edges."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What Blender's importers leave out of a mesh file without a word: counted, to be told.
+"""Losses of Blender's importers: parts of a mesh file that they leave out in silence.
 
 They drop vertices that no face uses, faces that no mesh of Blender can have, and digits.
 """

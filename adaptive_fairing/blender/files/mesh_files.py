@@ -1,4 +1,4 @@
-"""Files in and out, with Blender's own importers and exporters; results appear whole or not."""
+"""Mesh files through Blender's importers and exporters; outputs appear whole or not."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What Blender's .ply exporter would lose: order of vertices with UVs, exact eight-bit colours."""
+"""Additions to Blender's .ply exporter: order of vertices with UVs, exact eight-bit colours."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Blender's own cleaning up of an imported mesh, without what it does in silence or by chance.
+"""Validation of an imported mesh by Blender, without its silent or random repairs.
 
 `Mesh.validate` turns coordinates that are not numbers into 0, and of faces with the same vertices
 it keeps the one that a thread happens to see first. Here the former are refused, and of the latter

@@ -1,4 +1,4 @@
-"""Fair what a mesh carries: a colour, the weights of a vertex group, a number or a vector.
+"""Fairing of attributes: a colour, the weights of a vertex group, a number or a vector.
 
 The surface stays as it is. Colours of corners are faired by their means at the vertices: what a
 corner differs from its mean by stays, so that corners which agree go on agreeing, and a seam keeps

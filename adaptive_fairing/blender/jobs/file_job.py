@@ -1,4 +1,4 @@
-"""The main job: one file in, its mesh faired, one file out. The command line calls it."""
+"""Job of a file: one file in, its mesh faired, one file out."""
 
 from __future__ import annotations
 

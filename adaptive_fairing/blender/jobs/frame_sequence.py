@@ -1,4 +1,4 @@
-"""What the frames of one surface have in common: the analysis of its topology, and the strength."""
+"""Frames of one surface: shared analysis of the topology, shared strength."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Animated and deforming objects: the shape that they have at a frame."""
+"""Frames of animated and deforming objects, as meshes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""One file in, its mesh changed without a solve for its shape, one file out.
+"""Job of a file without a solve for its shape: one file in, its mesh changed, one file out.
 
 Refinement onto the limit surface is such a change, and so is an attribute that is faired.
 """

@@ -1,4 +1,4 @@
-"""The part of a mesh that a region needs: so a small region of a large mesh is quickly denoised.
+"""Part of a mesh around a region, so that a small region of a large mesh is denoised quickly.
 
 The noise is estimated there alone, not where earlier runs have removed it. numpy only.
 """

@@ -1,4 +1,4 @@
-"""Write the result of a solve into Blender's data: shape keys, attributes, the record."""
+"""Storage of a solve in Blender's data: shape keys, attributes, the record."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A thread that works through a generator, item by item, and can be asked to stop in between."""
+"""Thread that works through a generator and can be asked to stop between two items."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What follows changes that others make: painted weights, the shading of 3D views, memories."""
+"""Handlers that follow changes from outside: painted weights, 3D views, freed memory."""
 
 from __future__ import annotations
 

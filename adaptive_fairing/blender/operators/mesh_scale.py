@@ -1,4 +1,4 @@
-"""What τ means on the mesh at hand, measured once per mesh and remembered for the panel.
+"""Scale of τ on the mesh at hand, measured once per mesh for the panel.
 
 The panel is drawn many times a second, so it only looks up. A mesh that is not known yet is
 measured shortly after, outside of drawing.

@@ -1,4 +1,4 @@
-"""Run solves beside Blender's window: a worker thread computes, a timer looks in, Esc stops.
+"""Modal runs beside Blender's window: a worker thread, a timer, Esc.
 
 From scripts, in background and in the redo panel the same operators block until all is done.
 """

@@ -1,4 +1,4 @@
-"""A visit to Object Mode, from wherever the user is."""
+"""Visit to Object Mode from any other mode."""
 
 from __future__ import annotations
 

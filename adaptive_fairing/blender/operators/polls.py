@@ -1,4 +1,4 @@
-"""Why a button is greyed out: common reasons, and how Blender is told."""
+"""Polls shared by operators: reasons for a greyed-out button."""
 
 from __future__ import annotations
 

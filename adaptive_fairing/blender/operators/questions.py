@@ -1,4 +1,4 @@
-"""What a run changes beyond the mesh is said before it, and asked where it cannot be undone."""
+"""Warnings and confirmation before a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What the last run took the roughness of an object for, and what else it may be.
+"""Readings of rough surfaces as noise or detail: the last run's, and the others.
 
 The panel offers the other reading beside the note that names it.  A mesh that nothing was done to
 has no record of its own, so this is remembered here, for the session alone: until the next run, and

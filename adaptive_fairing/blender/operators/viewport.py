@@ -1,4 +1,4 @@
-"""The shading of 3D views while a field is shown: solid, lit, with the active colours of meshes.
+"""Shading of 3D views while a field is shown: solid, lit, with the active colours.
 
 Every view that is solid shows them, and the one in which the button was pressed becomes solid. What
 was there before comes back when no object shows a field any more; what somebody has changed in the

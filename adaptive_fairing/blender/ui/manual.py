@@ -1,4 +1,4 @@
-"""Where the manual tells about a button or a field: Blender's *Online Manual* in its menu.
+"""Links from buttons and fields to the manual, for Blender's *Online Manual*.
 
 The manual has no address of its own yet. Until it has, `MANUAL` is the listing's page, and what
 follows the ``#`` says where to look; with the address of the pages themselves it leads there.

@@ -1,4 +1,4 @@
-"""The part of the main panel below the button: the result, and what can be done with it."""
+"""Result below the main button: its sliders and its operators."""
 
 from __future__ import annotations
 

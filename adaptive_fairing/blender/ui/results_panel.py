@@ -1,4 +1,4 @@
-"""Panels for what a run has done: animation, statistics, comparison."""
+"""Panels of a finished run: animation, statistics, comparison."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Panels with the settings of a run, its progress, and what τ means on the mesh at hand."""
+"""Panels with the settings of a run, its progress, and the scale of τ on the mesh at hand."""
 
 from __future__ import annotations
 

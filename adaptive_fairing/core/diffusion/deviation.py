@@ -1,4 +1,4 @@
-"""A bound for how far vertices may get from where they were."""
+"""Bound on the distance of vertices from their input positions."""
 
 from __future__ import annotations
 

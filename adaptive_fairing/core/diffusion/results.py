@@ -1,4 +1,4 @@
-"""What a run of `fair_steps` yields, and what `fair` returns."""
+"""Results of `fair` and `fair_steps`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The three schemes of the paper: where the local time stands in the linear system."""
+"""Three schemes of the paper: the place of the local time in the linear system."""
 
 from __future__ import annotations
 

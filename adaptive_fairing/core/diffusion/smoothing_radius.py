@@ -1,4 +1,4 @@
-"""What the time τ means on one mesh: the smoothing radius, counted in local edge lengths.
+"""Smoothing radius in local edge lengths, and the time τ that gives it on a mesh.
 
 Diffusion over a time T spreads a point of the surface over a radius sqrt(2T), the standard
 deviation of the heat kernel of the plane in one direction.  With T = τ d_i per step, a bare τ says

@@ -1,4 +1,4 @@
-"""Volumes that stay: closed parts are moved along their normals after a step."""
+"""Preservation of volume: closed parts are moved along their normals after a step."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is integrated together.
+"""Blocks and chunks of triangles that are integrated together.
 
     chunk     triangles of a slab or of several slabs (see `partition`): the work of one thread,
               scattered together

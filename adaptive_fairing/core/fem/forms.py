@@ -1,4 +1,4 @@
-"""Bilinear forms: what multiplies the products of basis functions at a quadrature point."""
+"""Bilinear forms: the factors of basis products at a quadrature point."""
 
 from __future__ import annotations
 

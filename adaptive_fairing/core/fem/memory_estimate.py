@@ -1,4 +1,4 @@
-"""How much memory a solve needs, estimated before it starts."""
+"""Memory that a solve needs, estimated before it starts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where the local matrices of the chunks go in the global one."""
+"""Scatter of the chunks' local matrices into the global one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The surface at the quadrature points of a block, and what is integrated over it."""
+"""Evaluation of the surface at the quadrature points of a block, and integrals over it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The tables that the chunks of a mesh need, and which triangles share one."""
+"""Cache of the tables that the chunks of a mesh need and share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""All diffusions in one metric from one small space.
+"""Filters in a Krylov space: all diffusions in one metric from one small space.
 
 Every diffusion in a metric is a function of the same M and L: it multiplies each
 eigenvector of M⁻¹L, of eigenvalue λ, by 1 - r(λ), and so removes the fraction r(λ) of it.

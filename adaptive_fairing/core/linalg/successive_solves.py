@@ -1,4 +1,4 @@
-"""Where to start the solve of one of a series of similar systems.
+"""Starting vectors for a series of similar linear systems.
 
 Source: Fischer, "Projection techniques for iterative solution of Ax = b with successive right-hand
 sides", Computer Methods in Applied Mechanics and Engineering 163, 1998.

@@ -1,4 +1,4 @@
-"""Which triangles are integrated together.
+"""Partition of the triangles into those that are integrated together.
 
 The mesh is cut into slabs: triangles that follow each other in the order of the solve, which goes
 along the longest axis.  A chunk has the triangles of one slab, but for those of uncommon classes:

@@ -1,4 +1,4 @@
-"""Checks of the arrays that callers hand over; each raises `InputError` with the culprits."""
+"""Checks of arrays from callers; each raises `InputError` with the culprits."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Cut any set of triangles into an oriented manifold that the solver can work on.
+"""Cuts of any triangles into an oriented manifold.
 
 Nothing of the caller's mesh changes: the result is a mesh for the solve, with copies of vertices
 where surfaces were cut apart.  Those vertices are held, so that the pieces stay together.

@@ -1,4 +1,4 @@
-"""Between the caller's mesh and the one that is solved on: numbering, cuts, units.
+"""Solver's mesh made of the caller's: numbering, cuts, units.
 
 The solve works on vertices in an order that keeps neighbours close in memory, on a mesh that was
 cut apart where it is not an oriented manifold, and in a frame of its own: by default the paper's,

@@ -1,1 +1,1 @@
-"""A mesh made ready for a solve: the prepared tables, and what is wrong with the mesh."""
+"""Solver's problem: prepared tables, checks, and notes on defects of the mesh."""

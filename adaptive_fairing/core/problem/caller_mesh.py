@@ -1,4 +1,4 @@
-"""The caller's mesh: arrays checked and copied, once for every solve."""
+"""Caller's mesh: arrays checked and copied, once for every solve."""
 
 from __future__ import annotations
 

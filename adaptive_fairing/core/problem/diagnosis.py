@@ -1,4 +1,4 @@
-"""What is wrong with a mesh, told before or beside the solve: notes for the user, and culprits.
+"""Diagnosis of a mesh before or beside the solve: notes for the user, and culprits.
 
 The rules are those of `mesh.manifold` and `fem.differential_geometry`; here it is only counted and
 located where they apply.

@@ -1,4 +1,4 @@
-"""What a solve computes from the triangles alone, kept for other positions of the same surface."""
+"""Prepared mesh: everything that depends on the triangles alone, kept for other positions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The caller's mesh posed on the solver's."""
+"""Solver's problem, posed from the caller's mesh."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""How the numerics run: precision of numbers, threads."""
+"""Runtime of the numerics: precision, threads, memory of the system."""

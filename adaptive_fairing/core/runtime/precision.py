@@ -1,4 +1,4 @@
-"""Where single precision is exact enough: every bound in one place.
+"""Bounds within which single precision is exact enough.
 
 A step of a large mesh is computed in single precision, which saves about a fifth of its time.
 Positions stay in double precision: the step solves for what it adds to them, and rounding

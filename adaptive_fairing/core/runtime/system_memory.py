@@ -1,4 +1,4 @@
-"""How much memory a process can still get, as far as the system tells."""
+"""Memory that a process can still get, as far as the system tells."""
 
 from __future__ import annotations
 

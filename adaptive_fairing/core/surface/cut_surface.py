@@ -1,4 +1,4 @@
-"""Any triangles as surfaces that can be refined: cut where they are no manifold, and joined again.
+"""Surfaces made of any triangles, for refinement: cut where not manifold, and joined again.
 
 The cuts are those of the solver, see `mesh.manifold`.  Both sides of a cut keep its curve, and
 vertices where the sides would not agree stay where they are, so that the refined mesh is joined

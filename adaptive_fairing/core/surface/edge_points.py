@@ -1,4 +1,4 @@
-"""The vertices that a step of refinement adds: control points, limit positions and normals.
+"""Edge points of a refinement: control points, limit positions and normals.
 
 They are most of a refined mesh, and all regular: no matrix is needed, only their neighbours.
 """

@@ -1,4 +1,4 @@
-"""The C¹ surface that a control mesh stands for, as points, normals, curvature and finer meshes."""
+"""C¹ limit surface of a control mesh: points, normals, curvature and finer meshes."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How much memory a refinement needs, estimated before it starts."""
+"""Memory that a refinement needs, estimated before it starts."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A refined mesh in one piece, and how values of the caller's mesh get onto it.
+"""Refined mesh in one piece, with the transfer of values from the caller's mesh.
 
 Values at vertices and at corners are mixed half and half at every edge point: numbers by their
 mean (whole ones rounded), true or false where both ends are true, anything else from the first end.

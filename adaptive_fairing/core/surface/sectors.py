@@ -1,4 +1,4 @@
-r"""The sides of creases, the boundary and corners: what lies between two sharp edges of a vertex.
+r"""Sectors around a vertex between two sharp edges: sides of creases, boundary, corners.
 
   p_2   p_1            p_0 and p_k are the ends of two sharp edges; a sector has k triangles.
     \   /              On a crease p_0 - p_k is the tangent of the curve; the tangent across is

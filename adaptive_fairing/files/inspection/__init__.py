@@ -1,4 +1,4 @@
-"""Look at a mesh file before Blender's importer does, without Blender.
+"""Inspection of a mesh file before Blender's importer, without Blender.
 
 The importers trust what a file says of itself. A lying count or a cut file ends the process, a
 face whose vertex does not exist is dropped, a coordinate that is not a number becomes 0. Here such

@@ -1,4 +1,4 @@
-"""What is known of a mesh file, and the checks that all formats share."""
+"""Contents of an inspected file, and the checks that all formats share."""
 
 from __future__ import annotations
 

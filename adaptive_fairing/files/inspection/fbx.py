@@ -1,4 +1,4 @@
-"""Look at a binary .fbx file: a tree of nodes, whose properties hold numbers and arrays."""
+"""Inspection of binary .fbx files: a tree of nodes with numbers and arrays as properties."""
 
 from __future__ import annotations
 

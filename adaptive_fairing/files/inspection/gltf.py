@@ -1,4 +1,4 @@
-"""Look at a .gltf or .glb file: JSON that describes pieces of binary buffers."""
+"""Inspection of .gltf and .glb files: JSON that describes pieces of binary buffers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Look at a .obj file: vertices and faces as lines of text."""
+"""Inspection of .obj files: vertices and faces as lines of text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Look at a .ply file: a header that names elements and their properties, then their rows."""
+"""Inspection of .ply files: the header with elements and properties, then their rows."""
 
 from __future__ import annotations
 

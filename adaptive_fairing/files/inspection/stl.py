@@ -1,4 +1,4 @@
-"""Look at a .stl file: triangles, each with corners of its own, in binary or text."""
+"""Inspection of .stl files: triangles with corners of their own, in binary or text."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a script does with the extension in Blender without a window. Runs inside Blender.
+"""Scripts with the extension in Blender without a window. Runs inside Blender.
 
 Usage: blender -b --python-exit-code 9 --python background.py -- fair DIRECTORY
        blender -b --python-exit-code 9 --python background.py -- inspect FILE.blend DIRECTORY

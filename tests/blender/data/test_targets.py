@@ -1,4 +1,4 @@
-"""Which object is faired, and what stays as it is."""
+"""Target of a run, and all that stays as it is."""
 
 import bpy
 import numpy as np

@@ -1,4 +1,4 @@
-"""What exporters change of their own accord: kept as it was, or told."""
+"""Changes of exporters of their own accord: undone, or told."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What an importer leaves out is counted and told."""
+"""Losses of importers are counted and told."""
 
 import pytest
 from support.meshes import icosphere

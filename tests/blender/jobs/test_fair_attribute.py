@@ -1,4 +1,4 @@
-"""What a mesh carries is faired as the core does it, and nothing else of the mesh changes."""
+"""Attributes are faired as the core does it, and nothing else of the mesh changes."""
 
 import bpy
 import numpy as np

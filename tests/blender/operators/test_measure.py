@@ -1,4 +1,4 @@
-"""What τ and the radius mean on the mesh at hand, as the panel looks it up."""
+"""Scale of τ and of the radius on the mesh at hand, as the panel looks it up."""
 
 import bpy
 import pytest

@@ -1,4 +1,4 @@
-"""What cannot be undone is asked before, with what else will be changed."""
+"""Confirmation before changes that cannot be undone, with everything that will change."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""How a result is shown: by a modifier, compared with the original, painted back in parts."""
+"""Display of a result: by a modifier, beside the original, painted back in parts."""
 
 import bpy
 import numpy as np

@@ -1,4 +1,4 @@
-"""What the system tells about its memory, with and without psutil, in and out of a container."""
+"""Memory of the system, with and without psutil, in and out of a container."""
 
 import importlib
 import sys
