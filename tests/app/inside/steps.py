@@ -50,10 +50,11 @@ def take_brush(stage: Stage) -> None:
         )
 
 
-def open_panel(panel: str) -> None:
-    """Open a panel that is closed at first, as a click on its header would."""
-    panel_class = getattr(bpy.types, panel)
+def open_panel(panel: str, is_open: bool = True) -> None:
+    """Open a panel that is closed at first, or close it again, as a click on its header would."""
+    (panel_class,) = [each for each in bpy.types.Panel.__subclasses__() if each.__name__ == panel]
     bpy.utils.unregister_class(panel_class)
-    panel_class.bl_options = set()
-    panel_class.bl_idname = f"{panel}_open"  # Blender remembers which panels are closed
+    panel_class.bl_options = set() if is_open else {"DEFAULT_CLOSED"}
+    # Blender remembers of a name whether its panel is closed.
+    panel_class.bl_idname = f"{panel}_{'open' if is_open else 'closed'}"
     bpy.utils.register_class(panel_class)

@@ -148,8 +148,39 @@ def manual(stage: Stage) -> Scenario:
     open_panel("VIEW3D_PT_adaptive_fairing_statistics")
     yield 1.0
     yield from stage.picture("statistics")
-    parts = {"modifier": "1260x655+340+81", "statistics": "982x720+340+81"}
+    open_panel("VIEW3D_PT_adaptive_fairing_statistics", is_open=False)
+    with stage.context():
+        bpy.ops.object.adaptive_fairing_discard()
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR")
+        bpy.ops.object.adaptive_fairing_view(field="DENSITY")
+    settings = bpy.context.scene.adaptive_fairing
+    settings.algorithm, settings.show_energy = "FAIR", True
+    yield 1.0
+    yield from stage.picture("evolution")
+    settings.show_energy = False
+    open_panel("VIEW3D_PT_adaptive_fairing_view")
+    yield 1.0
+    yield from stage.picture("density")
+    space = stage.view.spaces.active
+    space.overlay.show_overlays = space.show_gizmo = False
+    with stage.context():
+        bpy.ops.object.adaptive_fairing_discard()
+        bpy.ops.object.adaptive_fairing_compare(algorithm="FAIR", tau=0.016)
+        bpy.ops.object.select_all(action="SELECT")
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_selected()
+    yield 1.0
+    yield from stage.picture("comparison")
+    parts = {
+        "modifier": "1260x655+340+81",
+        "statistics": "982x720+340+81",
+        "density": "982x820+340+81",
+        "comparison": "660x430+225+285",
+    }
     for name in stage.pictures:
         path = stage.directory / f"{name}.png"
         part = ["-crop", parts.get(name, "982x655+340+81"), "+repage", "-resize", "748x"]
-        subprocess.run(["convert", path, *part, path.with_name(f"manual-{name}.png")], check=True)
+        part += ["+dither", "-colors", "160"]  # a third of the size
+        subprocess.run(
+            ["convert", path, *part, f"PNG8:{path.with_name(f'manual-{name}.png')}"], check=True
+        )
