@@ -71,10 +71,10 @@ def plan_of(arguments: argparse.Namespace) -> Plan | None:
         return None
     keyed = _keyed_output(arguments, is_sequence)
     folder = arguments.out_dir
-    if folder is None:
-        if keyed is None:
-            raise ArgumentsError(_no_folder(arguments))
+    if folder is None and keyed is not None:
         folder = keyed.with_name(f"{keyed.stem}_frames")
+    elif folder is None:
+        folder = _default_folder(arguments)
     if arguments.same_strength and not is_sequence:
         raise ArgumentsError("--same-strength is for frames: add --sequence or --frames")
     if arguments.jobs is not None and arguments.jobs < 1:
@@ -155,7 +155,8 @@ def run_plan(
         with silent_output():
             from ..blender.jobs.keyed_object import write_keyed_file
 
-        write_keyed_file(plan.items, arguments.object, plan.keyed, refinement(arguments))
+        word = ENDINGS[arguments.algorithm].removeprefix("_")
+        write_keyed_file(plan.items, arguments.object, plan.keyed, refinement(arguments), word=word)
     return account, None
 
 
@@ -181,6 +182,21 @@ def _is_batch(arguments: argparse.Namespace) -> bool:
     inputs = arguments.input
     is_asked_for = any(getattr(arguments, name) not in (None, False) for name in BATCH_OPTIONS)
     return is_asked_for or len(inputs) > 1 or Path(inputs[0]).is_dir() or is_pattern(inputs[0])
+
+
+def _default_folder(arguments: argparse.Namespace) -> Path:
+    """Folder for the outputs of a single input folder: beside it.
+
+    Raises
+    ------
+    ArgumentsError
+        The inputs are something else.
+    """
+    given = Path(arguments.input[0])
+    if len(arguments.input) > 1 or not given.is_dir():
+        raise ArgumentsError(_no_folder(arguments))
+    given = given.resolve()
+    return given.with_name(f"{given.name}{ENDINGS[arguments.algorithm]}")
 
 
 def _no_folder(arguments: argparse.Namespace) -> str:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..files.formats import SUFFIXES
+from ..files.result_words import DENOISED, FAIRED, REFINED
 from ..version import program_version
 from .messages import PROGRAM
 from .parser import Parser, did_you_mean, one_of
@@ -85,7 +86,7 @@ def build_parsers() -> tuple[Parser, dict[str, Parser]]:
         _OWN_OPTIONS[name](parser, common)
         _add_file_options(parser, name)
         if name != REFINE:
-            _add_batch(parser)
+            _add_batch(parser, name)
             _add_sequence(parser)
     return program, parsers
 
@@ -136,7 +137,7 @@ def _add_output(group: Any, algorithm: str) -> None:
     )
 
 
-ENDINGS = {DENOISE: "_denoised", FAIR: "_faired", REFINE: "_refined"}
+ENDINGS = {DENOISE: f"_{DENOISED}", FAIR: f"_{FAIRED}", REFINE: f"_{REFINED}"}
 """What is added to the name of the input for the default output."""
 
 
@@ -296,7 +297,7 @@ def _add_file_options(parser: Parser, algorithm: str) -> None:
     group.add_argument("-h", "--help", action="help", help="show this page")
 
 
-def _add_batch(parser: Parser) -> None:
+def _add_batch(parser: Parser, algorithm: str) -> None:
     group = parser.add_argument_group(
         "many meshes",
         "Several INPUTs, a folder (all mesh files in it) or a pattern in quotes make a batch. "
@@ -304,7 +305,11 @@ def _add_batch(parser: Parser) -> None:
         "--report writes the summary.",
     )
     group.add_argument(
-        "--out-dir", type=Path, metavar="DIR", help="folder for the outputs, made if missing"
+        "--out-dir",
+        type=Path,
+        metavar="DIR",
+        help="folder for the outputs, made if missing (default for a folder: its name with "
+        f"{ENDINGS[algorithm]})",
     )
     group.add_argument(
         "--format", metavar="KIND", help="kind of the outputs, such as ply (default: the input's)"

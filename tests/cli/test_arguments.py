@@ -198,7 +198,7 @@ def test_wrong_values_of_settings_are_status_2(capsys, tmp_path, arguments, mess
         ("obj", "obj does not exist: did you mean -o given{ending}.obj?"),
         (".OBJ", ".OBJ does not exist: did you mean -o given{ending}.obj?"),
         ("old.ply", "two INPUTs need a folder for the outputs, --out-dir; or did you mean -o old"),
-        ("folder", "give the folder for the outputs with --out-dir"),
+        ("folder", "give the folder for the outputs with --out-dir"),  # two inputs
         ("*.obj", "give the folder for the outputs with --out-dir"),
     ],
 )
@@ -211,6 +211,18 @@ def test_a_second_path_that_looks_like_an_output(
     (tmp_path / "folder").mkdir()
     line = error_of(capsys, algorithm, "given.ply", second)
     assert message.format(ending=options.ENDINGS[algorithm]) in line
+
+
+@pytest.mark.parametrize(("algorithm", "word"), [("denoise", "denoised"), ("fair", "faired")])
+def test_the_results_of_a_folder_lie_beside_it(tmp_path, monkeypatch, algorithm, word):
+    (tmp_path / "scans").mkdir()
+    (tmp_path / "scans" / "a.ply").touch()
+    output = tmp_path / f"scans_{word}" / "a.ply"
+    monkeypatch.chdir(tmp_path)
+    for given in ("scans", "scans/", str(tmp_path / "scans")):
+        assert [item.output for item in parse([algorithm, given]).plan.items] == [output]
+    monkeypatch.chdir(tmp_path / "scans")
+    assert [item.output for item in parse([algorithm, "."]).plan.items] == [output]
 
 
 def test_a_missing_file_is_told_before_blender_is_loaded(capsys, tmp_path, monkeypatch):

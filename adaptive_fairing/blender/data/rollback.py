@@ -8,12 +8,13 @@ from dataclasses import dataclass
 
 import bpy
 
+from ...files.result_words import FAIRED
 from .targets import writable_object
 
 
 @contextmanager
 def written_or_restored(
-    obj: bpy.types.Object, *, in_place: bool = False
+    obj: bpy.types.Object, *, in_place: bool = False, word: str = FAIRED
 ) -> Iterator[bpy.types.Object]:
     """Give the object to write to, see `writable_object`; put all back if the body fails.
 
@@ -25,6 +26,8 @@ def written_or_restored(
         Mesh object in Object Mode.
     in_place
         Whether shape keys of the user are no reason for a copy, because they stay.
+    word
+        As in `writable_object`.
 
     Yields
     ------
@@ -34,7 +37,7 @@ def written_or_restored(
     mesh = obj.data
     name, has_fake_user, active_key = mesh.name, mesh.use_fake_user, obj.active_shape_key_index
     visibility = _Visibility.of(obj)
-    target = writable_object(obj, in_place=in_place)
+    target = writable_object(obj, in_place=in_place, word=word)
     backup = mesh.copy() if target.data == mesh else None
     try:
         yield target

@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ...core import FairingError
+from ...files.result_words import FAIRED
 from .key_copies import clear_keys
 from .mesh_arrays import is_shared, read_positions, write_positions
 from .shape_keys import has_foreign_keys, mixed_keys
@@ -54,7 +55,9 @@ def needs_copy(obj: bpy.types.Object, *, in_place: bool = False) -> bool:
     return is_foreign or (has_foreign_keys(obj.data) and not in_place)
 
 
-def writable_object(obj: bpy.types.Object, *, in_place: bool = False) -> bpy.types.Object:
+def writable_object(
+    obj: bpy.types.Object, *, in_place: bool = False, word: str = FAIRED
+) -> bpy.types.Object:
     """Give an object whose mesh belongs to it alone and may be written.
 
     Parameters
@@ -63,27 +66,29 @@ def writable_object(obj: bpy.types.Object, *, in_place: bool = False) -> bpy.typ
         Mesh object in Object Mode.
     in_place
         Whether shape keys of the user are no reason for a copy, because they stay.
+    word
+        What a copy is called after, see `files.result_words`.
 
     Returns
     -------
     bpy.types.Object
         `obj` itself, its mesh made single-user if others share it or a library owns it; or, if it
-        `needs_copy`, a new object "NAME faired" in its place, with the shown shape and no
+        `needs_copy`, a new object "NAME WORD" in its place, with the shown shape and no
         keys, while `obj` is hidden and otherwise untouched.
     """
     if needs_copy(obj, in_place=in_place):
-        return _copy_in_place(obj)
+        return _copy_in_place(obj, word)
     mesh = obj.data
     if is_shared(mesh) or mesh.library is not None or mesh.override_library is not None:
         obj.data = mesh.copy()
     return obj
 
 
-def _copy_in_place(obj: bpy.types.Object) -> bpy.types.Object:
+def _copy_in_place(obj: bpy.types.Object, word: str) -> bpy.types.Object:
     shown = mixed_keys(obj.data.shape_keys) if obj.data.shape_keys else read_positions(obj.data)
     copy = obj.copy()
     copy.make_local(clear_liboverride=True)
-    copy.name = f"{obj.name} faired"
+    copy.name = f"{obj.name} {word}"
     copy.data = obj.data.copy()
     copy.data.make_local(clear_liboverride=True)
     if copy.data.shape_keys is not None:

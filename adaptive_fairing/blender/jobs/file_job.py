@@ -23,6 +23,7 @@ from ...core import (
 from ...files.atomic_files import remove_drafts, writable_place
 from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ...files.report import build_report, denoise_record, step_record, write_report
+from ...files.result_words import DENOISED, FAIRED
 from ...version import program_version
 from ..data.attributes import write_density
 from ..data.mesh_arrays import MeshData, n_triangles, read_mesh, welded
@@ -208,7 +209,7 @@ class _Run:
     def _write(self, obj: bpy.types.Object, surface_vertex: np.ndarray | slice) -> None:
         job, solve = self.job, self.solve
         is_copy = needs_copy(obj)
-        obj = writable_object(obj)
+        obj = writable_object(obj, word=DENOISED if solve.is_denoise else FAIRED)
         if suffix_of(job.output) == BLEND:
             is_own_scene = suffix_of(job.input) != BLEND
             objects = [obj]

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...batch.plan import Item
 from ...core import FairingError
 from ...files.formats import keeps_axes
+from ...files.result_words import FAIRED
 from ..data.mesh_arrays import flat_float32, read_positions
 from ..data.refined_object import RefineOptions, refine_object
 from ..data.shape_keys import keyframe_keys
@@ -50,7 +51,12 @@ def write_frame_keys(
 
 
 def write_keyed_file(
-    items: Sequence[Item], object_name: str | None, output: Path, refine: int | None = None
+    items: Sequence[Item],
+    object_name: str | None,
+    output: Path,
+    refine: int | None = None,
+    *,
+    word: str = FAIRED,
 ) -> None:
     """Put the outputs of a sequence together in a .blend file.
 
@@ -67,6 +73,8 @@ def write_keyed_file(
         The file to write.
     refine
         As in `FairingJob`; the frames are not refined yet.
+    word
+        What the object beside an animated one is called after, see `files.result_words`.
 
     Raises
     ------
@@ -90,7 +98,7 @@ def write_keyed_file(
     first = items[0]
     obj = import_mesh(first.input, object_name)
     if first.frame is not None:
-        obj = _beside(obj, first.frame)
+        obj = _beside(obj, first.frame, word)
     if keeps_axes(first.input, first.output):
         # The mesh has the axes of the file, its object is turned.
         turn = np.round(np.array(obj.matrix_basis)[:3, :3])
@@ -109,7 +117,11 @@ def write_keyed_file(
 
 
 def show_frames(
-    obj: bpy.types.Object, frames: Sequence[Frame], positions: Sequence[ArrayLike]
+    obj: bpy.types.Object,
+    frames: Sequence[Frame],
+    positions: Sequence[ArrayLike],
+    *,
+    word: str = FAIRED,
 ) -> bpy.types.Object:
     """Make an object that plays faired frames beside the animated one, which is hidden.
 
@@ -120,11 +132,13 @@ def show_frames(
     frames
         As they were read, in order.
     positions
-        Faired, (n, 3) each, in the object's space at that frame.
+        Results, (n, 3) each, in the object's space at that frame.
+    word
+        As in `write_keyed_file`.
     """
     scene = obj.users_scene[0]
     current = scene.frame_current
-    result = _beside(obj, frames[0].number)
+    result = _beside(obj, frames[0].number, word)
     to_result = np.linalg.inv(frames[0].matrix)
     shapes = []
     for frame, shape in zip(frames, positions, strict=True):
@@ -136,10 +150,10 @@ def show_frames(
     return result
 
 
-def _beside(obj: bpy.types.Object, frame: int) -> bpy.types.Object:
+def _beside(obj: bpy.types.Object, frame: int, word: str) -> bpy.types.Object:
     """Make an object with the shape of a frame beside an animated one, which is hidden."""
     result = object_at_frame(obj, frame)
-    result.name = f"{obj.name} faired"
+    result.name = f"{obj.name} {word}"
     obj.hide_set(True)
     obj.hide_render = True
     return result

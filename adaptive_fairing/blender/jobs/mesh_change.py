@@ -15,6 +15,7 @@ import bpy
 from ...core import FairingError, FairingSettings
 from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ...files.report import settings_record, write_report
+from ...files.result_words import FAIRED, REFINED
 from ..data.mesh_arrays import read_positions
 from ..data.refined_object import RefineOptions, refine_object
 from ..data.shape_keys import mixed_keys
@@ -119,7 +120,8 @@ def _read_change_write(
     report["mesh"] = mesh_counts(obj.data)
     if splits_vertices(files.input):
         weld(obj.data)
-    obj = writable_object(obj, in_place=True)
+    word = REFINED if report["algorithm"] == "refine" else FAIRED
+    obj = writable_object(obj, in_place=True, word=word)
     report["notes"] += change(obj)
     report["written"] = mesh_counts(obj.data)
     if suffix_of(files.output) == BLEND:

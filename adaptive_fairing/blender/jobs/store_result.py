@@ -7,6 +7,7 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core import FairingError, FairingSettings
+from ...files.result_words import DENOISED, FAIRED
 from ..data import results
 from ..data.attributes import COMPARED_FIELDS, write_density
 from ..data.coloring import color_by_field, pause_view
@@ -52,7 +53,8 @@ def store_solve(
     """
     source = find_object(solve, from_original=from_original)
     in_place = solve.is_denoise and way == "MODIFIER"
-    with written_or_restored(source, in_place=in_place) as obj:
+    word = DENOISED if solve.is_denoise else FAIRED
+    with written_or_restored(source, in_place=in_place, word=word) as obj:
         write_result(obj, solve, way=way, output=output, from_original=from_original)
         obj.adaptive_fairing.keeps_density = store_density
         if store_density:

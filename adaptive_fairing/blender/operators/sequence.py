@@ -5,6 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
+from ...files.result_words import DENOISED, FAIRED
 from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem
 from ..run_properties import SolverProperties
@@ -82,7 +83,8 @@ class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.
             if not problems:
                 self.report({"INFO"}, rpt_("Stopped before the first frame was done"))
             return {"CANCELLED"}
-        result = show_frames(obj, *zip(*done, strict=True))
+        word = DENOISED if solves[0].is_denoise else FAIRED
+        result = show_frames(obj, *zip(*done, strict=True), word=word)
         for each in context.selected_objects:
             each.select_set(False)
         result.select_set(True)

@@ -184,18 +184,22 @@ def test_a_second_run_on_the_result_starts_from_the_same_input(noisy, tmp_path):
         np.testing.assert_array_equal(key_positions(two, name), positions)
 
 
-def test_keys_of_the_user_stay_beside_a_faired_copy(tmp_path):
+@pytest.mark.parametrize(
+    ("settings", "name", "n_keys"),
+    [(SETTINGS, "Face faired", 3), (DenoiseSettings(clean="denoise"), "Face denoised", 6)],
+)
+def test_keys_of_the_user_stay_beside_a_copy(tmp_path, settings, name, n_keys):
     obj = add_object(*random_closed(seed=1), name="Face")
     obj.shape_key_add(name="Basis")
     smile = obj.shape_key_add(name="Smile")
     smile.points[0].co = (7, 7, 7)
     save_blend(tmp_path / "in.blend")
-    run_job(FairingJob(tmp_path / "in.blend", tmp_path / "out.blend", SETTINGS))
-    import_mesh(tmp_path / "out.blend", "Face faired")
-    face, faired = bpy.data.objects["Face"], bpy.data.objects["Face faired"]
+    run_job(FairingJob(tmp_path / "in.blend", tmp_path / "out.blend", settings))
+    import_mesh(tmp_path / "out.blend", name)
+    face, copy = bpy.data.objects["Face"], bpy.data.objects[name]
     assert [block.name for block in face.data.shape_keys.key_blocks] == ["Basis", "Smile"]
     assert tuple(key_positions(face, "Smile")[0]) == (7, 7, 7)
-    assert len(faired.data.shape_keys.key_blocks) == 3
+    assert len(copy.data.shape_keys.key_blocks) == n_keys
     assert face.hide_get()
 
 

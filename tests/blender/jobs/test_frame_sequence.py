@@ -292,7 +292,7 @@ def test_one_keyed_object_shows_every_frame(sources, expected, tmp_path, kind):
 def test_the_animated_object_stays_hidden_beside_the_keyed_one(sources, tmp_path):
     assert run(sources[".blend"], "--frames", "1-2", "-o", tmp_path / "all.blend") == 0
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "all.blend"))
-    assert sorted(obj.name for obj in bpy.data.objects) == ["Bean", "Bean faired"]
+    assert sorted(obj.name for obj in bpy.data.objects) == ["Bean", "Bean denoised"]
     assert not bpy.data.objects["Bean"].visible_get()
     assert bpy.data.objects["Bean"].hide_render
     assert [block.name for block in bpy.data.objects["Bean"].data.shape_keys.key_blocks] == [
