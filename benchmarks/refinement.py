@@ -17,7 +17,7 @@ from statistics import median
 import bpy
 import numpy as np
 
-from adaptive_fairing.blender.data import refinements
+from adaptive_fairing.blender.data import refinement_cache
 from adaptive_fairing.blender.data.refined_object import RefineOptions, refine_object
 from tools.geometry.triangles import torus
 
@@ -67,7 +67,7 @@ def ours(obj: bpy.types.Object, options: RefineOptions, is_known: bool) -> Calla
 
     def refine() -> bpy.types.Mesh:
         if not is_known:
-            refinements.forget()
+            refinement_cache.forget()
         control = obj.data
         refine_object(obj, options)
         refined, obj.data = obj.data, control

@@ -10,7 +10,7 @@ from .denoise.plan import DenoisePlan
 from .denoise.progress import DenoiseProgress
 from .denoise.result import DenoiseResult
 from .denoise.settings import DenoiseSettings
-from .diffusion.results import FairingResult, FairingStep
+from .diffusion.fairing_result import FairingResult, FairingStep
 from .diffusion.settings import DENSITIES, SCHEMES, FairingSettings
 from .diffusion.steps import fair, fair_steps
 from .diffusion.values import fair_values

@@ -9,7 +9,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_data as data_
 
-from .attributes import FIELD_ATTRIBUTES, color_name
+from .field_attributes import FIELD_ATTRIBUTES, color_name
 
 FIELD = "fairing_field"
 """Custom property that marks such a material: the field that it shows."""

@@ -12,8 +12,8 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ...core import FairingSettings, InputError
 from . import color_material
 from .attribute_arrays import remove_attributes
-from .attributes import COLORS_BEFORE, FIELD_ATTRIBUTES, color_name, write_color, write_scalar
 from .color_map import ANCHORS, DIVERGING_ANCHORS, SIGNED_FIELDS, field_range
+from .field_attributes import COLORS_BEFORE, FIELD_ATTRIBUTES, color_name, write_color, write_scalar
 from .fields import measure_field
 
 

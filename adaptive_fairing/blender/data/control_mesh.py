@@ -9,9 +9,9 @@ import bpy
 
 from .key_copies import copy_settings
 from .mesh_arrays import is_shared, write_positions
-from .run_record import remember_coordinates
+from .record_functions import remember_coordinates
 from .shape_keys import mixed_keys, show_time
-from .stored_result import forget_weights, has_result, shown_by, write_shown
+from .stored_offsets import forget_weights, has_result, shown_by, write_shown
 from .vertex_groups import read_groups, same_groups, write_groups
 
 CONTROL = "CONTROL"

@@ -14,9 +14,9 @@ from bpy.props import (
 )
 
 from . import modifier
-from .attributes import COMPARED_FIELDS
-from .run_record import N_STRENGTHS, NOT_HELD, evolution_keys
-from .stored_result import is_current, shown_by, write_shown
+from .field_attributes import COMPARED_FIELDS
+from .record_functions import N_STRENGTHS, NOT_HELD, evolution_keys
+from .stored_offsets import is_current, shown_by, write_shown
 
 LARGEST_STRENGTH = 200.0
 N_SWATCHES = 5

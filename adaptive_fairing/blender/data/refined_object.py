@@ -29,7 +29,7 @@ from .attribute_arrays import (
 )
 from .key_copies import read_keys, write_keys
 from .mesh_arrays import flat_float32, is_shared, n_triangles, read_positions, write_positions
-from .refinements import RefinedShape, refinement_of
+from .refinement_cache import RefinedShape, refinement_of
 from .rollback import remove_mesh
 from .vertex_groups import read_groups, write_groups
 

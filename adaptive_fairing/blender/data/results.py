@@ -2,7 +2,7 @@
 
 A run leaves one of these on an object, named by `FairingRecord.result`:
 
-- "LIVE" and "MODIFIER", the result of `denoise`, see `stored_result`;
+- "LIVE" and "MODIFIER", the result of `denoise`, see `stored_offsets`;
 - "KEYS", the steps of the paper's methods as shape keys, see `shape_keys`;
 - "", nothing that can be changed any more.
 """
@@ -18,10 +18,10 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ...core import InputError
 from ...core.runtime.arrays import SingleArray
 from . import modifier, split
-from .attributes import remove_density
+from .field_attributes import remove_density
 from .mesh_arrays import read_key, read_mesh_coordinates, write_positions
+from .record_functions import forget, remember_coordinates, set_strengths, split_along
 from .rollback import remove_mesh
-from .run_record import forget, remember_coordinates, set_strengths, split_along
 from .shape_keys import (
     animate_evolution,
     animated_frames,
@@ -32,7 +32,7 @@ from .shape_keys import (
     write_final_shape,
     write_relative_keys,
 )
-from .stored_result import (
+from .stored_offsets import (
     ORIGINAL,
     PAINT_GROUP,
     StoredResult,

@@ -25,7 +25,7 @@ from .control_mesh import CONTROL, LEVELS, is_refined, net_fingerprint, show_aga
 from .mesh_arrays import is_shared, n_triangles, read_key
 from .refined_object import RENEWED, RefineOptions, refine_object
 from .rollback import remove_mesh
-from .stored_result import (
+from .stored_offsets import (
     ORIGINAL,
     has_result,
     offset_name,

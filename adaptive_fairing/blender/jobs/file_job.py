@@ -25,7 +25,7 @@ from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ...files.report import build_report, denoise_record, step_record, write_report
 from ...files.result_words import DENOISED, FAIRED
 from ...version import program_version
-from ..data.attributes import write_density
+from ..data.field_attributes import write_density
 from ..data.mesh_arrays import MeshData, n_triangles, read_mesh, welded
 from ..data.refined_object import RefineOptions, refine_object
 from ..data.shape_keys import animate_evolution, write_absolute_keys, write_final_shape

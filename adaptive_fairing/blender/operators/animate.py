@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..data.run_record import evolution_keys
+from ..data.record_functions import evolution_keys
 from .polls import is_allowed
 
 NO_EVOLUTION = "Fair the active object first, with Evolution as its result"

@@ -10,8 +10,8 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
 from ..choices import DENOISE
+from ..data.record_functions import end_comparison
 from ..data.regions import refusal
-from ..data.run_record import end_comparison
 from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem
 from ..run_properties import SolverProperties
@@ -75,7 +75,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         from ..data.control_mesh import control_read
         from ..data.mesh_arrays import MeshData, read_triangles
         from ..jobs.solve import Solve
-        from ..jobs.store_result import start_positions
+        from ..jobs.write_back import start_positions
 
         obj = context.active_object
         settings = in_object_units(solver_settings(self), obj)
@@ -99,7 +99,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
     def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
         from ..data.control_mesh import control_read
-        from ..jobs.store_result import find_object
+        from ..jobs.write_back import find_object
 
         failed = [solve.error for solve in solves if solve.error is not None]
         unfinished = not all(solve.has_result for solve in solves)
@@ -146,7 +146,7 @@ def _lay_out(context, source, solves) -> list[bpy.types.Object]:
 
     The source itself stands for the mesh before, unless shape keys make it show something else.
     """
-    from ..jobs.store_result import write_result
+    from ..jobs.write_back import write_result
 
     low, high = _world_box(source)
     size = max(high - low)

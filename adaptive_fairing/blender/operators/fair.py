@@ -8,8 +8,8 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 
 from ..choices import DENOISE, FAIR
+from ..data.record_functions import end_comparison
 from ..data.regions import refusal, target_objects, vertex_weights
-from ..data.run_record import end_comparison
 from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem
 from ..run_properties import CONTEXT, OutputProperties, SolverProperties
@@ -71,7 +71,7 @@ class OBJECT_OT_adaptive_fairing(
 
     def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
-        from ..jobs.store_result import object_of
+        from ..jobs.write_back import object_of
 
         _finished[:] = [solve for solve in solves if solve.is_over and solve.has_result]
         results, problems, unchanged, discarded = [], [], [], []
@@ -110,7 +110,7 @@ class OBJECT_OT_adaptive_fairing(
     def _bring_back(self, obj):
         """Show the original, which is the result of this run, where an earlier one is shown."""
         from ..data.results import is_stale
-        from ..data.stored_result import has_result
+        from ..data.stored_offsets import has_result
 
         if not has_result(obj) or is_stale(obj):
             return False
@@ -124,7 +124,7 @@ class OBJECT_OT_adaptive_fairing(
         """Write a result; say what becomes of anything beside the mesh."""
         from ..data.results import is_stale
         from ..data.shown_surface import control_written, refine_result
-        from ..jobs.store_result import store_solve
+        from ..jobs.write_back import store_solve
 
         if is_stale(source):
             self.report(
@@ -163,7 +163,7 @@ class OBJECT_OT_adaptive_fairing(
         from ..data.mesh_arrays import read_triangles
         from ..data.targets import needs_copy
         from ..jobs.solve import Solve
-        from ..jobs.store_result import start_positions
+        from ..jobs.write_back import start_positions
 
         with control_read(obj):
             start = start_positions(obj, from_original=self.from_original).astype(float)

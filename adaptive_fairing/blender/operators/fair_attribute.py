@@ -6,10 +6,10 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..choices import FAIR
-from ..data.attributes import own_color
+from ..data.field_attributes import own_color
+from ..data.record_functions import end_comparison
 from ..data.regions import refusal, target_objects, vertex_weights
-from ..data.run_record import end_comparison
-from ..data.stored_result import PAINT_GROUP, forget_weights, update_shown
+from ..data.stored_offsets import PAINT_GROUP, forget_weights, update_shown
 from ..properties import copy_settings, copy_solver, fairing_settings
 from ..requirements import scipy_problem
 from ..run_properties import OutputProperties, SolverProperties

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..data import hidden_attributes, stored_result
+from ..data import hidden_attributes, stored_offsets
 from . import viewport
 
 _weights_before: dict[int, np.ndarray] = {}  # of the object being painted, by its session_uid
@@ -25,20 +25,20 @@ def _follow_change(scene, graph) -> None:
 
 def follow_weights(obj: bpy.types.Object) -> None:
     """Bring an object to its painted weights, unless they are those that it shows."""
-    stored_result.forget_weights()
-    weights = stored_result.paint_weights(obj)
+    stored_offsets.forget_weights()
+    weights = stored_offsets.paint_weights(obj)
     before = _weights_before.get(obj.session_uid)
     if weights is None or (before is not None and np.array_equal(weights, before)):
         return
     _weights_before.clear()
     _weights_before[obj.session_uid] = weights
-    stored_result.update_shown(obj)
+    stored_offsets.update_shown(obj)
 
 
 @bpy.app.handlers.persistent
 def _forget(*_arguments) -> None:
     """Forget what was remembered of meshes: undo or another file has replaced them."""
-    stored_result.forget_weights()
+    stored_offsets.forget_weights()
     _weights_before.clear()
 
 

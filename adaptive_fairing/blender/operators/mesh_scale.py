@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..data.mesh_arrays import read_mesh_coordinates
-from ..data.stored_result import checksum
+from ..data.stored_offsets import checksum
 from ..properties import FairingSceneSettings as Settings
 from ..properties import fairing_settings
 
@@ -42,7 +42,7 @@ def measure(obj: bpy.types.Object, properties: Settings) -> RadiusScale | str:
     from ...core.diffusion.smoothing_radius import radius_scale
     from ..data.control_mesh import control_read
     from ..data.mesh_arrays import read_triangles
-    from ..jobs.store_result import start_positions
+    from ..jobs.write_back import start_positions
 
     with control_read(obj):
         start = start_positions(obj, from_original=properties.from_original)

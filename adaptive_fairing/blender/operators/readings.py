@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import bpy
 
 from ..data.mesh_arrays import read_mesh_coordinates
-from ..data.stored_result import checksum, has_result
+from ..data.stored_offsets import checksum, has_result
 
 if TYPE_CHECKING:  # the solver needs scipy, which may be missing
     from ..jobs.solve import Solve

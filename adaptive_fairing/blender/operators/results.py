@@ -8,9 +8,9 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
 from ..compatibility import weight_paint_settings
+from ..data.record_functions import end_before, end_comparison, has_slider, toggle_before
 from ..data.regions import sculpt_mask
-from ..data.run_record import end_before, end_comparison, has_slider, toggle_before
-from ..data.stored_result import forget_weights, has_result, paint_group, update_shown
+from ..data.stored_offsets import forget_weights, has_result, paint_group, update_shown
 from ..data.vertex_groups import add_weights
 from ..requirements import scipy_problem
 from .object_mode import object_mode, prepare_undo

@@ -65,7 +65,7 @@ class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.
 
     def conclude(self, context, solves, *, is_stopped):
         from ..jobs.keyed_object import show_frames
-        from ..jobs.store_result import object_of
+        from ..jobs.write_back import object_of
 
         done = [
             (frame, solve.kept)

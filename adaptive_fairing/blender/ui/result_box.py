@@ -6,8 +6,8 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..choices import DENOISE
-from ..data.run_record import has_slider, is_of_strengths, result_measures
-from ..data.stored_result import has_result, is_current
+from ..data.record_functions import has_slider, is_of_strengths, result_measures
+from ..data.stored_offsets import has_result, is_current
 from ..operators.animate import (
     OBJECT_OT_adaptive_fairing_play,
     OBJECT_OT_adaptive_fairing_play_end,

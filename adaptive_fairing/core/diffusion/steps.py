@@ -20,7 +20,7 @@ from ..problem.setting_checks import checked_settings
 from ..runtime.arrays import FloatArray
 from ..runtime.precision import SINGLE
 from .deviation import limited
-from .results import FairingResult, FairingStep
+from .fairing_result import FairingResult, FairingStep
 from .scheme import scheme_fields
 from .settings import FairingSettings
 from .smoothing_radius import tau_of_run

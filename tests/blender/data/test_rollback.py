@@ -6,7 +6,7 @@ from support.meshes import random_closed
 from support.objects import add_object, key_positions
 
 from adaptive_fairing.blender.data.mesh_arrays import read_positions
-from adaptive_fairing.blender.jobs import store_result
+from adaptive_fairing.blender.jobs import write_back
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -56,7 +56,7 @@ def fails(request, monkeypatch):
     def broken(*arguments):
         raise request.param("no room for the density")
 
-    monkeypatch.setattr(store_result, "write_density", broken)
+    monkeypatch.setattr(write_back, "write_density", broken)
 
 
 def fail(**options):
@@ -81,7 +81,7 @@ def test_an_earlier_evolution_with_its_animation(obj, monkeypatch):
     run()
     bpy.ops.object.adaptive_fairing_animate(frame_start=1, frame_end=20)
     before = state(obj)
-    monkeypatch.setattr(store_result, "write_density", _broken)
+    monkeypatch.setattr(write_back, "write_density", _broken)
     fail(tau=0.1)
     assert state(obj) == before
     assert obj.data.shape_keys.animation_data.action is not None

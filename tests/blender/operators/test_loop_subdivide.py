@@ -8,7 +8,7 @@ from support import bad_meshes, meshes
 from support.objects import add_object, add_rich_object, corners, everything
 from support.subdivision import normals_of, sphere, subdivide, surface_of
 
-from adaptive_fairing.blender.data import refinements
+from adaptive_fairing.blender.data import refinement_cache
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
 from adaptive_fairing.core.surface import memory_estimate
 from adaptive_fairing.core.surface.limit_surface import RefinementLevels
@@ -220,26 +220,26 @@ class TestTheRedoPanel:
         return everything(obj)
 
     def test_what_is_known_is_not_computed_and_the_same(self, monkeypatch):
-        refinements.forget()
+        refinement_cache.forget()
         first = self.again(levels=2)
         with monkeypatch.context() as patch:
-            patch.setattr(refinements, "cut_surface", None)  # would fail if they were called
+            patch.setattr(refinement_cache, "cut_surface", None)  # would fail if they were called
             patch.setattr(RefinementLevels, "points_and_normals", None)
             assert self.again(levels=2) == first
         with monkeypatch.context() as patch:
-            patch.setattr(refinements, "cut_surface", None)
+            patch.setattr(refinement_cache, "cut_surface", None)
             others = {"levels": 3}, {"on_limit": False}, {"exact_normals": False}
             found = [self.again(**each) for each in others]
-        refinements.forget()
+        refinement_cache.forget()
         for options, values in zip(others, found, strict=True):
-            refinements.forget()
+            refinement_cache.forget()
             assert self.again(**options) == values
 
     @pytest.mark.parametrize("change", ["move", "crease", "turn"])
     def test_another_mesh_is_refined_anew(self, change):
         results = []
         for is_known in (True, False):
-            refinements.forget()
+            refinement_cache.forget()
             if is_known:
                 self.again(levels=1)
             obj = sphere()
@@ -254,7 +254,7 @@ class TestTheRedoPanel:
         assert results[0] == results[1]
 
     def test_nothing_is_kept_of_a_large_mesh(self, monkeypatch):
-        monkeypatch.setattr(refinements, "LARGEST_KEPT", 100)
-        refinements.forget()
+        monkeypatch.setattr(refinement_cache, "LARGEST_KEPT", 100)
+        refinement_cache.forget()
         self.again(levels=1)
-        assert refinements._last == []
+        assert refinement_cache._last == []

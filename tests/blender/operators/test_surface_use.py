@@ -10,7 +10,7 @@ from support.results import LEVELS, ULP, coordinates, near, paper, refined, run,
 from adaptive_fairing.blender.data.color_map import CURVATURE_FIELDS
 from adaptive_fairing.blender.data.fields import field_values
 from adaptive_fairing.blender.data.mesh_arrays import read_triangles
-from adaptive_fairing.blender.data.run_record import end_comparison
+from adaptive_fairing.blender.data.record_functions import end_comparison
 from adaptive_fairing.blender.data.shape_keys import animated_frames
 from adaptive_fairing.core import FairingSettings, LimitSurface, TriangleTopology
 

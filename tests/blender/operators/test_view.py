@@ -7,8 +7,8 @@ from support.bad_meshes import three_sheets
 from support.meshes import ellipsoid, flat_hexagon, icosphere, noisy_ball
 from support.objects import add_object, numbers, shown_positions
 
-from adaptive_fairing.blender.data.attributes import FIELD_ATTRIBUTES
 from adaptive_fairing.blender.data.color_map import CURVATURE_FIELDS, color_range
+from adaptive_fairing.blender.data.field_attributes import FIELD_ATTRIBUTES
 from adaptive_fairing.blender.data.fields import field_values
 from adaptive_fairing.blender.data.shape_keys import write_absolute_keys
 from adaptive_fairing.core import (

@@ -5,10 +5,10 @@ import pytest
 from support.meshes import icosphere
 from support.objects import add_object
 
-from adaptive_fairing.blender.data import stored_result
+from adaptive_fairing.blender.data import stored_offsets
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
-from adaptive_fairing.blender.data.run_record import set_strengths
-from adaptive_fairing.blender.data.stored_result import (
+from adaptive_fairing.blender.data.record_functions import set_strengths
+from adaptive_fairing.blender.data.stored_offsets import (
     PAINT_GROUP,
     StoredResult,
     checksum,
@@ -61,10 +61,10 @@ def shown_by_hand(obj, strength):
 
 def read_stored_unchecked(obj):
     offsets = [
-        stored_result.read_vectors(obj.data, stored_result.offset_name(i + 1))
+        stored_offsets.read_vectors(obj.data, stored_offsets.offset_name(i + 1))
         for i in range(len(STRENGTHS))
     ]
-    original = stored_result.read_vectors(obj.data, stored_result.ORIGINAL)
+    original = stored_offsets.read_vectors(obj.data, stored_offsets.ORIGINAL)
     return StoredResult(original, STRENGTHS, tuple(offsets))
 
 
@@ -88,7 +88,7 @@ def test_painted_weights_scale_the_offset(obj):
     np.testing.assert_array_equal(shown_by(obj), shown_by_hand(obj, 1.0))  # a new one shows all
     n = len(obj.data.vertices)
     add_weights(group, range(n), np.full(n, 0.25, dtype=np.float32))
-    stored_result.forget_weights()
+    stored_offsets.forget_weights()
     original = read_stored(obj).original
     expected = original + 0.25 * (shown_by_hand(obj, 1.0) - original)
     np.testing.assert_allclose(shown_by(obj), expected, atol=1e-6)
@@ -114,7 +114,7 @@ def test_a_vertex_that_somebody_moved_makes_it_stale_and_is_not_written_over(obj
     np.testing.assert_array_equal(read_mesh_coordinates(obj.data), before)
 
 
-@pytest.mark.parametrize("name", [stored_result.ORIGINAL, stored_result.offset_name(2)])
+@pytest.mark.parametrize("name", [stored_offsets.ORIGINAL, stored_offsets.offset_name(2)])
 def test_a_missing_attribute_makes_it_stale(obj, name):
     obj.data.attributes.remove(obj.data.attributes[name])
     assert not is_current(obj)

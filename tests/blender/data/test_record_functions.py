@@ -5,9 +5,9 @@ import pytest
 from support.meshes import icosphere
 from support.objects import add_object
 
-from adaptive_fairing.blender.data import results, run_record
+from adaptive_fairing.blender.data import record_functions, results
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
-from adaptive_fairing.blender.data.run_record import NOT_HELD
+from adaptive_fairing.blender.data.record_functions import NOT_HELD
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -30,54 +30,54 @@ def record():
 def test_strengths_fit_into_the_property_and_come_back(record):
     assert list(record.strengths)[: len(STRENGTHS)] == STRENGTHS
     assert record.n_strengths == len(STRENGTHS)
-    run_record.set_strengths(record, [1.0], 1.0)
+    record_functions.set_strengths(record, [1.0], 1.0)
     assert record.n_strengths == 1
-    assert list(record.strengths) == [1.0] + [0.0] * (run_record.N_STRENGTHS - 1)
+    assert list(record.strengths) == [1.0] + [0.0] * (record_functions.N_STRENGTHS - 1)
 
 
 @pytest.mark.parametrize("strength", [0.0, 0.3, 1.0, 1.6, 2.0])
 def test_measures_are_those_of_the_strength_that_is_shown(record, strength):
     record.strength = strength
-    assert run_record.result_measures(record).volume == pytest.approx(2 * strength, abs=1e-6)
+    assert record_functions.result_measures(record).volume == pytest.approx(2 * strength, abs=1e-6)
 
 
 def test_without_a_slider_the_measures_are_those_of_the_result(record):
     record.result, record.shown = "", 2
-    assert not run_record.has_slider(record)
-    assert run_record.result_measures(record).volume == 2.0
+    assert not record_functions.has_slider(record)
+    assert record_functions.result_measures(record).volume == 2.0
 
 
 def test_the_original_is_shown_and_the_result_again(record):
     obj = record.id_data
     record.strength = 1.5
     result = read_mesh_coordinates(obj.data)
-    run_record.toggle_before(record)
+    record_functions.toggle_before(record)
     np.testing.assert_array_equal(read_mesh_coordinates(obj.data), results.original_positions(obj))
     assert record.held == 1.5
-    run_record.toggle_before(record)
+    record_functions.toggle_before(record)
     np.testing.assert_array_equal(read_mesh_coordinates(obj.data), result)
     assert (record.strength, record.held) == (1.5, NOT_HELD)
 
 
 def test_who_moves_the_slider_ends_the_look_at_the_original(record):
-    run_record.toggle_before(record)
+    record_functions.toggle_before(record)
     record.strength = 0.5
     assert record.held == NOT_HELD
-    run_record.end_before(record)
+    record_functions.end_before(record)
     assert record.strength == 0.5
 
 
 def test_the_end_of_a_comparison_shows_the_whole_result(record):
     obj = record.id_data
     result = read_mesh_coordinates(obj.data)
-    run_record.split_along(record, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    record_functions.split_along(record, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     assert not np.array_equal(read_mesh_coordinates(obj.data), result)
-    run_record.end_comparison(record)
+    record_functions.end_comparison(record)
     assert not record.is_split
     np.testing.assert_array_equal(read_mesh_coordinates(obj.data), result)
 
 
 def test_forgotten_nothing_is_left(record):
-    run_record.forget(record)
+    record_functions.forget(record)
     assert (record.result, record.notes, len(record.shapes)) == ("", "", 0)
-    assert not run_record.has_slider(record)
+    assert not record_functions.has_slider(record)

@@ -9,9 +9,9 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ...core import FairingError, FairingSettings
 from ...files.result_words import DENOISED, FAIRED
 from ..data import results
-from ..data.attributes import COMPARED_FIELDS, write_density
 from ..data.coloring import color_by_field, pause_view
 from ..data.control_mesh import control_read
+from ..data.field_attributes import COMPARED_FIELDS, write_density
 from ..data.fields import shown_density
 from ..data.rollback import written_or_restored
 from .solve import Solve

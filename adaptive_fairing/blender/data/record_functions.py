@@ -14,7 +14,7 @@ import numpy as np
 
 from . import split
 from .mesh_arrays import read_mesh_coordinates
-from .stored_result import checksum, update_shown
+from .stored_offsets import checksum, update_shown
 
 Record: TypeAlias = Any
 """A `record_properties.FairingRecord`: Blender makes its properties, no type checker sees them."""

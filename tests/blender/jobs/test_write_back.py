@@ -8,7 +8,7 @@ from support.objects import add_object
 
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
 from adaptive_fairing.blender.jobs.solve import Solve
-from adaptive_fairing.blender.jobs.store_result import store_solve
+from adaptive_fairing.blender.jobs.write_back import store_solve
 from adaptive_fairing.core import FairingError, FairingSettings
 
 pytestmark = pytest.mark.usefixtures("addon")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from support.meshes import icosphere
 
-from adaptive_fairing.blender.data import refinements
-from adaptive_fairing.blender.data.refinements import refinement_of
+from adaptive_fairing.blender.data import refinement_cache
+from adaptive_fairing.blender.data.refinement_cache import refinement_of
 from adaptive_fairing.core import LimitSurface, TriangleTopology
 
 NO_CREASES, NONE_HELD = np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
@@ -13,9 +13,9 @@ NO_CREASES, NONE_HELD = np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.i
 
 @pytest.fixture(autouse=True)
 def _nothing_kept():
-    refinements.forget()
+    refinement_cache.forget()
     yield
-    refinements.forget()
+    refinement_cache.forget()
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def test_other_creases_held_vertices_or_triangles_get_another(ball):
 
 
 def test_one_that_takes_too_much_memory_is_not_kept(ball, monkeypatch):
-    monkeypatch.setattr(refinements, "LARGEST_KEPT", 4 * len(ball[1]) - 1)
+    monkeypatch.setattr(refinement_cache, "LARGEST_KEPT", 4 * len(ball[1]) - 1)
     assert refinement(ball) is not refinement(ball)
 
 
