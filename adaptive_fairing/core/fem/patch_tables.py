@@ -33,6 +33,10 @@ def product_table_pays(n_products: int, n_triangles: int) -> bool:
     return n_products <= min(LARGEST_PRODUCT_TABLE, NUMBERS_PER_TRIANGLE * n_triangles)
 
 
+# Basis functions that differ by less than this part of the largest number, by rounding, are one.
+SAME = 1e-13
+
+
 # Which factors of `PatchTables.local_matrices` count: of M alone, of L alone, of their sum.
 MASS, STIFFNESS, SUM = slice(0, 1), slice(1, 4), slice(0, 4)
 
@@ -89,6 +93,19 @@ class PatchTables:
         for own, table in zip(basis, self._tables, strict=True):
             own[..., : table.values.shape[2]] = table.values
         return basis
+
+    @cached_property
+    def _distinct(self) -> tuple[RealArray, IndexArray]:
+        """Distinct functions of a shared table, (1, 3, q, u), and which one each of the K is.
+
+        Far around a pole of high valence the neighbours differ in no quadrature point: they move
+        the pole, and nothing else of the patch.
+        """
+        basis = self._basis[:, :3]
+        digits = -np.floor(np.log10(SAME * np.abs(basis).max())).astype(int)
+        rounded = np.round(basis[0], digits).reshape(-1, self.n_control_points)
+        _, first, number = np.unique(rounded, axis=1, return_index=True, return_inverse=True)
+        return np.ascontiguousarray(basis[..., first]), number.reshape(-1)
 
     @cached_property
     def _weighted_gradients(self) -> RealArray:
@@ -159,11 +176,11 @@ class PatchTables:
             _multiply(self._products[..., own], factors[None], out[None])
             return
         weighted = coefficients * self.weights[[0, 1, 1, 1]]
-        a, b = self.pairs
+        basis, number = self._distinct if self.is_shared else (self._basis[:, :3], None)
+        a, b = self.pairs if number is None else (number[each] for each in self.pairs)
         for low in range(0, coefficients.shape[2], TRIANGLES_AT_ONCE):
             own = slice(low, low + TRIANGLES_AT_ONCE)
-            basis = self._basis if self.is_shared else self._basis[own]
-            phi, d1, d2 = basis[:, :3].swapaxes(0, 1)
+            phi, d1, d2 = (basis if self.is_shared else basis[own]).swapaxes(0, 1)
             mass, first, mixed, second = weighted[..., own].swapaxes(1, 2)[..., None]
             # Not one product of all three: it might be so large that OpenBLAS starts threads.
             local = np.zeros((len(mass), phi.shape[2], phi.shape[2]), out.dtype)

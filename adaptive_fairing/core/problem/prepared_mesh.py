@@ -7,15 +7,21 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import InputError
+from ..errors import InputError, listed
 from ..fem.loop_space import LoopSpace
 from ..fem.memory_estimate import Algorithm, estimated_bytes, require_memory
 from ..loop.patches import PatchSet
-from ..mesh.solver_mesh import Frame, SolverFrame, solvable_surface
+from ..mesh.solver_mesh import Frame, SolverFrame, SolverSurface, solvable_surface
 from ..runtime.arrays import FloatArray, IntArray
 from .caller_mesh import CallerMesh
 
 DEFAULT_TOLERANCE = 1e-3
+
+# All neighbours of a vertex are coupled in each triangle around it: the local matrices there have
+# half the cube of its valence entries. With so many a step takes about ten seconds; twice the
+# valence is eight times that.
+MOST_POLE_ENTRIES = 3e8
+NOTABLE_VALENCE = 100
 
 
 class PreparedMesh:
@@ -97,8 +103,12 @@ class PreparedMesh:
         ------
         MemoryNeededError
             The solve cannot fit into memory.
+        InputError
+            Vertices with so many neighbours that assembling the matrices would take minutes.
         """
         if self._space is None:
+            if algorithm == "fair":
+                _require_moderate_poles(self.surface)
             patches = PatchSet(self.surface.topology)
             require_memory(patches, self.quadrature_tolerance, algorithm)
             self._space = LoopSpace(self.surface.topology, self.quadrature_tolerance, patches)
@@ -134,3 +144,15 @@ class PreparedMesh:
         """Solver's frame for positions of this surface, with their own centre."""
         frame = SolverFrame.of(points, self.surface, normalize)
         return frame if self._scale is None else replace(frame, scale=self._scale)
+
+
+def _require_moderate_poles(surface: SolverSurface) -> None:
+    """Refuse vertices with so many neighbours that a step would take minutes or hours."""
+    valence = surface.topology.ring_size
+    poles = np.flatnonzero(valence > NOTABLE_VALENCE)
+    if np.sum(valence[poles].astype(np.float64) ** 3) / 2 > MOST_POLE_ENTRIES:
+        raise InputError(
+            f"{len(poles)} vertices have more than {NOTABLE_VALENCE} neighbours, up to "
+            f"{valence.max()}: vertices {listed(surface.vertex_of[poles])}; a step would take "
+            "minutes, remesh there"
+        )

@@ -6,7 +6,7 @@ from support import meshes
 
 from adaptive_fairing.core import LoopSpace, TriangleTopology
 from adaptive_fairing.core.fem import table_cache
-from adaptive_fairing.core.fem.patch_tables import SUM, PatchTables
+from adaptive_fairing.core.fem.patch_tables import MASS, STIFFNESS, SUM, PatchTables
 from adaptive_fairing.core.loop.basis import basis_table
 from adaptive_fairing.core.loop.patch_class import Corner
 from adaptive_fairing.core.loop.quadrature import quadrature_choice
@@ -51,6 +51,30 @@ def test_one_table_for_each_triangle_integrates_as_those_of_its_classes():
         is_used = together.pairs[1] < used
         np.testing.assert_allclose(local[is_used, own], expected_local, atol=1e-12)
         assert not local[~is_used, own].any()
+
+
+@pytest.mark.parametrize("terms", [MASS, STIFFNESS, SUM], ids=["M", "L", "sum"])
+def test_around_a_pole_equal_functions_are_integrated_once(terms):
+    """Against products of all pairs at all points, one by one."""
+    table = basis_table((Corner(200), Corner(6), Corner(6)), quadrature_choice(1e-3))
+    n_points, n_triangles = table.weights.shape[1], 20
+    tables = PatchTables([table], n_triangles)
+    coefficients = np.random.default_rng(1).normal(size=(4, n_points, n_triangles))
+    local = np.empty((len(tables.pairs[0]), n_triangles))
+    tables.local_matrices(coefficients, terms, out=local)
+
+    phi, d1, d2 = table.values[:3]
+    c0, c1, c2, c3 = coefficients * table.weights[[0, 1, 1, 1], :, None]
+    of_terms = np.zeros((tables.n_control_points, tables.n_control_points, n_triangles))
+    if terms != STIFFNESS:
+        of_terms += np.einsum("qn,qa,qb->abn", c0, phi, phi, optimize=True)
+    if terms != MASS:
+        for c, left, right in ((c1, d1, d1), (c2, d1, d2), (c2, d2, d1), (c3, d2, d2)):
+            of_terms += np.einsum("qn,qa,qb->abn", c, left, right, optimize=True)
+    a, b = tables.pairs
+    np.testing.assert_allclose(local, of_terms[a, b], rtol=0, atol=1e-11 * np.abs(local).max())
+    n_distinct = tables._distinct[0].shape[-1]
+    assert n_distinct < 40 < tables.n_control_points
 
 
 @pytest.mark.parametrize("tolerance", [1e-2, 1e-3, 1e-4])

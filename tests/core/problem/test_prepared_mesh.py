@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.bad_meshes import everything_wrong
-from support.meshes import bumpy_disc, random_closed
+from support.meshes import bipyramid, bumpy_disc, latlong_sphere, random_closed
 
 from adaptive_fairing.core import FairingSettings, InputError, LoopSpace, PreparedMesh, fair
 from adaptive_fairing.core.problem import prepared_mesh
@@ -103,3 +103,20 @@ def test_another_quadrature_is_refused():
     finer = replace(SETTINGS, quadrature_tolerance=1e-5)
     with pytest.raises(InputError, match=r"prepared with quadrature_tolerance 0.001, .* 1e-05"):
         fair(vertices, faces, finer, prepared=mesh)
+
+
+@pytest.mark.parametrize("valence", [1_000, 20_000])
+def test_too_many_neighbours_are_refused_before_any_work(valence, monkeypatch):
+    vertices, faces = bipyramid(valence)
+    monkeypatch.setattr(prepared_mesh, "PatchSet", None)  # where the work would begin
+    message = rf"2 vertices have more than 100 neighbours, up to {valence}: vertices {valence}, "
+    with pytest.raises(InputError, match=message):
+        fair(vertices, faces)
+
+
+def test_poles_of_a_few_hundred_neighbours_are_solved():
+    vertices, faces = latlong_sphere(128, 3)
+    noise = np.random.default_rng(0).normal(size=vertices.shape)
+    result = fair(vertices + 0.002 * noise, faces, FairingSettings(steps=1))
+    assert result.stop_reason == "steps"
+    assert np.isfinite(result.positions).all()
