@@ -21,6 +21,7 @@ from adaptive_fairing.blender.files.mesh_files import (
 from adaptive_fairing.cli import main as cli
 from adaptive_fairing.cli import runs
 from adaptive_fairing.core import FairingSettings
+from adaptive_fairing.files.formats import MESH_FORMATS
 from adaptive_fairing.version import program_version
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -205,7 +206,7 @@ def full_disk():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no limit for file sizes")
-@pytest.mark.parametrize("suffix", [".blend", ".obj", ".ply", ".glb", ".gltf", ".usdc", ".abc"])
+@pytest.mark.parametrize("suffix", [".blend", *MESH_FORMATS])
 def test_a_full_disk_is_status_1_and_leaves_the_old_file(tmp_path, suffix):
     given = tmp_path / "given"
     given.mkdir()
@@ -215,7 +216,10 @@ def test_a_full_disk_is_status_1_and_leaves_the_old_file(tmp_path, suffix):
     result = run("fair", given / "in.ply", "-o", out, "--steps", 1, preexec_fn=full_disk)
     assert result.returncode == 1
     assert result.stdout == ""
-    assert result.stderr.splitlines()[-1].startswith("adaptive-fairing: error: cannot write")
+    reason = "File too large"
+    assert (
+        result.stderr.splitlines()[-1] == f"adaptive-fairing: error: cannot write {out}: {reason}"
+    )
     assert out.read_text() == "old"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["given", out.name]
 

@@ -108,7 +108,12 @@ def export_mesh(
             require_space(draft.parent, _size_bound())
 
         def write() -> None:
-            _call(path, file_format.exporter, {**options, "filepath": str(draft)})
+            try:
+                _call(path, file_format.exporter, {**options, "filepath": str(draft)})
+            except FileError:
+                # Exporters word a full disk in many ways, which is told in one.
+                require_space(draft.parent, _size_bound())
+                raise
             if not draft.is_file():
                 raise FileError(f"cannot write {path}: Blender wrote nothing")
 

@@ -7,7 +7,9 @@ beyond them: another result at every run, or the end of the process.
 from __future__ import annotations
 
 import re
+import struct
 import zipfile
+import zlib
 from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
@@ -17,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .contents import Contents, DamagedError, refuse_unknown_vertices
+from .usd_crate import MAGIC, Crate
 
 _ZIP, _TEXT = b"PK\3\4", b"#usda"
 
@@ -47,10 +50,15 @@ def _meshes(data: bytes) -> Iterator[Faces]:
                 for name in package.namelist():
                     if Path(name).suffix.lower() in (".usd", ".usda", ".usdc"):
                         yield from _meshes(package.read(name))
-        except (zipfile.BadZipFile, NotImplementedError, EOFError, ValueError) as error:
+        except (zipfile.BadZipFile, zlib.error, RuntimeError, EOFError, ValueError) as error:
             raise DamagedError(f"its package is damaged ({error})") from error
     elif data.startswith(_TEXT):
         yield from _meshes_of_text(data)
+    elif data.startswith(MAGIC):
+        try:
+            yield from list(_meshes_of_crate(data))
+        except (NotImplementedError, ValueError, IndexError, KeyError, struct.error):
+            return  # what is damaged so that it cannot be read, Blender refuses
 
 
 def _check(faces: Faces) -> None:
@@ -67,6 +75,21 @@ def _check(faces: Faces) -> None:
         face_of = np.repeat(np.arange(len(faces.counts)), faces.counts)
         is_bad = (faces.corners < 0) | (faces.corners >= faces.n_points)
         refuse_unknown_vertices(np.unique(face_of[is_bad]), faces.n_points)
+
+
+def _meshes_of_crate(data: bytes) -> Iterator[Faces]:
+    crate = Crate(data)
+    prims: dict[str, dict[str, int]] = {}
+    for attribute in crate.attributes():
+        prims.setdefault(attribute.prim, {})[attribute.name] = attribute.value
+    for prim, values in prims.items():
+        if "faceVertexCounts" in values and "faceVertexIndices" in values:
+            yield Faces(
+                prim.rpartition("/")[2],
+                crate.integers(values["faceVertexCounts"]),
+                crate.integers(values["faceVertexIndices"]),
+                crate.length(values["points"]) if "points" in values else None,
+            )
 
 
 def _meshes_of_text(data: bytes) -> Iterator[Faces]:
