@@ -255,7 +255,8 @@ def check_message(options: argparse.Namespace) -> str:
     assert "scipy" in message, message
     # In this process: another one, which the command would start, could have a scipy of its own.
     program = importlib.import_module(f"{MODULE}.{EXTENSION}.cli.main")
-    status = program.main([str(options.work / "noisy.ply"), "-o", str(options.work / "none.ply")])
+    given, output = options.work / "noisy.ply", options.work / "none.ply"
+    status = program.main(["fair", str(given), "-o", str(output)])
     assert status == 1, f"exit code {status}"
     return message.splitlines()[0]
 
