@@ -77,10 +77,14 @@ def write_attribute(mesh: bpy.types.Mesh, array: AttributeArray) -> None:
 
 def remove_attributes(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
     """Remove attributes by their names; one that is absent is no error."""
+    attributes = mesh.attributes
     for name in names:
-        attribute = mesh.attributes.get(name)
-        if attribute is not None:
-            mesh.attributes.remove(attribute)
+        if name in attributes:
+            attributes.remove(attributes[name])
+            # Since Blender 5.2 colours stay the active ones after they are gone.
+            for which in ("active_color_name", "default_color_name"):
+                if getattr(attributes, which) == name:
+                    setattr(attributes, which, next(iter(mesh.color_attributes.keys()), ""))
 
 
 def read_boolean(mesh: bpy.types.Mesh, name: str, size: int) -> NDArray[np.bool_]:

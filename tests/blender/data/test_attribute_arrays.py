@@ -89,3 +89,13 @@ def test_absent_ones_are_no_error_and_read_as_nothing(mesh):
     assert np.flatnonzero(read_boolean(mesh, "flag", n)).tolist() == [3]
     remove_attributes(mesh, ["flag"])
     assert "flag" not in mesh.attributes
+
+
+def test_colours_that_are_gone_are_not_the_active_ones(mesh):
+    attributes = mesh.attributes
+    for name in ("first", "second"):
+        attributes.new(name, "FLOAT_COLOR", "POINT")
+    attributes.active_color_name = attributes.default_color_name = "second"
+    for gone, left in (("second", "first"), ("first", "")):
+        remove_attributes(mesh, [gone])
+        assert (attributes.active_color_name, attributes.default_color_name) == (left, left)

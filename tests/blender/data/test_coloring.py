@@ -80,6 +80,8 @@ def test_diffusion_leaves_its_density_active_on_a_mesh_without_colours():
         show(field)
         bpy.ops.object.adaptive_fairing_view_end()
         assert attributes.active_color_name == attributes.default_color_name == shown
+    bpy.ops.object.adaptive_fairing_discard()
+    assert attributes.active_color_name == attributes.default_color_name == ""
 
 
 def test_diffusion_leaves_the_colours_of_a_mesh_active():
