@@ -67,6 +67,16 @@ def test_the_main_job_end_to_end(noisy, tmp_path):
     assert len(json.loads((tmp_path / "r.json").read_text())["steps"]) == 2
 
 
+@pytest.mark.parametrize("options", [(), ("--no-denoised",)])
+def test_the_result_of_denoise_stands_beside_unless_it_is_left_out(tmp_path, options):
+    export_mesh(add_object(*noisy_ball(4)), tmp_path / "ball.ply", alone=True)
+    arguments = ["fair", str(tmp_path / "ball.ply"), "-o", str(tmp_path / "out.blend"), *options]
+    assert cli.main(arguments) == cli.DONE
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "out.blend"))
+    beside = [] if options else ["ball denoised"]
+    assert [obj.name for obj in bpy.context.scene.objects] == ["ball", *beside]
+
+
 @pytest.mark.parametrize("suffix", [".obj", ".glb", ".fbx", ".usda", ".abc", ".stl", ".blend"])
 def test_standard_output_stays_empty(noisy, tmp_path, suffix):
     one, two = tmp_path / f"one{suffix}", tmp_path / f"two{suffix}"
