@@ -298,8 +298,8 @@ class OutputProperties:
     store_density: BoolProperty(
         name="Density Attribute",
         description=(
-            "Store the density of the mesh as fairing_density and fairing_density_color; the "
-            "paper's methods always do"
+            "Store the density of the mesh as fairing_density and fairing_density_color; "
+            "Adaptive Fairing always does"
         ),
         default=False,
     )

@@ -93,7 +93,7 @@ class Solve:
 
     @property
     def is_denoise(self) -> bool:
-        """Whether this is the automatic method, not one of the paper."""
+        """Whether this is `denoise`, not the paper."""
         return isinstance(self.settings, DenoiseSettings)
 
     @property

@@ -185,7 +185,7 @@ def _lay_out(context, source, solves) -> list[bpy.types.Object]:
 def _title_and_label(solve) -> tuple[str, str]:
     """Name a copy, for the outliner and for the label below it."""
     if solve.is_denoise:
-        title, with_what = data_("Automatic"), f"{data_('Noise')} {solve.denoised.noise_level:.2g}"
+        title, with_what = data_("Denoised"), f"{data_('Noise')} {solve.denoised.noise_level:.2g}"
     else:
         is_uniform = solve.settings.method == "uniform"
         title = data_("Uniform") if is_uniform else data_("Adaptive")

@@ -199,8 +199,8 @@ class OBJECT_OT_adaptive_fairing_stop(bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_stop"
     bl_label = "Stop"
     bl_description = (
-        "Stop the run after the step it is computing and keep the finished steps; an automatic "
-        "run stops at once, without a result"
+        "Stop the run after the step it is computing and keep the finished steps; Denoise "
+        "stops at once, without a result"
     )
     bl_options = {"INTERNAL"}
 

@@ -15,10 +15,11 @@ from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
 
 class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_sequence"
-    bl_label = "Fair Frames"
+    bl_label = "Frame Sequence"
     bl_description = (
-        "Fair the active object as it is shown at each frame of a range, modifiers and simulations "
-        "included, and make a new object that plays the faired frames; bake simulations first"
+        "Run the algorithm on the active object as it is shown at each frame of a range, modifiers "
+        "and simulations included, and make a new object that plays the results; bake simulations "
+        "first"
     )
     bl_options = {"REGISTER", "UNDO"}
 
@@ -89,9 +90,10 @@ class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.
             each.select_set(False)
         result.select_set(True)
         context.view_layer.objects.active = result
-        text = rpt_("Faired {:d} frames, {:.1f} s").format(
-            len(done), sum(solve.seconds for solve in solves)
-        )
+        text = rpt_("Denoised {:d} frames, {:.1f} s")
+        if not solves[0].is_denoise:
+            text = rpt_("Faired {:d} frames, {:.1f} s")
+        text = text.format(len(done), sum(solve.seconds for solve in solves))
         self.report({"INFO"}, rpt_("Stopped early. {:s}").format(text) if is_stopped else text)
         return {"FINISHED"}
 

@@ -12,7 +12,7 @@ def draw_operator(layout, operator, obj) -> None:
     """Draw all properties of the operator that its algorithm has, for the redo panel."""
     layout.use_property_split = True
     layout.use_property_decorate = False
-    draw_main(layout, operator)
+    draw_main(layout, operator)  # without the algorithm: the settings are those of one
     if operator.algorithm != DENOISE:
         draw_density(layout, operator)
         draw_accuracy(layout, operator)
@@ -21,14 +21,10 @@ def draw_operator(layout, operator, obj) -> None:
 
 
 def draw_main(layout, settings, live_record=None) -> None:
-    """Draw the two algorithms side by side, and what decides most in the one that is chosen.
+    """Draw what decides most in an algorithm.
 
     An object that has a result of Denoise is changed by the strength at once: `live_record`.
     """
-    doors = layout.row(align=True)
-    doors.use_property_split = False
-    doors.scale_y = 1.2
-    doors.prop(settings, "algorithm", expand=True)
     if settings.algorithm == DENOISE:
         row = layout.row()
         row.enabled = live_record is None or live_record.id_data.mode != "EDIT"

@@ -6,6 +6,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..operators import modal_run
+from ..operators.fair import run_label
 from ..operators.sequence import OBJECT_OT_adaptive_fairing_sequence
 from ..properties import copy_settings, copy_solver
 from .layouts import FairingPanel
@@ -37,7 +38,7 @@ class VIEW3D_PT_adaptive_fairing_sequence(FairingPanel, bpy.types.Panel):
         n_frames = max(scene.frame_end - scene.frame_start + 1, 0)
         operator = row.operator(
             OBJECT_OT_adaptive_fairing_sequence.bl_idname,
-            text=iface_("Fair {:d} Frames").format(n_frames),
+            text=iface_("{:s} {:d} Frames").format(run_label(settings.algorithm), n_frames),
             icon="RENDER_ANIMATION",
         )
         copy_solver(settings, operator)

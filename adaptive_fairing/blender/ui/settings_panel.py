@@ -43,6 +43,10 @@ class VIEW3D_PT_adaptive_fairing(FairingPanel, bpy.types.Panel):
         current = modal_run.progress()
         column = layout.column()
         column.active = current is None
+        doors = column.row(align=True)
+        doors.use_property_split = False
+        doors.scale_y = 1.2
+        doors.prop(settings, "algorithm", expand=True)
         draw_main(column, settings, live_record(context))
         if settings.algorithm == FAIR and uses_tau(settings):
             _draw_meaning(context, column, settings)

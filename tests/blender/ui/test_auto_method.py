@@ -49,10 +49,10 @@ class TestResult:
         run(features=features)
         assert noisy.adaptive_fairing.is_sharp == (features == "sharp")
 
-    def test_the_comparison_has_an_automatic_copy(self, noisy):
+    def test_the_comparison_has_a_denoised_copy(self, noisy):
         result = expected()
         bpy.ops.object.adaptive_fairing_compare()
-        copy = bpy.data.objects["Thing automatic"]
+        copy = bpy.data.objects["Thing denoised"]
         assert np.abs(read_positions(copy.data) - result.positions).max() < 1e-6
         uniform = bpy.data.objects["Thing uniform"].adaptive_fairing
         assert len(uniform.shapes) - 1 == 4

@@ -145,6 +145,10 @@ def test_the_button_for_frames_has_the_scenes_range_and_the_panels_settings(sphe
     drawn = draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
     found = button(drawn, "object.adaptive_fairing_sequence")
     assert found["text"] == "Fair 10 Frames"
+    scene.adaptive_fairing.algorithm = "DENOISE"
+    drawn = draw(sequence_panel.VIEW3D_PT_adaptive_fairing_sequence)
+    denoise = button(drawn, "object.adaptive_fairing_sequence")
+    assert (denoise["text"], denoise["algorithm"]) == ("Denoise 10 Frames", "DENOISE")
     assert (found["frame_start"], found["frame_end"]) == (11, 20)
     assert found["tau"] == 0.25
     assert found["same_strength"] is False
@@ -299,9 +303,9 @@ def test_the_redo_panel_offers_every_property_that_the_algorithm_uses(sphere):
         assert len(layout.drawn.properties) == len(set(layout.drawn.properties))
         return set(layout.drawn.properties)
 
-    of_fair = {"algorithm", *FAIRING_NAMES, *OUTPUT_NAMES} - {"result", "store_density"}
+    of_fair = {*FAIRING_NAMES, *OUTPUT_NAMES} - {"result", "store_density"}
     assert offered("FAIR") == of_fair - {"tau"}
-    assert offered("DENOISE") == {"algorithm", *DENOISE_NAMES, *OUTPUT_NAMES} - {"output"}
+    assert offered("DENOISE") == {*DENOISE_NAMES, *OUTPUT_NAMES} - {"output"}
     settings.use_tau = True
     assert offered("FAIR") == of_fair - {"radius"}
 
