@@ -1,4 +1,4 @@
-"""What the commands do, from checked arguments to the line that sums up.
+"""Runs of the commands, from checked arguments to the line that sums up.
 
 numpy, scipy and Blender take a second, which --help and typos need not wait. So they are imported
 in the functions here.

@@ -1,3 +1,3 @@
-"""What a result is called: after the algorithm that made it, in names of files and objects."""
+"""Words for results in names of files and objects, by the algorithm that made them."""
 
 DENOISED, FAIRED, REFINED = "denoised", "faired", "refined"

@@ -1,4 +1,4 @@
-"""What the command line says where Blender is not installed."""
+"""Messages of the command line where Blender is not installed."""
 
 import subprocess
 import sys

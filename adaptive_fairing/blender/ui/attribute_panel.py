@@ -1,4 +1,4 @@
-"""Where an attribute is faired: a panel beside the settings of the paper, and Blender's own menus.
+"""Panel for fairing an attribute, beside the settings of the paper and in Blender's own menus.
 
 The menus are those of colour attributes, attributes and vertex groups in the properties of a mesh,
 and those of the paint modes.

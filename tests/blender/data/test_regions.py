@@ -1,4 +1,4 @@
-"""Where the smoothing works: selection, mask, vertex group."""
+"""Regions of the smoothing: selection, mask, vertex group."""
 
 import bpy
 import numpy as np

@@ -1,4 +1,4 @@
-"""When a run stops: its last step, the paper's two rules, a solve that fails."""
+"""Ends of a run: its last step, the paper's two rules, a solve that fails."""
 
 import numpy as np
 from support import meshes
