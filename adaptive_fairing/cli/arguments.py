@@ -75,8 +75,12 @@ def _check(arguments: argparse.Namespace) -> None:
     arguments.input = Path(arguments.input[0])
     if arguments.output is None:
         arguments.output = default_output(arguments.input, arguments.algorithm)
+    if arguments.input.is_dir():  # only of refine, again
+        raise ArgumentsError(f"{arguments.input} is a folder: refine takes a file")
     for path in (arguments.input, arguments.output):
         if not is_supported(path):
+            if path == arguments.input and not path.exists():
+                raise ArgumentsError(f"{path}: there is no such file or folder")
             raise ArgumentsError(f"{path}: unknown kind of file; use one of {' '.join(SUFFIXES)}")
     require_no_conflict(
         [Pair(arguments.input, arguments.output)],

@@ -202,8 +202,8 @@ def _default_folder(arguments: argparse.Namespace) -> Path:
 def _no_folder(arguments: argparse.Namespace) -> str:
     """Say that there is no output folder, or that the second of two files looks like an output."""
     first, last = Path(arguments.input[0]), arguments.input[-1]
-    is_pair = len(arguments.input) == 2 and not Path(last).is_dir() and not is_pattern(last)
-    if not is_pair:
+    is_file = not Path(last).is_dir() and not is_pattern(last)
+    if len(arguments.input) != 2 or not is_file or Path(last) == first:
         return "give the folder for the outputs with --out-dir"
     if Path(last).exists():
         return f"two INPUTs need a folder for the outputs, --out-dir; or did you mean -o {last}?"

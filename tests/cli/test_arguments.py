@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -160,8 +161,13 @@ def test_batches_are_not_of_refine(capsys, option):
         (["fair", "a.ply", "--attribute", "Col", "--limit"], "--limit is for the shape"),
         (["fair", "a.ply", "--attribute", "Col", "--keep-volume"], "--keep-volume is for the"),
         (["fair", "a.ply", "--attribute", "Col", "--out-dir", "o"], "for a single mesh"),
-        (["fair", "a.txt"], "a.txt: unknown kind of file; use one of .blend .obj .ply"),
-        (["fair", "a"], "a: unknown kind of file"),
+        (["fair", "a.txt"], "a.txt: there is no such file or folder"),
+        (["fair", "a"], "a: there is no such file or folder"),
+        (
+            ["fair", __file__],
+            "test_arguments.py: unknown kind of file; use one of .blend .obj .ply",
+        ),
+        (["refine", str(Path(__file__).parent)], "cli is a folder: refine takes a file"),
         (["denoise", "a.ply", "-o", "b.jpg"], "b.jpg: unknown kind of file"),
     ],
 )
@@ -199,6 +205,7 @@ def test_wrong_values_of_settings_are_status_2(capsys, tmp_path, arguments, mess
         (".OBJ", ".OBJ does not exist: did you mean -o given{ending}.obj?"),
         ("old.ply", "two INPUTs need a folder for the outputs, --out-dir; or did you mean -o old"),
         ("folder", "give the folder for the outputs with --out-dir"),  # two inputs
+        ("given.ply", "give the folder for the outputs with --out-dir"),
         ("*.obj", "give the folder for the outputs with --out-dir"),
     ],
 )
