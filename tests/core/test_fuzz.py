@@ -3,7 +3,7 @@
 A few dozen examples by default, thousands with ``-m thorough``.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import hypothesis.strategies as st
 import numpy as np
@@ -131,7 +131,11 @@ def cases(draw):
     weights = generator.choice([0.0, 0.5, 1.0], len(vertices)) if draw(st.booleans()) else None
     chosen = FairingSettings(
         method=draw(st.sampled_from(["adaptive_timestep", "adaptive_tensor", "uniform"])),
-        tau=10.0 ** draw(st.integers(-12, 6)),
+        tau=draw(st.sampled_from([None, *(10.0**exponent for exponent in range(-12, 7))])),
+        radius=draw(st.sampled_from([0.01, 0.5, 20.0])),
+        normalize=draw(st.sampled_from(["box", "sphere"])),
+        keep_volume=draw(st.booleans()),
+        max_deviation=draw(st.sampled_from([None, 1e-12, 0.01])),
         steps=draw(st.integers(1, 2)),
         density=draw(st.sampled_from(["edge_length", "area"])),
         density_passes=draw(st.integers(0, 4)),
@@ -174,7 +178,12 @@ def check(case):
     again = fair(vertices, faces, case.settings, weights=weights)
     np.testing.assert_array_equal(again.positions, result.positions)
     # Factors of two have no rounding, so the frame is the same, bit by bit.
-    larger = fair(2.0**10 * vertices, faces, case.settings, weights=weights)
+    limit, larger_settings = case.settings.max_deviation, case.settings
+    if limit is not None:
+        for step in result.steps:
+            assert np.linalg.norm(step.positions - vertices, axis=1).max(initial=0) <= limit
+        larger_settings = replace(case.settings, max_deviation=2.0**10 * limit)
+    larger = fair(2.0**10 * vertices, faces, larger_settings, weights=weights)
     np.testing.assert_array_equal(larger.positions, 2.0**10 * result.positions)
 
 
