@@ -11,17 +11,18 @@ from pathlib import Path
 def available_bytes() -> int | None:
     """Memory that this process can still get, or None if the system does not tell.
 
-    Free or reclaimable memory with swap space, within the limit of the control group.  Linux tells
-    in a file; elsewhere psutil is asked where it is installed.  Blender does not bring it along, so
-    the last to be asked is the system: macOS tells only how much memory the machine has.
+    Free or reclaimable memory with swap space, within the limits of the control groups and of the
+    address space.  Linux tells in a file; elsewhere psutil is asked where it is installed.  Blender
+    does not bring it along, so the last to be asked is the system: macOS tells only how much memory
+    the machine has.
     """
     free = _free_on_linux()
     if free is None:
         free = _free_by_psutil()
     if free is None:
         free = _free_on_windows() if sys.platform == "win32" else _memory_of_machine()
-    group = _free_in_group()
-    return free if free is None or group is None else min(free, group)
+    limits = (free, _free_in_groups(), _free_in_address_space())
+    return None if free is None else min(limit for limit in limits if limit is not None)
 
 
 def _free_on_linux(meminfo: Path = Path("/proc/meminfo")) -> int | None:
@@ -47,18 +48,61 @@ def _memory_of_machine() -> int | None:
         return None
 
 
-def _free_in_group(root: Path = Path("/sys/fs/cgroup")) -> int | None:
-    """Read what the memory limit of a container leaves (control groups, version 2)."""
+def _free_in_address_space(process: Path = Path("/proc/self")) -> int | None:
+    """Read what a limit of the address space leaves (``ulimit -v``)."""
     try:
-        limit = (root / "memory.max").read_text().strip()
-        if limit == "max":
-            return None
-        used = int((root / "memory.current").read_text())
-        # Cached files count as used but give way.
-        cached = _numbers(root / "memory.stat").get("inactive_file", 0)
-        return max(int(limit) - used + cached, 0)
-    except (OSError, ValueError):
+        resource = importlib.import_module("resource")
+        limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+        used = 1024 * _numbers(process / "status")["VmSize:"]
+    except (ImportError, AttributeError, KeyError, OSError):
         return None
+    return None if limit == resource.RLIM_INFINITY else max(limit - used, 0)
+
+
+def _free_in_groups(
+    root: Path = Path("/sys/fs/cgroup"), own: Path = Path("/proc/self/cgroup")
+) -> int | None:
+    """Read what the limits of this process's control groups leave: a container's, or a user's.
+
+    Version 2 has one tree of groups, version 1 one for memory; limits of the groups above count
+    as well.  Within a container the root is often its own group.
+    """
+    found = [_free_in_group(root)]
+    try:
+        lines = [line.split(":", 2) for line in own.read_text().splitlines()]
+    except OSError:
+        lines = []
+    for number, controllers, path in (line for line in lines if len(line) == 3):
+        if number != "0" and "memory" not in controllers.split(","):
+            continue
+        tree = root if number == "0" else root / "memory"
+        group = tree / path.strip("/")
+        found += [
+            _free_in_group(each)
+            for each in (group, *group.parents)
+            if tree in (each, *each.parents)
+        ]
+    return min((free for free in found if free is not None), default=None)
+
+
+# Names of limit, use and what of that gives way, in versions 2 and 1.
+_GROUP_FILES = (
+    ("memory.max", "memory.current", "inactive_file"),
+    ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file"),
+)
+
+
+def _free_in_group(group: Path) -> int | None:
+    for limit_name, used_name, cached_name in _GROUP_FILES:
+        try:
+            limit = int((group / limit_name).read_text())  # "max" is no number
+            used = int((group / used_name).read_text())
+            # Cached files count as used but give way.
+            cached = _numbers(group / "memory.stat").get(cached_name, 0)
+        except (OSError, ValueError):
+            continue
+        return max(limit - used + cached, 0)
+    return None
 
 
 def _numbers(path: Path) -> dict[str, int]:
