@@ -64,10 +64,9 @@ def write_attributes(
         mesh.uv_layers[layer.name].active_render = layer.active_render
     if source.uv_layers:
         mesh.uv_layers.active_index = source.uv_layers.active_index
-    for name in ("active_color_index", "render_color_index"):
-        index = getattr(source.color_attributes, name)
-        if index >= 0:  # it is -1 where no colour is chosen, which Blender does not take back
-            setattr(mesh.color_attributes, name, index)
+    # By names: an index of -1, where no colour is chosen, Blender does not take back.
+    for name in ("active_color_name", "default_color_name"):
+        setattr(mesh.attributes, name, getattr(source.attributes, name) or "")
 
 
 def write_normals(mesh: bpy.types.Mesh, normals: NDArray[np.float64], follow_motion: bool) -> None:

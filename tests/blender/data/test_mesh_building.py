@@ -80,3 +80,17 @@ def test_normals_are_those_that_were_written(domain, follow_motion):
     expected = tilted[corners] if domain == "POINT" else tilted
     # Blender keeps two angles of 16 bits in a frame of the corner.
     np.testing.assert_allclose(shown.reshape(-1, 3), expected, atol=2e-3)
+
+
+@pytest.mark.usefixtures("addon")
+def test_colours_of_which_none_is_active_are_copied_without_a_word(noisy, capfd):
+    noisy.data.color_attributes.new("Paint", "FLOAT_COLOR", "POINT")
+    noisy.data.attributes.active_color_name = noisy.data.attributes.default_color_name = ""
+    assert noisy.data.color_attributes.active_color_index == -1
+    bpy.ops.object.adaptive_fairing()
+    bpy.ops.object.adaptive_fairing_surface(surface="REFINED_1")
+    colors = noisy.data.color_attributes
+    assert "Paint" in colors
+    assert (colors.active_color_index, colors.render_color_index) == (-1, -1)
+    said = capfd.readouterr()
+    assert "color_index" not in said.out + said.err
