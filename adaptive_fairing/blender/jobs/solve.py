@@ -26,6 +26,7 @@ from ...core import (
     denoise,
     fair_steps,
 )
+from ...core.diffusion.deviation import limited
 from .region import region_mesh
 
 Settings = DenoiseSettings | FairingSettings
@@ -244,7 +245,11 @@ class Solve:
             prepared=self.prepared,
         ):
             self.step_seconds.append(time.perf_counter() - started)
-            positions, density = step.positions.astype(np.float32), step.density.astype(np.float32)
+            density = step.density.astype(np.float32)
+            # Rounding to what Blender keeps must not exceed the limit, either.
+            positions = limited(
+                step.positions.astype(np.float32), self.vertices, self.settings.max_deviation
+            )
             step = replace(step, positions=positions, density=density)
             if not step.solve.converged:
                 self.failed_step = step

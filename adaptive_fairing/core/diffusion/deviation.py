@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
+from numpy.typing import NDArray
 
 from ..runtime.arrays import FloatArray
+
+Real = TypeVar("Real", np.float32, np.float64)
 
 # Room for the rounding of a distance.
 MARGIN = 1 - 8 * np.finfo(np.float64).eps
 
 
-def limited(positions: FloatArray, start: FloatArray, limit: float | None) -> FloatArray:
+def limited(positions: NDArray[Real], start: FloatArray, limit: float | None) -> NDArray[Real]:
     """Bring points that are too far from their start back to the sphere of that radius around it.
 
     Parameters
     ----------
     positions, start : (n, 3)
+        The start must be exact in the precision of the positions.
     limit : float, optional
         Largest distance, in the units of the positions; None is no limit.
 
@@ -26,12 +32,12 @@ def limited(positions: FloatArray, start: FloatArray, limit: float | None) -> Fl
     """
     if limit is None:
         return positions
-    displacement = positions - start
+    displacement = positions.astype(np.float64) - start
     distance = np.linalg.norm(displacement, axis=1)
     far = np.flatnonzero(distance > limit)
     result = positions.copy()
     result[far] = start[far] + displacement[far] * (limit * MARGIN / distance[far])[:, None]
     # Far from the origin sums lose more; one step in each coordinate makes up for it.
-    far = far[np.linalg.norm(result[far] - start[far], axis=1) > limit]
-    result[far] = np.nextafter(result[far], start[far])
+    far = far[np.linalg.norm(result[far].astype(np.float64) - start[far], axis=1) > limit]
+    result[far] = np.nextafter(result[far], start[far].astype(result.dtype))
     return result

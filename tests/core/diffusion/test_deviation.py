@@ -31,11 +31,14 @@ def test_a_limit_that_nothing_reaches_changes_nothing():
     assert np.array_equal(free.positions, bounded.positions)
 
 
+@pytest.mark.parametrize("precision", [np.float32, np.float64])
 @pytest.mark.parametrize("place", [0.0, 1.0, 1e6, 1e12])
-def test_rounding_does_not_exceed_the_limit(place):
+def test_rounding_does_not_exceed_the_limit(place, precision):
+    """In the precision of Blender as well."""
     generator = np.random.default_rng(2)
-    start = place + generator.normal(size=(10_000, 3))
-    moved = start + generator.normal(size=start.shape)
+    start = (place + generator.normal(size=(10_000, 3))).astype(precision).astype(float)
+    moved = (start + generator.normal(size=start.shape)).astype(precision)
     for limit in (0.1, 1.0, 1 / 3):
-        distance = np.linalg.norm(limited(moved, start, limit) - start, axis=1)
-        assert distance.max() <= limit
+        bounded = limited(moved, start, limit)
+        assert bounded.dtype == precision
+        assert np.linalg.norm(bounded.astype(float) - start, axis=1).max() <= limit
