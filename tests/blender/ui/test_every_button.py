@@ -11,7 +11,13 @@ from support.objects import add_object
 
 from adaptive_fairing.blender.jobs.solve import Solve
 from adaptive_fairing.blender.operators import modal_run
-from adaptive_fairing.blender.ui import colors_panel, results_panel, sequence_panel, settings_panel
+from adaptive_fairing.blender.ui import (
+    attribute_panel,
+    colors_panel,
+    results_panel,
+    sequence_panel,
+    settings_panel,
+)
 from adaptive_fairing.core import DenoiseSettings
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -19,7 +25,7 @@ pytestmark = pytest.mark.usefixtures("addon")
 TESTS = Path(__file__).resolve().parents[2]
 PANELS = [
     panel
-    for module in (settings_panel, sequence_panel, colors_panel, results_panel)
+    for module in (settings_panel, attribute_panel, sequence_panel, colors_panel, results_panel)
     for name, panel in vars(module).items()
     if name.startswith("VIEW3D_PT_adaptive") and panel.__module__ == module.__name__
 ]

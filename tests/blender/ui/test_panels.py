@@ -12,14 +12,20 @@ from support.objects import add_object
 from adaptive_fairing.blender.jobs.solve import Solve, run_solves
 from adaptive_fairing.blender.operators import mesh_scale, modal_run, settings_layout
 from adaptive_fairing.blender.properties import DENOISE_NAMES, FAIRING_NAMES, OUTPUT_NAMES
-from adaptive_fairing.blender.ui import colors_panel, results_panel, sequence_panel, settings_panel
+from adaptive_fairing.blender.ui import (
+    attribute_panel,
+    colors_panel,
+    results_panel,
+    sequence_panel,
+    settings_panel,
+)
 from adaptive_fairing.core import FairingSettings
 
 pytestmark = pytest.mark.usefixtures("addon")
 
 PANELS = [
     panel
-    for module in (settings_panel, sequence_panel, colors_panel, results_panel)
+    for module in (settings_panel, attribute_panel, sequence_panel, colors_panel, results_panel)
     for name, panel in vars(module).items()
     if name.startswith("VIEW3D_PT_adaptive") and panel.__module__ == module.__name__
 ]
