@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import bpy
 
 from ...files.result_words import FAIRED
+from . import color_material
 from .targets import writable_object
 
 
@@ -36,7 +37,7 @@ def written_or_restored(
     """
     mesh = obj.data
     name, has_fake_user, active_key = mesh.name, mesh.use_fake_user, obj.active_shape_key_index
-    visibility = _Visibility.of(obj)
+    visibility, view = _Visibility.of(obj), obj.adaptive_fairing.view
     target = writable_object(obj, in_place=in_place, word=word)
     backup = mesh.copy() if target.data == mesh else None
     try:
@@ -52,9 +53,18 @@ def written_or_restored(
         if backup is not None:
             backup.name, backup.use_fake_user = name, has_fake_user
             obj.active_shape_key_index = active_key
+            _show_view_again(obj, view)
         raise
     if backup is not None:
         remove_mesh(backup)
+
+
+def _show_view_again(obj: bpy.types.Object, view: str) -> None:
+    """Let an object whose mesh has the colours of a field know of them."""
+    record = obj.adaptive_fairing
+    record.view = view
+    if view and record.wants_material:
+        color_material.assign(obj, view)
 
 
 @dataclass(frozen=True)

@@ -87,6 +87,25 @@ def test_an_earlier_evolution_with_its_animation(obj, monkeypatch):
     assert obj.data.shape_keys.animation_data.action is not None
 
 
+@pytest.mark.parametrize("place", ["_write_record", "write_density"])
+def test_the_colours_of_a_field_and_their_material(obj, monkeypatch, place):
+    obj.data.materials.append(bpy.data.materials.new("Mine"))
+    plain = state(obj)
+    bpy.ops.object.adaptive_fairing_view(field="CURVATURE")
+    bpy.ops.object.adaptive_fairing_material()
+    before = state(obj)
+    monkeypatch.setattr(write_back, place, _broken)
+    fail()
+    assert state(obj) == before
+    assert obj.adaptive_fairing.view == "CURVATURE"
+    assert obj.data.attributes.active_color_name == "fairing_mean_curvature_color"
+    assert obj.material_slots[0].material["fairing_field"] == "CURVATURE"
+    bpy.ops.object.adaptive_fairing_view_end()
+    assert state(obj) == plain
+    assert obj.data.attributes.active_color_name == ""
+    assert obj.material_slots[0].material.name == "Mine"
+
+
 def test_an_object_whose_result_goes_to_a_copy(obj, fails):
     obj.shape_key_add(name="Basis")
     obj.shape_key_add(name="Smile").points[0].co = (7, 7, 7)
