@@ -99,10 +99,10 @@ def require_command(program: Parser, words: list[str]) -> None:
     names = f"{DENOISE}, {FAIR} or {REFINE}"
     if first is None:
         program.error(f"say what to do: {names}, as in {PROGRAM} {DENOISE} scan.ply")
-    hint = did_you_mean(first, SUMMARIES)
     is_word = Path(first).suffix == "" and not first.startswith("-")
-    if hint or (is_word and not Path(first).exists()):
-        program.error(f"there is no command {first}{hint or f': say {names}'}")
+    if is_word and not Path(first).exists():
+        hint = did_you_mean(first, SUMMARIES) or f": say {names}"
+        program.error(f"there is no command {first}{hint}")
     program.error(f"{first}: say first what to do: {names}, as in {PROGRAM} {DENOISE} scan.ply")
 
 

@@ -142,6 +142,7 @@ def test_batches_are_not_of_refine(capsys, option):
     [
         ([], "say what to do: denoise, fair or refine, as in adaptive-fairing denoise scan.ply"),
         (["a.ply"], "a.ply: say first what to do: denoise, fair or refine, as in "),
+        (["fair.ply"], "fair.ply: say first what to do: denoise, fair or refine, as in "),
         (["--quiet"], "--quiet: say first what to do: denoise, fair or refine, as in "),
         (["denoize", "a.ply"], "there is no command denoize, did you mean denoise?"),
         (["Fair", "a.ply"], "there is no command Fair, did you mean fair?"),
