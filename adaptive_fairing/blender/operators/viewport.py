@@ -74,7 +74,8 @@ def adopt() -> None:
 
 
 def _has_fields() -> bool:
-    return any(obj.adaptive_fairing.view for obj in bpy.data.objects)
+    """Whether an object of this file shows a field; one of a library cannot end it here."""
+    return any(obj.adaptive_fairing.view for obj in bpy.data.objects if obj.library is None)
 
 
 def _views() -> Iterator[tuple[int, bpy.types.SpaceView3D]]:

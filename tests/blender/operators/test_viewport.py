@@ -104,6 +104,20 @@ def test_a_file_loaded_into_the_same_windows_finds_them_as_they_were(obj, tmp_pa
     assert shadings() == before
 
 
+def test_a_linked_object_that_was_saved_with_colours_does_not_hold_it(obj, tmp_path):
+    show()
+    path = str(tmp_path / "library.blend")
+    bpy.data.libraries.write(path, {obj})
+    bpy.ops.object.adaptive_fairing_view_end()
+    before = shadings()
+    with bpy.data.libraries.load(path, link=True) as (source, target):
+        target.objects = source.objects
+    assert target.objects[0].adaptive_fairing.view == "DENSITY"
+    show()
+    bpy.ops.object.adaptive_fairing_view_end()
+    assert shadings() == before
+
+
 def test_without_the_addon_it_is_as_before(obj, addon):
     before = shadings()
     show()
