@@ -41,7 +41,7 @@ from bpy_environments import (
 ROOT = Path(__file__).resolve().parent.parent
 CHECK = ROOT / "tests" / "extension" / "check_installed.py"
 MODULE = "bl_ext.user_default.adaptive_fairing"
-PATIENCE = 900  # seconds for one process, so that one that hangs is a failure of its row alone
+PATIENCE = 1800  # seconds for one process, so that one that hangs is a failure of its row alone
 # Named as the checks are, apart from the last three.
 COLUMNS = (
     "python", "numpy", "install", "first enable", "cold enable", "operator", "scipy origin",
