@@ -125,12 +125,13 @@ def test_a_file_with_the_old_names_of_attributes_works_on(noisy, tmp_path, way):
 
 
 def test_ply_writes_the_colors_of_the_scan(noisy, tmp_path):
-    """The density's colours had become the active ones."""
+    """Once no field is shown, whose colours are the active ones as long as it is."""
     paint = noisy.data.color_attributes.new("Scan", "FLOAT_COLOR", "POINT")
     paint.data.foreach_set("color", np.tile([1.0, 0.0, 0.0, 1.0], len(noisy.data.vertices)))
     bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
     for field in ("DENSITY", "REMOVED"):
         bpy.ops.object.adaptive_fairing_view(field=field)
+    bpy.ops.object.adaptive_fairing_view_end()
     names = noisy.data.attributes.active_color_name, noisy.data.attributes.default_color_name
     assert names == ("Scan", "Scan")
     path = str(tmp_path / "out.ply")
