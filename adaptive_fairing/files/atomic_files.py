@@ -88,7 +88,11 @@ def _added(files: Sequence[Path], folder: Path, destination: Path) -> Iterator[N
     try:
         for file in files:
             place = destination / file.relative_to(folder)
-            place.parent.mkdir(parents=True, exist_ok=True)
+            try:
+                place.parent.mkdir(parents=True, exist_ok=True)
+            except FileExistsError as error:
+                reason = f"{place.parent.name} is a file, a folder of that name is needed"
+                raise FileExistsError(error.errno, reason) from error
             if not is_same_file(place, file) and _add(file, place):
                 added.append(place)
         yield

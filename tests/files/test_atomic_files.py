@@ -129,6 +129,17 @@ def test_companions_keep_their_names_and_folders(old):
     assert sorted(path.name for path in old.parent.iterdir()) == ["more", "name.txt"]
 
 
+def test_a_file_in_the_place_of_a_folder_of_companions_is_named(old):
+    (old.parent / "textures").write_text("of another program")
+    message = f"cannot write {old}: textures is a file, a folder of that name is needed"
+    with pytest.raises(OSError) as caught, replaced_files(old) as draft:
+        draft.write_text("new")
+        (draft.parent / "textures").mkdir()
+        (draft.parent / "textures" / "wood.png").write_text("also")
+    assert str(caught.value) == message
+    assert (old.read_text(), len(list(old.parent.iterdir()))) == ("old", 2)
+
+
 @pytest.mark.parametrize("has_links", [True, False])
 def test_a_companion_replaces_nothing(old, monkeypatch, has_links):
     """Not even what appears there at the last moment."""
