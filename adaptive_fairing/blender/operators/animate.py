@@ -67,9 +67,7 @@ class OBJECT_OT_adaptive_fairing_play(_OverFrames, bpy.types.Operator):
                 bpy.ops.ed.undo_push(message="Animate")
         first, last = (round(frame) for frame in animated_frames(obj))
         scene.use_preview_range = True
-        # Blender does not let the end come before the start, even for a moment.
-        for name, frame in (("end", last), ("start", first), ("end", last)):
-            setattr(scene, f"frame_preview_{name}", frame)
+        scene.frame_preview_start, scene.frame_preview_end = first, last
         scene.frame_set(first)
         if context.screen is not None and not context.screen.is_animation_playing:
             bpy.ops.screen.animation_play()

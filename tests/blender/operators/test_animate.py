@@ -92,6 +92,15 @@ class TestPlay:
         assert evolution_at(obj, 9) == 1.0
         assert obj.adaptive_fairing.view == ""
 
+    @pytest.mark.parametrize("before", [(300, 400), (1, 5)])
+    def test_the_preview_range_may_have_been_anywhere(self, obj, before):
+        scene = bpy.context.scene
+        scene.frame_end, scene.use_preview_range = 500, True
+        scene.frame_preview_end = before[1]
+        scene.frame_preview_start = before[0]
+        bpy.ops.object.adaptive_fairing_play(frame_start=11, frame_end=31)
+        assert (scene.frame_preview_start, scene.frame_preview_end) == (11, 31)
+
     def test_another_field_stays(self, obj):
         bpy.ops.object.adaptive_fairing_view(field="DISPLACEMENT")
         bpy.ops.object.adaptive_fairing_play()
