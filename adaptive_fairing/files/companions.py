@@ -1,7 +1,7 @@
-"""Files that an exporter writes beside the one that it was asked for: .bin, .mtl, textures.
+"""Companions: files that an exporter writes beside the one that it was asked for.
 
-Nobody has named them, so they must not replace what is there. An equal file is shared; where
-another one has the name, the new file and what refers to it get a name that is free.
+A .bin, a .mtl, textures: nobody has named them, so they must not replace what is there. An equal
+file is shared; where another one has the name, the new file and what refers to it get a free name.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Other names for the textures that an exporter writes into files which only Blender can change."""
+"""Other names for textures in files that only Blender can change: exported once more."""
 
 from __future__ import annotations
 

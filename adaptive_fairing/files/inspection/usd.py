@@ -1,4 +1,4 @@
-"""Look at a .usd file, text or binary, or a package of them: the faces of its meshes.
+"""Inspection of .usd files, text or binary, and of packages of them: the faces of their meshes.
 
 Blender's importer believes the counts of corners. Where they contradict the corners it reads
 beyond them: another result at every run, or the end of the process.

@@ -1,4 +1,4 @@
-"""Binary .usd files ("crates"): the values of attributes, as far as the faces of meshes need them.
+"""Crates, which are binary .usd files: the values of their attributes.
 
 A crate has sections: texts ("tokens"), fields (a name and where its value is), sets of fields,
 paths, and specs, which give a path its set of fields. All numbers in them are packed.
