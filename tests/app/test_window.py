@@ -237,7 +237,6 @@ class TestEvolution:
         assert seen["algorithm"] == "FAIR"
         assert seen["view"] == "DENSITY"
         assert seen["shading"] == ["SOLID", "VERTEX", "STUDIO"]
-        assert seen["shown while it plays"] > 3
         assert seen["range"] == [1, 100, True]
 
     def test_a_fourth_stops_it(self, seen):

@@ -114,11 +114,12 @@ def evolution(stage: Stage) -> Scenario:
     yield stage.until(lambda: screen.is_animation_playing, 20, "start of the animation")
     seen["view"], seen["shading"] = obj.adaptive_fairing.view, shading(stage)
     shown = set()
-    until = time.monotonic() + 8
-    while time.monotonic() < until:
-        shown.add(round(obj.adaptive_fairing.evolution, 2))
-        yield 0.2
-    seen["shown while it plays"] = len(shown)
+
+    def is_playing() -> bool:
+        shown.add(obj.adaptive_fairing.evolution)
+        return len(shown) > 3
+
+    yield stage.until(is_playing, 120, "four frames of the evolution")
     for number in (1, 2, 3):
         yield from stage.picture(f"evolution-playing-{number}")
         yield 1.0
