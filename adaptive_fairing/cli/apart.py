@@ -15,6 +15,7 @@ from collections.abc import Sequence
 from types import FrameType
 
 from ..batch.process import ending, environment
+from .interrupts import interrupts_wait
 from .status import INTERRUPTED
 
 CHILD = "--child"
@@ -39,6 +40,7 @@ def run_apart(command: Sequence[str], expected: Sequence[int]) -> int:
     ----------
     command
         Of the process. Its standard output goes nowhere; standard error is that of this one.
+        Interrupts wait in it until it calls `leave_at_interrupt`.
     expected
         Exit statuses of a process that has told itself how it went.
 
@@ -47,13 +49,6 @@ def run_apart(command: Sequence[str], expected: Sequence[int]) -> int:
     CrashError
         It ended in any other way.
     """
-    process = subprocess.Popen(
-        command,
-        stdin=subprocess.PIPE,  # is closed when this process ends, see `follow_parent`
-        stdout=subprocess.DEVNULL,
-        env=environment(),
-    )
-
     is_interrupted = False
 
     def pass_on(number: int, frame: FrameType | None) -> None:
@@ -65,7 +60,14 @@ def run_apart(command: Sequence[str], expected: Sequence[int]) -> int:
         killer.daemon = True
         killer.start()
 
-    before = signal.signal(signal.SIGINT, pass_on)
+    with interrupts_wait():
+        process = subprocess.Popen(
+            command,
+            stdin=subprocess.PIPE,  # is closed when this process ends, see `follow_parent`
+            stdout=subprocess.DEVNULL,
+            env=environment(),
+        )
+        before = signal.signal(signal.SIGINT, pass_on)
     try:
         status = process.wait()
     finally:

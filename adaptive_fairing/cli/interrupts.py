@@ -2,16 +2,40 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import signal
+from collections.abc import Iterator
 from types import FrameType
 
 from .status import INTERRUPTED
 
 
 def leave_at_interrupt() -> None:
-    """Let an interrupt end the process at once and without a word, as long as it only starts."""
+    """Let an interrupt end the process at once and without a word, as long as it only starts.
+
+    An interrupt that `interrupts_wait` has kept back comes now.
+    """
     signal.signal(signal.SIGINT, _leave)
+    if hasattr(signal, "pthread_sigmask"):
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+
+
+@contextlib.contextmanager
+def interrupts_wait() -> Iterator[None]:
+    """Keep interrupts back in the block; in a process started there, until `leave_at_interrupt`.
+
+    An interpreter that starts has no handler yet and would tell an interrupt with a traceback.
+    Windows cannot keep interrupts back.
+    """
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def raise_at_interrupt() -> None:

@@ -120,6 +120,33 @@ def test_an_interrupt_at_any_time_is_status_130_and_at_most_one_line(tmp_path, s
     assert list(tmp_path.iterdir()) == [given], "and no drafts"
 
 
+SLOW_TO_START = """
+import sys, time
+if "--child" in sys.orig_argv:
+    open({ready!r}, "w").close()
+    time.sleep(0.5)
+"""
+
+
+def test_an_interrupt_while_the_second_interpreter_starts_is_at_most_one_line(tmp_path):
+    given, ready = write_raw(tmp_path, "obj", *icosphere(1)), tmp_path / "ready"
+    (tmp_path / "sitecustomize.py").write_text(SLOW_TO_START.format(ready=str(ready)))
+    process = subprocess.Popen(
+        [*PROGRAM, "fair", given, "-o", tmp_path / "out.ply"],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": str(tmp_path)},
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    while not ready.exists():
+        time.sleep(0.01)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate()
+    assert process.returncode == 130
+    assert err in ("", "adaptive-fairing: error: interrupted: no output was written\n")
+
+
 @pytest.mark.parametrize("closed", [(0,), (1,), (2,), (1, 2), (0, 1, 2)])
 def test_standard_streams_may_be_closed(tmp_path, closed):
     given, out = write_raw(tmp_path, "obj", *icosphere(1)), tmp_path / "out.ply"
