@@ -131,7 +131,11 @@ def _carried(obj: bpy.types.Object, name: str) -> _Carried:
         return _of_group(obj, group)
     there = [each.name for each in obj.data.attributes if _refusal(each) is None]
     there += obj.vertex_groups.keys()
-    names = ", ".join(map(repr, there)) or rpt_("nothing that can be faired")
+    if not there:
+        raise InputError(
+            rpt_("there is no {!r} on the mesh, nor anything else that can be faired").format(name)
+        )
+    names = ", ".join(map(repr, there))
     raise InputError(rpt_("there is no {!r} on the mesh, but {:s}").format(name, names))
 
 

@@ -176,7 +176,9 @@ class TestRefusals:
         assert set(text.partition("but ")[2].split(", ")) == {"'Paint'", "'heat'", "'Weights'"}
 
     def test_without_anything_that_is_said(self, obj):
-        with pytest.raises(InputError, match="but nothing that can be faired"):
+        with pytest.raises(
+            InputError, match="no 'Col' on the mesh, nor anything else that can be faired"
+        ):
             fair_attribute(obj, "Col", SETTINGS)
 
     @pytest.mark.parametrize(
