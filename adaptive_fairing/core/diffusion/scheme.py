@@ -8,10 +8,8 @@ from ..runtime.arrays import FloatArray
 from .settings import FairingSettings
 
 
-def scheme_fields(
-    settings: FairingSettings, times: FloatArray, density: FloatArray
-) -> dict[str, FloatArray]:
-    """Give the field that the matrices of a step need, by its name in `LoopSpace`.
+def local_times(settings: FairingSettings, times: FloatArray, density: FloatArray) -> FloatArray:
+    """Give the time t_i of one step at every vertex.
 
     Parameters
     ----------
@@ -23,12 +21,29 @@ def scheme_fields(
 
     Returns
     -------
+    (n,)
+
+    Source: (3.4) of the paper.
+    """
+    return times if settings.method == "uniform" else times * density
+
+
+def scheme_fields(settings: FairingSettings, local: FloatArray) -> dict[str, FloatArray]:
+    """Give the field that the matrices of a step need, by its name in `LoopSpace`.
+
+    Parameters
+    ----------
+    settings : FairingSettings
+    local : (n,)
+        `local_times` of the step.
+
+    Returns
+    -------
     {"timestep": (n,)} or {"diffusivity": (n,)}
 
     Source: (3.4) and (3.9) of the paper.
     """
-    field = times if settings.method == "uniform" else times * density
     if settings.method == "adaptive_tensor":
-        return {"diffusivity": field}
+        return {"diffusivity": local}
     # Positive where it is 0, which is only in the equations of held vertices.
-    return {"timestep": np.maximum(field, 1e-12 * field.max(initial=0) or 1.0)}
+    return {"timestep": np.maximum(local, 1e-12 * local.max(initial=0) or 1.0)}

@@ -60,8 +60,8 @@ class FairingSettings:
     boundary : str
         "fixed": boundary vertices stay exactly where they are; "free": natural condition.
     keep_volume : bool
-        Move every closed part along its normals after each step so that the volume within its
-        triangles stays. `max_deviation` comes after that.
+        Move every closed part along its normals after each step, in proportion to the local time,
+        so that the volume within its triangles stays. `max_deviation` comes after that.
     max_deviation : float, optional
         No vertex ends a step further than this length, in object units, from its input position.
     stop_curvature : float, optional

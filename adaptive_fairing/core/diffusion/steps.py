@@ -21,7 +21,7 @@ from ..runtime.arrays import FloatArray
 from ..runtime.precision import SINGLE
 from .deviation import limited
 from .fairing_result import FairingResult, FairingStep
-from .scheme import scheme_fields
+from .scheme import local_times, scheme_fields
 from .settings import FairingSettings
 from .smoothing_radius import tau_of_run
 from .volume import VolumeKeeper
@@ -136,7 +136,7 @@ def _steps(
     times = tau * weights
     keeper = None
     if settings.keep_volume:
-        keeper = VolumeKeeper(space.topology, start, weights, is_held)
+        keeper = VolumeKeeper(space.topology, start, is_held)
     solves = SuccessiveSolves()
     density, system = _system(space, current, settings, times, _serves_single(space, settings))
     initial = previous = system.measures
@@ -159,8 +159,10 @@ def _steps(
         solves.add(increment, system.load)
         current = current + increment
         if keeper is not None:
-            current = keeper.restored(current)
-        current = limited(current, start, limit and limit * frame.scale)
+            current = keeper.restored(current, local_times(settings, times, density))
+        within = limited(current, start, limit and limit * frame.scale)
+        limit_notes = keeper.notes_on_limit(current, within) if keeper is not None else ()
+        current = within
         used_density = density
         # The system of the next step measures this step's surface on the way.
         if index < settings.steps and solve.converged:
@@ -187,6 +189,7 @@ def _steps(
             stop_reason=reason,
             notes=notes
             + (keeper.notes if keeper is not None else ())
+            + limit_notes
             + _collapse_notes(measures.curvature_energy, least_energy),
         )
         if reason is not None:
@@ -207,7 +210,7 @@ def _system(
     `times` (n,) are τ times the weights of the vertices.
     """
     density = mesh_density(space.topology, current, settings.density, settings.density_passes)
-    fields = scheme_fields(settings, times, density)
+    fields = scheme_fields(settings, local_times(settings, times, density))
     system = space.step_system(current, **fields, in_single=in_single, in_double=in_double)
     return density, system
 

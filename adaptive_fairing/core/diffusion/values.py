@@ -22,7 +22,7 @@ from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import SolverProblem
 from ..problem.setting_checks import checked_settings
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
-from .scheme import scheme_fields
+from .scheme import local_times, scheme_fields
 from .settings import FairingSettings
 from .smoothing_radius import tau_of_run
 
@@ -130,7 +130,8 @@ def _evolution(
     space, topology, points = problem.space, problem.space.topology, problem.start
     times = tau_of_run(topology, points, settings) * problem.weights
     density = mesh_density(topology, points, settings.density, settings.density_passes)
-    mass, stiffness = space.flow_matrices(points, **scheme_fields(settings, times, density))
+    fields = scheme_fields(settings, local_times(settings, times, density))
+    mass, stiffness = space.flow_matrices(points, **fields)
     matrix = mass.plus(1.0, stiffness)
     lumped_mass = mass.product(np.ones((1, topology.n_vertices)))[0]
     part = _free_parts(topology, problem.is_held)

@@ -20,16 +20,18 @@ class VolumeKeeper:
     """Keeps the volume that every closed part of a mesh had at the start.
 
     It is the volume within the triangles, which is exact, and what other programs measure.  A
-    vertex is moved by its weight times one offset for its part, along its normal.  So the volume
-    is a cubic polynomial of the offset, which Newton's method solves from 0.
+    vertex is moved by its local time of the step times one factor for its part, along its normal.
+    So the volume is a cubic polynomial of the factor, which Newton's method solves from 0.
+
+    Diffusion moves the surface by about its local time times its mean curvature; what goes back is
+    shared out as it was taken.  The same offset everywhere would be many edges where a mesh is
+    dense, and would fold thin parts there.
 
     Parameters
     ----------
     topology : TriangleTopology
     start : (n, 3)
         Positions whose volumes are to stay.
-    weights : (n,)
-        How much of the offset a vertex takes part in.
     is_held : (n,) bool
         Vertices that take no part.
 
@@ -39,16 +41,14 @@ class VolumeKeeper:
         What has no volume to keep, or has lost it.
     """
 
-    def __init__(
-        self, topology: TriangleTopology, start: FloatArray, weights: FloatArray, is_held: BoolArray
-    ) -> None:
+    def __init__(self, topology: TriangleTopology, start: FloatArray, is_held: BoolArray) -> None:
         self._topology = topology
         self._n_parts, self._part = csgraph.connected_components(
             topology.adjacency(), directed=False
         )
         self._part_of_triangle = self._part[topology.triangles[:, 0]]
         is_open = np.bincount(self._part[topology.on_boundary], minlength=self._n_parts) > 0
-        self._weights = np.where(is_held | is_open[self._part], 0.0, weights)
+        self._is_moved = ~(is_held | is_open[self._part])
         # Products of coordinates lose digits far from the origin.
         count = np.bincount(self._part, minlength=self._n_parts)
         sums = [np.bincount(self._part, x, self._n_parts) for x in start.T]
@@ -60,12 +60,15 @@ class VolumeKeeper:
             parts = "1 part is open and has" if n_open == 1 else f"{n_open} parts are open and have"
             self.notes = (f"{parts} no volume to keep: close the holes first if it is to stay",)
 
-    def restored(self, positions: FloatArray) -> FloatArray:
+    def restored(self, positions: FloatArray, times: FloatArray) -> FloatArray:
         """Move closed parts so that they have their volumes again, (n, 3) to (n, 3).
 
-        A part of which too little is left is not moved; `notes` says so.
+        `times` (n,) are the local times of the step. A part of which too little is left is not
+        moved; `notes` says so.
         """
-        motion = self._weights[:, None] * vertex_normals(self._topology, positions)
+        # In units of the longest time the factor is a length.
+        share = np.where(self._is_moved, times / (times.max(initial=0) or 1.0), 0.0)
+        motion = share[:, None] * vertex_normals(self._topology, positions)
         value, slope, bend, twist = self._polynomials(positions, motion)
         sizes = self._sizes(positions)
         offset, is_right = np.zeros(self._n_parts), slope <= 0
@@ -87,6 +90,14 @@ class VolumeKeeper:
             self.notes = (*(each for each in self.notes if "collapsed" not in each), note)
         offset[lost] = 0
         return positions + offset[self._part, None] * motion
+
+    def notes_on_limit(self, restored: FloatArray, limited: FloatArray) -> tuple[str, ...]:
+        """Say how many vertices of closed parts a limit has brought back after `restored`."""
+        n_back = int(np.count_nonzero((restored != limited).any(axis=1) & self._is_moved))
+        if not n_back:
+            return ()
+        vertices = "1 vertex" if n_back == 1 else f"{n_back} vertices"
+        return (f"the volume is not kept exactly: the largest deviation held {vertices} back",)
 
     def _polynomials(self, positions: FloatArray, motion: FloatArray) -> FloatArray:
         """Coefficients of every part's volume by the offset, lowest first, (4, n_parts)."""

@@ -1,5 +1,6 @@
 """`keep_volume`: every closed part has its volume after every step."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -79,23 +80,49 @@ def test_weights_say_who_moves():
         assert volume(step.positions, faces) == pytest.approx(volume(vertices, faces), rel=PROMISED)
 
 
-def test_what_is_added_to_a_step_goes_along_the_normals_by_the_weights():
-    vertices, faces = meshes.noisy_ball(2, 0.05)
+@pytest.mark.parametrize("method", METHODS)
+def test_what_is_added_to_a_step_goes_along_the_normals_by_the_local_times(method):
+    vertices, faces = meshes.graded_sphere(2, 1.5)
     weights = np.random.default_rng(1).uniform(size=len(vertices))
+    settings = FairingSettings(method=method, steps=1, radius=1.0, cg_tolerance=1e-12)
     plain, kept = (
-        fair(
-            vertices,
-            faces,
-            FairingSettings(steps=1, radius=1.0, keep_volume=keep, cg_tolerance=1e-12),
-            weights=weights,
-        ).positions
+        fair(vertices, faces, replace(settings, keep_volume=keep), weights=weights).steps[0]
         for keep in (False, True)
     )
+    times = weights if method == "uniform" else weights * plain.density
+    plain, kept = plain.positions, kept.positions
     normals = vertex_normals(TriangleTopology(faces, len(vertices)), plain)
-    offset = np.einsum("id,id->i", kept - plain, normals) / weights
+    offset = np.einsum("id,id->i", kept - plain, normals) / times
     np.testing.assert_allclose(offset, offset.mean(), rtol=1e-6)
-    assert offset.mean() > 0.01
-    np.testing.assert_allclose(kept - plain, offset.mean() * weights[:, None] * normals, atol=1e-8)
+    assert (offset * times).max() > 0.01
+    np.testing.assert_allclose(kept - plain, offset.mean() * times[:, None] * normals, atol=1e-8)
+
+
+@pytest.mark.parametrize("density", ["area", "edge_length"])
+def test_a_thin_part_with_a_dense_mesh_does_not_fold(density):
+    vertices, faces = meshes.graded_sphere(3, 6.0)
+    vertices[:, 2] += 0.5 * np.clip((vertices[:, 2] - 0.97) / 0.03, 0, 1)  # a thorn
+    settings = FairingSettings(radius=1.0, density=density)
+    plain, kept = (
+        fair(vertices, faces, replace(settings, keep_volume=keep)) for keep in (False, True)
+    )
+    assert volume(kept.positions, faces) == pytest.approx(volume(vertices, faces), rel=PROMISED)
+    for without, step in zip(plain.steps, kept.steps, strict=True):
+        assert step.curvature_ratio < 1.05 * without.curvature_ratio < 1.05
+
+
+def test_a_largest_deviation_that_costs_volume_is_said():
+    vertices, faces = meshes.noisy_ball(2, 0.05)
+    settings = FairingSettings(radius=1.0, keep_volume=True, max_deviation=0.01)
+    bound = fair(vertices, faces, settings)
+    assert volume(bound.positions, faces) != pytest.approx(volume(vertices, faces), rel=PROMISED)
+    (note,) = bound.notes
+    n_far = (np.linalg.norm(bound.positions - vertices, axis=1) > 0.01 * (1 - 1e-9)).sum()
+    assert note == (
+        f"the volume is not kept exactly: the largest deviation held {n_far} vertices back"
+    )
+    assert not fair(vertices, faces, replace(settings, max_deviation=1.0)).notes
+    assert not fair(vertices, faces, replace(settings, keep_volume=False)).notes
 
 
 def test_a_sphere_stays_the_sphere_that_it_is():
