@@ -10,11 +10,11 @@ from scipy.sparse import csgraph
 
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
 from .mixture import Mixture
-from .noise.clean_detail import NOISE, CleanDetail
+from .noise.clean_detail import CleanDetail
 from .noise.level import beyond_clean, noise_model, scan_level
 from .noise.noisy_surface import NoisySurface
-from .noise.roughness import Roughness
 from .noise.spikes import impulsive_certainty
+from .noise.voxel_contour import is_voxel_contour
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 from .unbiased_risk import least_risk_coefficients
@@ -104,7 +104,6 @@ class MeshParts:
         )
         if n_counted < tuned.fewest_vertices:
             return NoiseFound(noise, impulsive, noise, (too_few,))
-        rough = Roughness.of(surface.positions, frame)
         detail = CleanDetail(surface, self.is_counted)
         models = []
         for members in self._members:
@@ -112,32 +111,60 @@ class MeshParts:
             counted[members] = self.is_counted[members]
             if not counted.any():
                 continue
-            model = noise_model(rough, frame, counted)
-            level[counted] = model.level(frame.spacing[counted])
-            if np.median(level[counted]) > clean and surface.cosines is not None:
-                level[counted] = scan_level(rough, frame, counted, surface.cosines)[counted]
-            # The steps of contoured voxels stand out as well, but fade; single vertices do not.
-            may_be_spiky = np.median(level[counted]) > clean and not surface.fading.fades(counted)
-            spiky = impulsive_certainty(surface, level, counted) if may_be_spiky else 0.0
-            if keeps_clean:
-                found = detail.found(level, counted, spiky > 0)
-            else:
-                # What is taken off for clean meshes is added first.
-                level[counted] = (level[counted] ** 4 + clean**4) ** 0.25
-                found = NOISE
-            if found.is_model:
-                models.append(found.reason)
-            elif found.is_noise:
-                noise[counted] = level[counted]
-                impulsive[members] = spiky * self.may_move[members]
-            else:
+            level[counted] = self._rough_level(surface, counted)
+            if np.median(level[counted]) <= clean:
                 noise[counted] = np.minimum(level[counted], clean)
-        if beyond_clean(strength * noise).any():
+                continue
+            # The steps of contoured voxels stand out as well, but fade; single vertices do not.
+            if not surface.fading.fades(counted):
+                certainty = impulsive_certainty(surface, level, counted)
+                impulsive[members] = certainty * self.may_move[members]
+            if not keeps_clean:
+                # What is taken off for clean meshes is added first.
+                noise[counted] = (level[counted] ** 4 + clean**4) ** 0.25
+                continue
+            least = self._least_level(surface, level, counted)
+            reason = "" if impulsive[members].any() else detail.bends(least, counted)
+            if reason:
+                models.append(reason)
+            is_detail = detail.fades(counted) or bool(reason)
+            if is_detail or np.quantile(least[counted], 1 - tuned.rough_fraction) <= clean:
+                least = np.minimum(least, clean)
+            noise[counted] = least[counted]
+        if impulsive.any() or beyond_clean(strength * noise).any():
             if n_counted < tuned.fewest_to_tell and keeps_clean:
                 return NoiseFound(0 * noise, 0 * noise, level, (too_few,))
             return NoiseFound(noise, impulsive, level)
         note = self._why_nothing(level, models)
         return NoiseFound(noise, impulsive, level, (note,))
+
+    def _rough_level(self, surface: NoisySurface, counted: BoolArray) -> FloatArray:
+        """Noise that the roughness of some vertices, (n,) bool, tells: theirs alone, (c,)."""
+        frame = surface.frame
+        level: FloatArray = noise_model(surface.roughness, counted).level(frame.spacing[counted])
+        if np.median(level) > parameters().clean_roughness and surface.cosines is not None:
+            level = scan_level(surface.roughness, frame, counted, surface.cosines)[counted]
+        return level
+
+    def _least_level(
+        self, surface: NoisySurface, level: FloatArray, counted: BoolArray
+    ) -> FloatArray:
+        """Noise (n,) that all contrasts of some vertices, (n,) bool, allow.
+
+        From what the roughness tells, (n,).  Every kind of contrast is an upper bound: noise shows
+        in all of them alike, and shape adds.
+        """
+        tuned, frame, triangles = parameters(), surface.frame, surface.topology.triangles
+        if is_voxel_contour(triangles[counted[triangles].any(axis=1)], surface.positions):
+            return level
+        least = level
+        if surface.hinges.among(counted).value.size:
+            of_hinges = noise_model(surface.hinges, counted).level(frame.spacing)
+            # Noise that turns triangles over leaves nothing in their hinges.
+            limit = min(tuned.clearly_less * np.median(level[counted]), tuned.most_noise_in_normals)
+            if np.median(of_hinges[counted]) < limit:
+                least = of_hinges
+        return least
 
     def _why_nothing(self, level: FloatArray, models: list[str]) -> str:
         """Say why nothing is to be done: from the roughness (n,), and what tells models."""
@@ -150,6 +177,15 @@ class MeshParts:
             f"no noise found: the surface is rough by {typical:.2g} of the local edge length, as "
             f"{what}; nothing was changed"
         )
+
+    def of_many(self, is_one: BoolArray) -> BoolArray:
+        """Which vertices belong to parts that have many of some vertices, (n,) bool, counted."""
+        tuned = parameters()
+        found = np.bincount(self._part, is_one & self.is_counted)
+        counted = np.bincount(self._part, self.is_counted)
+        is_many = found >= np.maximum(tuned.fewest_spikes, tuned.least_spikes * counted)
+        of_vertices: BoolArray = is_many[self._part]
+        return of_vertices
 
     def best_mixtures(
         self,
@@ -175,6 +211,39 @@ class MeshParts:
                     weights[used],
                 )
         return [Mixture(each, self._weights, self._part) for each in chosen]
+
+
+    def looks_like_noise(
+        self, mixture: Mixture, removed: Sequence[RealArray], variance: FloatArray
+    ) -> BoolArray:
+        """Tell for every part whether what a mixture removes is like its noise, (p,) bool.
+
+        Shape that is removed is far more than the noise at few vertices; and where hardly anything
+        is removed, nothing is gained by it.
+
+        Parameters
+        ----------
+        mixture : Mixture
+        removed : k of (n,)
+            Normal part of what each filter removes.
+        variance : (n,)
+            Of the noise, in the squared unit of `removed`.
+        """
+        tuned, counted = parameters(), self.is_counted
+        total = np.zeros(len(counted))
+        for used in mixture.used:
+            total += mixture.coefficients(used) * removed[used]
+        total[~counted] = 0
+        is_far = np.square(total) > tuned.far_deviations**2 * variance
+        n_parts = len(self._members)
+        count, far, energy, expected = (
+            np.bincount(self._part, values, n_parts)
+            for values in (counted, is_far & counted, total**2, np.where(counted, variance, 0))
+        )
+        is_like: BoolArray = (far <= tuned.most_far * count) & (
+            energy >= tuned.least_gain_of_removal * expected
+        )
+        return is_like
 
 
 def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:

@@ -23,6 +23,7 @@ from ..linalg.conjugate_gradients import SolveReport
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.threads import for_each
+from .bounds import Bounds
 from .filter_rounds import Round, rounds_for
 from .folds import unfolded
 from .mixture import Mixture
@@ -41,6 +42,11 @@ from .unbiased_risk import filter_divergence
 # work is passes of numpy over all vertices, which no threads share.  Measured on 2 cores, relative
 # to one after the other: 0.64 to 0.98 of the time, and 1.2 to 1.34 of the memory on large meshes.
 MOST_SIDE_BY_SIDE = 1_000_000
+
+UNLIKE_NOISE = (
+    "what would have been removed is not like noise, but like corners and creases: nothing was "
+    "changed"
+)
 
 
 @dataclass(frozen=True)
@@ -97,10 +103,12 @@ def mixed_surfaces(
         verdict = noise_verdict(stage, settings.strength, settings.clean)
         stage, level, impulsive = verdict.stage, verdict.level, verdict.impulsive
         notes, other_readings = verdict.notes, verdict.other_readings
-        plan = DenoisePlan.idle(level, impulsive)
+        plan = DenoisePlan.idle(level, impulsive, verdict.reach)
         undented = stage.undented(level, impulsive)
         if undented is None and beyond_clean(max(STRENGTHS) * settings.strength * level).any():
             plan = _planned(verdict, settings, progress)
+            if plan.is_idle:
+                notes = (*notes, UNLIKE_NOISE)
     else:
         if plan.impulsive.any():
             stage = stage.calmed(plan.impulsive)
@@ -124,6 +132,11 @@ def mixed_surfaces(
     results = [unfolded(each, before, counted, noise) for each in results]
     if len(results) < len(STRENGTHS):
         results *= len(STRENGTHS)
+    bounds = Bounds(before, stage.frame, start.positions, plan.reach)
+    results = [
+        bounds.kept(each, factor * settings.strength)
+        for factor, each in zip(STRENGTHS, results, strict=True)
+    ]
     return MixedSurfaces(results, plan, solves.report(), notes, other_readings)
 
 
@@ -135,6 +148,8 @@ def _planned(
     track, frame, parts = stage.track, stage.frame, stage.parts
     seen = verdict.level
     noise = seen / correlation.seen * correlation.deviation
+    # What differences of second order see is less than the noise where neighbours are alike.
+    reach = verdict.reach / correlation.seen * correlation.deviation
     stage.bank.know_noise(noise)
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
     probe = tuned.probe_size * correlation.applied(stage.noisy.own.probe(), frame)
@@ -183,7 +198,10 @@ def _planned(
     usable = [each.serves(settings.features) for each in filters]
     rows = list(compress(removed, usable)), list(compress(divergence, usable))
     variances = np.stack([variance(factor) for factor in STRENGTHS])
-    mixtures = [each.spread(usable) for each in parts.best_mixtures(*rows, variances)]
+    mixtures = parts.best_mixtures(*rows, variances)
+    expected = correlation.deviation**2 * variances[STRENGTHS.index(1.0)]
+    is_noise = parts.looks_like_noise(mixtures[STRENGTHS.index(1.0)], rows[0], expected)
+    mixtures = [each.within(is_noise).spread(usable) for each in mixtures]
     counted, kept = parts.is_counted, np.ones(len(mixtures))
     for index, mixture in enumerate(mixtures):
         for used in mixture.used:
@@ -196,6 +214,7 @@ def _planned(
         tuple(mixtures),
         kept,
         verdict.impulsive,
+        reach,
         saw_creases,
         correlation,
     )

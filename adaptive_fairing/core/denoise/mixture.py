@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..runtime.arrays import FloatArray, IndexArray, IntArray, RealArray
+from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
 
 
 class Mixture(NamedTuple):
@@ -41,6 +41,10 @@ class Mixture(NamedTuple):
         of_vertex = classes.take(self.part, axis=0) if len(classes) > 1 else classes
         coefficients: RealArray = np.einsum("cn,nc->n", self.weights, of_vertex)
         return coefficients
+
+    def within(self, parts: BoolArray) -> Mixture:
+        """Return the same mixture in some parts, (p,) bool; elsewhere nothing is removed."""
+        return self._replace(by_class=self.by_class * parts[:, None, None])
 
     def spread(self, is_one: Sequence[bool]) -> Mixture:
         """Return the same mixture among k' filters: those that are one of its own, (k',) bool."""

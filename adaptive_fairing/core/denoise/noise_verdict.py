@@ -10,7 +10,7 @@ from ..runtime.arrays import FloatArray
 from .noise.correlation import noise_correlation
 from .noise.face_noise import FaceNoise
 from .noise.level import beyond_clean
-from .noise.repeats import repetition
+from .noise.contrast import hinges
 from .noise.smooth_noise import SmoothNoise, smooth_noise
 from .noise_correlation import NoiseCorrelation
 from .parameters import parameters
@@ -41,6 +41,9 @@ class NoiseVerdict(NamedTuple):
         Of noise that is alike over several edges, if that is what it is.
     impulsive : (n,)
         How surely the noise was that of single vertices, 0 to 1.
+    reach : (n,)
+        Standard deviation in local edge lengths of all noise, spikes included: 0 where nothing may
+        move.
     notes : tuple of str
     other_readings : tuple of str
         See `DenoiseResult`.
@@ -50,6 +53,7 @@ class NoiseVerdict(NamedTuple):
     level: FloatArray
     smooth: NoiseCorrelation | None
     impulsive: FloatArray
+    reach: FloatArray
     notes: tuple[str, ...]
     other_readings: tuple[str, ...] = ()
 
@@ -75,11 +79,21 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     """
     keeps_clean = clean != "denoise"
     found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
-    impulsive, notes = found.impulsive, found.notes
+    impulsive, notes, reach = found.impulsive, found.notes, found.level
     if impulsive.any():
-        stage = stage.calmed(impulsive)
+        calm = stage.calmed(impulsive)
+        after = calm.parts.noise(calm.noisy, strength, keeps_clean=keeps_clean)
+        # Spikes explain the roughness if it is gone without them; that of corners and creases stays.
+        tuned = parameters()
+        most = tuned.most_unexplained * np.maximum(after.level, tuned.clean_roughness)
+        was_moved = (calm.noisy.positions != stage.noisy.positions).any(axis=1)
+        is_sure = stage.parts.of_many(was_moved) | (after.level > tuned.clean_roughness)
+        is_noise = is_sure & (after.roughness <= most)
+        impulsive = np.where(is_noise, impulsive, 0)
+        reach = np.maximum(after.level, np.where(impulsive > 0, found.roughness, 0))
+        stage = calm if impulsive.all() else stage.calmed(impulsive)
         found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
-        notes = (IMPULSIVE,)
+        notes = (IMPULSIVE,) if impulsive.any() else found.notes
     level, counted, correlation = found.level, stage.parts.is_counted, None
     was_kept = bool(found.notes) and keeps_clean and not impulsive.any()
     others = ("denoise",) if was_kept and found.roughness.any() else ()
@@ -94,17 +108,25 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
         if smooth is not None:
             per_edge = seen.frame.spacing / stage.noisy.frame.spacing
             level, correlation = np.where(counted, smooth.level * per_edge, 0), smooth.correlation
+            reach = level
             notes = (SMOOTH_REMOVED.format(smooth.level),)
             others = ("detail",) if clean == "keep" else ()
         elif anywhere.is_likely and not beyond_clean(strength * level).any():
             notes = (SMOOTH.format(anywhere.level), *notes)
-    return NoiseVerdict(stage, level, correlation, impulsive, notes, others)
+    return NoiseVerdict(stage, level, correlation, impulsive, reach, notes, others)
 
 
 def _is_removed(smooth: SmoothNoise | FaceNoise, stage: Stage, clean: str) -> bool:
-    """Whether smooth noise is to be removed; models, which repeat triangles, have none."""
+    """Whether smooth noise is to be removed: it must show between triangles too, unlike models."""
     if clean == "denoise":
         return smooth.may_be_noise
     if clean == "detail" or not smooth.is_noise:
         return False
-    return not repetition(stage.noisy.topology.triangles, stage.noisy.positions).part
+    noisy, counted = stage.noisy, stage.parts.is_counted
+    frame, unit = noisy.frame, smooth.level / smooth.correlation.deviation
+    noise = frame.raised(unit * smooth.correlation.applied(noisy.fading.white, frame))
+    found, expected = (
+        each.deviation(each.among(counted).value)
+        for each in (noisy.hinges, hinges(frame.positions + noise, frame))
+    )
+    return found > parameters().least_of_expected_hinges * expected

@@ -233,10 +233,6 @@ class DenoiseParameters:
     least_class_distance: float = 0.02
 
     # noise/clean_detail: what looks like noise on a clean mesh.
-    # A mesh with creases everywhere is clean if this fraction of its vertices is no rougher along
-    # its lines than `corner_roughness`. Contoured voxels measure 0.65 or more there.
-    smooth_fraction: float = 0.9
-    corner_roughness: float = 0.3
     # A shape of more vertices is not taken for a low-poly model. Decimated and modelled shapes of
     # 400 to 3000 vertices were measured.
     low_poly: int = 3000
@@ -250,9 +246,6 @@ class DenoiseParameters:
     least_kept: float = 0.75
     # Parts of fewer vertices, such as the eyes of a head, go with the whole. By hand.
     small_part: int = 300
-    # Spikes leave at most this fraction of a model's triangles as they were; spikes at every fifth
-    # vertex leave half.
-    left_by_spikes: float = 0.6
     # This fraction of a clean mesh's vertices may be rougher than clean meshes are: those with much
     # shorter edges than others. By hand.
     rough_fraction: float = 0.1
@@ -331,14 +324,17 @@ class DenoiseParameters:
     # more.
     most_off_sight: float = 0.05
 
-    # noise/repeats: exact twins among triangles.
-    # A model has a twin for this fraction of its triangles. Meshes with noise of 0.05 and more have
-    # 0.000 to 0.001.
-    least_repeated: float = 0.1
-    # A model has this many times the pairs that chance explains. Scans with rounded coordinates
-    # have more than chance makes: a real one had 143 times as many. With this number nothing
-    # changes on 200 random models, clean or noisy.
-    least_over_chance: float = 512.0
+    # mesh_parts
+    # Hinges tell the noise where they tell less than this part of what the roughness does: shape
+    # has raised that.  Else the roughness does, which is measured at the vertices.
+    clearly_less: float = 0.85
+
+    # noise/contrast
+    # Quantile of the hinges from which the noise is read. On models of a CSG kernel up to 0.4 of
+    # them are flat; heights rounded to the size of their noise leave 0.2 flat.
+    quantile_of_hinges: float = 0.3
+
+    # noise/voxel_contour
     # Contoured voxels have at most this many kinds of edges; marching cubes have 27.
     most_kinds_of_edges: int = 100
     # Contoured voxels have this many kinds of vertices for each kind of edges; models have fewer
@@ -346,6 +342,30 @@ class DenoiseParameters:
     least_kinds_of_vertices: float = 3.0
     # Contoured voxels face in this many directions, unlike boxes. By hand.
     least_directions: int = 9
+
+    # bounds
+    # Of n vertices none moves further than √(2 ln n) standard deviations of the noise, and this
+    # many more.
+    extra_deviations: float = 1.0
+
+    # mesh_parts: what looks like noise when it is removed
+    # Of what is removed no larger part lies beyond so many standard deviations of the noise. With
+    # noise on 18 tuning shapes it was 0.005 at most, 0.04 on one; on clean models 0.1 to 0.8.
+    far_deviations: float = 3.0
+    most_far: float = 0.08
+    # Its energy is at least this part of the noise's. With noise it was 0.4 to 0.9.
+    least_gain_of_removal: float = 0.3
+
+    # noise_verdict
+    # Spikes are noise if the roughness that is left without them is at most this many times what
+    # all contrasts allow for noise. By hand.
+    most_unexplained: float = 2.0
+    # They are many: at least this many, and this part of the vertices judged. By hand.
+    fewest_spikes: int = 10
+    least_spikes: float = 0.05
+    # Smooth noise makes hinges between triangles; a model with less than this part of them has
+    # none. By hand.
+    least_of_expected_hinges: float = 0.5
 
     # noise/smooth_noise
     # Passes of averaging over the neighbourhoods whose bands are compared. By hand.

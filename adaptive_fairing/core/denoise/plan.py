@@ -33,6 +33,9 @@ class DenoisePlan:
         Fraction of the noise that each mixture keeps, 0 to 1.
     impulsive : (n,)
         Fraction of their way by which vertices that stand out are put back before the filters.
+    reach : (n,)
+        Standard deviation of all noise, spikes included, in local edge lengths: the unit of how far
+        a vertex may move.
     has_creases : bool
         Whether the last round was run, which is for creases.
     correlation : NoiseCorrelation
@@ -45,13 +48,14 @@ class DenoisePlan:
     mixtures: tuple[Mixture, ...]
     kept: FloatArray
     impulsive: FloatArray
+    reach: FloatArray
     has_creases: bool = False
     correlation: NoiseCorrelation = WHITE
 
     @classmethod
-    def idle(cls, noise: FloatArray, impulsive: FloatArray) -> DenoisePlan:
+    def idle(cls, noise: FloatArray, impulsive: FloatArray, reach: FloatArray) -> DenoisePlan:
         """Leave everything but vertices that stand out as it is."""
-        return cls((), noise, (), (), np.ones(len(STRENGTHS)), impulsive)
+        return cls((), noise, (), (), np.ones(len(STRENGTHS)), impulsive, reach)
 
     @property
     def is_idle(self) -> bool:

@@ -11,10 +11,9 @@ from scipy.special import expit
 from ...runtime.arrays import BoolArray, FloatArray, IndexArray
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
-from .roughness import Roughness
+from .contrast import Contrast, half_normal
 
-# The median of |x| for a normal distribution of unit variance.
-NORMAL_MEDIAN = 0.6744897501960817
+NORMAL_MEDIAN = half_normal(0.5)
 
 # Entry k: how far an order statistic of k estimates lies below their mean, in standard errors. It
 # is the lowest of two or three, the second lowest of four or five.
@@ -39,21 +38,20 @@ class NoiseModel(NamedTuple):
         """Return the standard deviation in local edge lengths where the edges are h long, (n,)."""
         return np.sqrt(self.per_edge + self.per_length / np.square(spacing))
 
-    def expected(self, rough: Roughness) -> FloatArray:
-        """Return the standard deviation that the roughness has with this noise, (n,)."""
-        return np.sqrt(self.per_edge + self.per_length * rough.fineness)
+    def expected(self, contrast: Contrast) -> FloatArray:
+        """Return the standard deviation that the contrasts have with this noise, (k,)."""
+        return np.sqrt(self.per_edge + self.per_length * contrast.fineness)
 
 
-def noise_model(rough: Roughness, frame: TriangleSurface, is_counted: BoolArray) -> NoiseModel:
-    """Estimate the noise along the normals from vertices (n,) bool.
+def noise_model(contrast: Contrast, is_counted: BoolArray) -> NoiseModel:
+    """Estimate the noise along the normals from the contrasts of vertices, (n,) bool.
 
-    Medians do not see the features in the roughness.  Noise of neighbours that is alike (scanners,
-    contoured volumes) is smooth in part and is under-estimated.
+    An upper bound: quantiles do not see the features here and there, but they see a shape that is
+    everywhere.  Noise of neighbours that is alike (scanners, contoured volumes) is under-estimated.
 
     Parameters
     ----------
-    rough : Roughness
-    frame : TriangleSurface
+    contrast : Contrast
     is_counted : (n,) bool
         Vertices to judge from.
 
@@ -61,25 +59,27 @@ def noise_model(rough: Roughness, frame: TriangleSurface, is_counted: BoolArray)
     by wavelet shrinkage, 1994; quantiles, R. Koenker and G. Bassett, Regression quantiles, 1978;
     the choice, G. Schwarz, Estimating the dimension of a model, 1978.
     """
-    if not is_counted.any():
+    contrast = contrast.among(is_counted)
+    if not len(contrast.value):
         return NoiseModel(0.0, 0.0)
-    variance = _variances(rough, _bins(is_counted, frame, frame.spacing))
+    bins = _bins(contrast)
+    variance = _variances(contrast, bins)
     (constant,) = _quantile_fit(np.ones((1, len(variance))), variance)
     least = float(variance.min())
     # Noise is everywhere: where a part is clean, the others have features.
     alone = least if least <= parameters().clean_roughness ** 2 else float(constant)
-    bins = _bins(is_counted, frame, rough.fineness)
-    fineness = np.exp([np.median(np.log(rough.fineness[members])) for members in bins])
+    fineness = np.exp([np.median(np.log(contrast.fineness[members])) for members in bins])
     terms = np.stack([np.ones_like(fineness), fineness])
-    both = NoiseModel(*_quantile_fit(terms, _variances(rough, bins)))
-    certainty = _evidence(rough, bins, both)
+    both = NoiseModel(*_quantile_fit(terms, variance))
+    certainty = _evidence(contrast, bins, both)
     return NoiseModel(
-        certainty * both.per_edge + (1 - certainty) * alone, certainty * both.per_length
+        certainty * both.per_edge + (1 - certainty) * alone,
+        certainty * both.per_length,
     )
 
 
 def scan_level(
-    rough: Roughness, frame: TriangleSurface, is_counted: BoolArray, cosines: FloatArray
+    rough: Contrast, frame: TriangleSurface, is_counted: BoolArray, cosines: FloatArray
 ) -> FloatArray:
     """Estimate the noise of what was seen along a line of sight, in local edge lengths, (n,).
 
@@ -97,57 +97,56 @@ def scan_level(
     tuned, value = parameters(), rough.value[is_counted]
     of_length = np.sqrt(rough.fineness[is_counted])
     of_sight = cosines[is_counted] * of_length
-    gain = _unlikelihood(value, of_length) - _unlikelihood(value, of_sight)
+    gain = _unlikelihood(rough, value, of_length) - _unlikelihood(rough, value, of_sight)
     along_sight = gain > tuned.least_gain_of_sight * tuned.dependent_vertices
     expected = of_sight if along_sight else of_length
     size = float(np.median(value / expected)) / NORMAL_MEDIAN
     return size * (cosines if along_sight else 1) / frame.spacing
 
 
-def _variances(rough: Roughness, bins: list[IndexArray]) -> FloatArray:
-    """Variance of the noise in each bin, as its median tells it, (k,)."""
-    levels = np.array([np.median(rough.value[members]) for members in bins]) / NORMAL_MEDIAN
+def _variances(contrast: Contrast, bins: list[IndexArray]) -> FloatArray:
+    """Variance of the noise in each bin, as the quantile tells it, (b,)."""
+    levels = np.array([contrast.deviation(contrast.value[members]) for members in bins])
     levels *= 1 + LEAST_OF[len(bins)] * MEDIAN_ERROR / np.sqrt([len(each) for each in bins])
     return np.square(levels)
 
 
-def _bins(is_counted: BoolArray, frame: TriangleSurface, values: FloatArray) -> list[IndexArray]:
-    """Sort the counted vertices into bins of values that tell the density, (n,)."""
-    tuned = parameters()
-    size = frame.spread(np.log(values), tuned.density_passes)
-    chosen = np.flatnonzero(is_counted)
-    n_bins = int(np.clip(len(chosen) // tuned.vertices_per_bin, 1, len(LEAST_OF) - 1))
-    return np.array_split(chosen[np.argsort(size[chosen], kind="stable")], n_bins)
+def _bins(contrast: Contrast) -> list[IndexArray]:
+    """Sort the contrasts into bins by the density around them."""
+    order = np.argsort(contrast.size, kind="stable")
+    n_bins = int(np.clip(len(order) // parameters().vertices_per_bin, 1, len(LEAST_OF) - 1))
+    return np.array_split(order, n_bins)
 
 
-def _evidence(rough: Roughness, bins: list[IndexArray], both: NoiseModel) -> float:
+def _evidence(contrast: Contrast, bins: list[IndexArray], both: NoiseModel) -> float:
     """Probability, 0 to 1, that the noise has one amplitude in part, and not only grows with edges.
 
-    It compares the likelihoods of both models, summed over the vertices.
+    It compares the likelihoods of both models, summed over the contrasts.
     Features may be denser than the rest of a mesh and make the whole of it look so; but not within
     each bin as well, so both must agree.
     """
     tuned = parameters()
     everywhere = np.concatenate(bins)
-    expected = both.expected(rough)
+    expected = both.expected(contrast)
     if not expected[everywhere].all():
         return 0.0
 
     def gain(members: IndexArray) -> float:
-        value = rough.value[members]
-        per_edge = _unlikelihood(value, np.ones_like(value))
-        return (per_edge - _unlikelihood(value, expected[members])) / tuned.dependent_vertices
+        value = contrast.value[members]
+        per_edge = _unlikelihood(contrast, value, np.ones_like(value))
+        with_length = _unlikelihood(contrast, value, expected[members])
+        return (per_edge - with_length) / tuned.dependent_vertices
 
     overall = gain(everywhere) - np.log(len(everywhere)) / 2
     within = sum(gain(members) for members in bins)
     return float(expit(min(overall, tuned.gain_factor * (within - tuned.least_gain))))
 
 
-def _unlikelihood(value: FloatArray, expected: FloatArray) -> float:
+def _unlikelihood(contrast: Contrast, value: FloatArray, expected: FloatArray) -> float:
     """Minus the logarithm of the likelihood, of the model with these deviations times the best."""
     tuned = parameters()
     ratio = value / expected
-    scale = max(float(np.median(ratio)) / NORMAL_MEDIAN, tuned.clean_roughness**2)
+    scale = max(contrast.deviation(ratio), tuned.clean_roughness**2)
     each = np.minimum(np.square(ratio / scale) / 2, tuned.most_unlikely) + np.log(scale * expected)
     return float(each.sum())
 

@@ -9,6 +9,7 @@ import numpy as np
 from ...mesh.normals import dots
 from ...runtime.arrays import FloatArray
 from ..triangle_surface import TriangleSurface
+from .contrast import Contrast, hinges, roughness
 from .line_of_sight import LEAST_COSINE, lines_of_sight
 from .line_roughness import LineRoughness
 from .order_decay import Fading
@@ -38,6 +39,16 @@ class NoisySurface:
     def fading(self) -> Fading:
         """How the roughness fades in differences of higher order."""
         return Fading(self.positions, self.frame, self.own.noise(WHITE_NOISE))
+
+    @cached_property
+    def roughness(self) -> Contrast:
+        """Differences of second order at the vertices."""
+        return roughness(self.positions, self.frame)
+
+    @cached_property
+    def hinges(self) -> Contrast:
+        """Differences between the two triangles of every edge."""
+        return hinges(self.positions, self.frame)
 
     @cached_property
     def lines(self) -> LineRoughness:
