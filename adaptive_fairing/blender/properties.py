@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import bpy
 from bpy.props import BoolProperty, IntProperty
@@ -42,7 +42,7 @@ class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.Propert
 SOLVER_NAMES = tuple(SolverProperties.__annotations__)
 OUTPUT_NAMES = tuple(OutputProperties.__annotations__)
 
-DENOISE_NAMES = ("strength", "features", "boundary", "clean")
+DENOISE_NAMES = ("strength", "features", "boundary", "clean", "max_deviation")
 """Settings of `denoise`, by their names in `DenoiseSettings`."""
 
 FAIRING_NAMES = tuple(
@@ -104,9 +104,11 @@ def uses_tau(properties: SolverProperties) -> bool:
     return properties.use_tau or is_implied
 
 
-def in_object_units(settings: Any, obj: bpy.types.Object) -> Any:
+def in_object_units(
+    settings: DenoiseSettings | FairingSettings, obj: bpy.types.Object
+) -> DenoiseSettings | FairingSettings:
     """Take the largest deviation, which is a length of the world, into an object that is scaled."""
-    deviation = getattr(settings, "max_deviation", None)
+    deviation = settings.max_deviation
     if deviation is None:
         return settings
     return replace(settings, max_deviation=deviation / obj.matrix_world.median_scale)

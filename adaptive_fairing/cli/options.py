@@ -162,6 +162,7 @@ def _add_denoise(parser: Parser, common: Any) -> None:
         "looks like the smooth noise of a scanner; or take all that is rough for noise "
         "(default: keep)",
     )
+    _add_max_deviation(common)
     _add_boundary(common)
 
 

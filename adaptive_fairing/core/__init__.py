@@ -5,11 +5,11 @@ noise of a mesh and removes it. `fair` is geometric diffusion after C. Bajaj and
 Fairing of Surface Meshes by Geometric Diffusion*.
 """
 
-from .denoise.denoise import denoise
-from .denoise.plan import DenoisePlan
-from .denoise.progress import DenoiseProgress
-from .denoise.result import DenoiseResult
-from .denoise.settings import DenoiseSettings
+from .denoising.denoise import denoise
+from .denoising.plan import DenoisePlan
+from .denoising.progress import DenoiseProgress
+from .denoising.result import DenoiseResult
+from .denoising.settings import DenoiseSettings
 from .diffusion.fairing_result import FairingResult, FairingStep
 from .diffusion.settings import DENSITIES, SCHEMES, FairingSettings
 from .diffusion.steps import fair, fair_steps

@@ -18,7 +18,7 @@ from dataclasses import fields, replace
 
 from tqdm import tqdm
 
-from adaptive_fairing.core.denoise.parameters import PARAMETERS, DenoiseParameters, using
+from adaptive_fairing.core.denoising.parameters import PARAMETERS, DenoiseParameters, using
 from benchmarks.measuring import table
 
 from .measures import Reference

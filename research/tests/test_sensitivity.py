@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support.meshes import icosphere, noisy_ball
 
-from adaptive_fairing.core.denoise.parameters import PARAMETERS, parameters
+from adaptive_fairing.core.denoising.parameters import PARAMETERS, parameters
 from research.denoising import sensitivity
 from research.denoising.pairs import Pair
 

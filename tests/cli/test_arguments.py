@@ -12,7 +12,7 @@ from adaptive_fairing.cli import options
 from adaptive_fairing.cli.arguments import parse, settings_of
 from adaptive_fairing.cli.main import main
 from adaptive_fairing.core import DenoiseSettings, FairingSettings
-from adaptive_fairing.core.denoise.settings import CLEAN, FEATURES
+from adaptive_fairing.core.denoising.settings import CLEAN, FEATURES
 from adaptive_fairing.core.diffusion.settings import DENSITIES, SCHEMES
 from adaptive_fairing.core.problem.setting_checks import BOUNDARIES
 
@@ -42,6 +42,7 @@ def test_defaults_are_those_of_the_core():
         *((["--features", name], "features", name) for name in FEATURES),
         *((["--clean", name], "clean", name) for name in CLEAN),
         *((["--boundary", name], "boundary", name) for name in BOUNDARIES),
+        (["--max-deviation", "0.01"], "max_deviation", 0.01),
     ],
 )
 def test_every_argument_of_denoise_reaches_its_setting(arguments, field, value):

@@ -232,6 +232,24 @@ def open_cylinder(n_around: int, n_along: int, radius: float = 1.0, height: floa
 # Tools -------------------------------------------------------------------------------------------
 
 
+def sliver_prism(n_sides: int, seed: int = 0) -> Mesh:
+    """A prism over points of a circle at random angles; its two flat ends are zigzags of slivers."""
+    angles = np.sort(np.random.default_rng(seed).uniform(0, 2 * np.pi, n_sides))
+    ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(n_sides)])
+    vertices = np.concatenate([ring - [0, 0, 0.5], ring + [0, 0, 0.5]])
+    around = np.arange(n_sides)
+    beyond = (around + 1) % n_sides
+    sides = [(around, beyond, beyond + n_sides), (around, beyond + n_sides, around + n_sides)]
+    # 0, 1, n - 1, 2, n - 2 ...: every three in a row are a triangle.
+    zigzag = np.zeros(n_sides, dtype=int)
+    zigzag[1::2], zigzag[2::2] = around[1 : n_sides // 2 + 1], -around[1 : (n_sides + 1) // 2]
+    strip = np.column_stack([zigzag[:-2], zigzag[1:-1], zigzag[2:]]) % n_sides
+    strip[::2] = strip[::2, ::-1]
+    top = strip[:, ::-1] + n_sides
+    faces = np.concatenate([*(np.column_stack(each) for each in sides), strip, top])
+    return vertices, faces.astype(np.int32)
+
+
 def merged(*meshes: Mesh) -> Mesh:
     """Return several meshes as the components of one, in order."""
     offsets = np.cumsum([0] + [len(vertices) for vertices, _ in meshes])

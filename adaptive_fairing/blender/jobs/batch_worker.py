@@ -17,7 +17,7 @@ from ...batch.memory_use import peak_bytes, resident_bytes
 from ...batch.messages import Job, decode, encode
 from ...batch.schedule import START_BYTES
 from ...core import DenoiseSettings, FairingError, PreparedMesh
-from ...core.denoise.plan import STRENGTHS
+from ...core.denoising.plan import STRENGTHS
 from ...files.formats import keeps_axes
 from ...files.report import settings_of_record, settings_record, strict
 from ..data.mesh_arrays import MeshData

@@ -26,7 +26,7 @@ from ...core import (
     denoise,
     fair_steps,
 )
-from ...core.diffusion.deviation import limited
+from ...core.problem.deviation import limited
 from .region import region_mesh
 
 Settings = DenoiseSettings | FairingSettings
@@ -201,7 +201,10 @@ class Solve:
         started = time.perf_counter()
         result = self._denoise_region() if self._is_region() else self._denoise_all()
         self.step_seconds = [time.perf_counter() - started]
-        self.denoised = replace(result, shapes=result.shapes.astype(np.float32))
+        # Rounding to what Blender keeps must not exceed the limit, either.
+        limit = self.settings.max_deviation
+        shapes = [limited(each.astype(np.float32), self.vertices, limit) for each in result.shapes]
+        self.denoised = replace(result, shapes=np.stack(shapes))
         yield self
 
     def _is_region(self) -> bool:
@@ -246,7 +249,6 @@ class Solve:
         ):
             self.step_seconds.append(time.perf_counter() - started)
             density = step.density.astype(np.float32)
-            # Rounding to what Blender keeps must not exceed the limit, either.
             positions = limited(
                 step.positions.astype(np.float32), self.vertices, self.settings.max_deviation
             )

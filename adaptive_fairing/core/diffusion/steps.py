@@ -19,7 +19,7 @@ from ..problem.problem import SolverProblem
 from ..problem.setting_checks import checked_settings
 from ..runtime.arrays import FloatArray
 from ..runtime.precision import SINGLE
-from .deviation import limited
+from ..problem.deviation import limited
 from .fairing_result import FairingResult, FairingStep
 from .scheme import local_times, scheme_fields
 from .settings import FairingSettings

@@ -358,7 +358,7 @@ def test_the_vertices_that_may_move_are_counted(algorithm, capfd):
     assert "d 100 vertices" in capfd.readouterr().out
 
 
-@pytest.mark.parametrize("algorithm", ["FAIR"])
+@pytest.mark.parametrize("algorithm", ["FAIR", "DENOISE"])
 def test_no_vertex_moves_further_than_it_may_in_the_world(algorithm):
     obj = noisy_sphere(3)
     before = read_positions(obj.data)

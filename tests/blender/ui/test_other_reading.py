@@ -12,7 +12,7 @@ from support.results import coordinates
 from adaptive_fairing.blender.operators import readings
 from adaptive_fairing.blender.ui.settings_panel import VIEW3D_PT_adaptive_fairing
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoise.triangle_surface import TriangleSurface
+from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
 pytestmark = pytest.mark.usefixtures("addon")
 

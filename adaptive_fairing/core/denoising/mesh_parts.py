@@ -1,0 +1,266 @@
+"""Connected parts of a mesh, whose noise and best filters `denoise` judges each by itself."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csgraph
+
+from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
+from .mixture import Mixture
+from .noise.clean_detail import CleanDetail
+from .noise.level import beyond_clean, noise_model, scan_level
+from .noise.noisy_surface import NoisySurface
+from .noise.spikes import impulsive_certainty
+from .noise.voxel_contour import is_voxel_contour
+from .parameters import parameters
+from .triangle_surface import TriangleSurface
+from .unbiased_risk import least_risk_coefficients
+
+
+class NoiseFound(NamedTuple):
+    """Noise of a mesh.
+
+    Attributes
+    ----------
+    level : (n,)
+        Standard deviation in local edge lengths; 0 where it was not judged.
+    impulsive : (n,)
+        How surely the noise is that of single vertices, 0 to 1.
+    roughness : (n,)
+        The level that the roughness alone would tell; 0 where it was not judged.
+    notes : tuple of str
+        Why there is nothing to do, if so.
+    """
+
+    level: FloatArray
+    impulsive: FloatArray
+    roughness: FloatArray
+    notes: tuple[str, ...] = ()
+
+
+class MeshParts:
+    """Connected parts that are judged each by itself, small ones together.
+
+    Parameters
+    ----------
+    frame : TriangleSurface
+        Slightly smoothed.
+    is_still : (n,) bool
+        Vertices that nothing is judged from.
+
+    Attributes
+    ----------
+    is_counted : (n,) bool
+        Vertices to judge from.
+    may_move : (n,) bool
+        These and those of the rims.
+    """
+
+    def __init__(self, frame: TriangleSurface, is_still: BoolArray) -> None:
+        tuned, topology = parameters(), frame.topology
+        self.may_move = ~(is_still | topology.is_loose)
+        self.is_counted = self.may_move & ~topology.on_boundary
+        size = frame.spread(np.log(frame.spacing), tuned.density_passes)
+        _, label = csgraph.connected_components(topology.adjacency(), directed=False)
+        n_counted = np.bincount(label, self.is_counted)
+        own = n_counted >= tuned.own_estimate
+        order = np.argsort(label, kind="stable")
+        each = np.split(order, np.cumsum(np.bincount(label))[:-1])
+        members = [each[index] for index in np.flatnonzero(own)]
+        rest = [each[index] for index in np.flatnonzero(~own)]
+        if rest:
+            members.append(np.concatenate(rest))
+        # A slice saves copies of the largest arrays where there is one part.
+        self._members: list[slice | IndexArray] = [slice(None)] if len(members) == 1 else members
+        self._part: IntArray = np.zeros(topology.n_vertices, np.int32)
+        self._weights: RealArray = np.zeros((tuned.most_classes, topology.n_vertices), np.float32)
+        for part, some in enumerate(self._members):
+            classes = density_classes(size[some], self.is_counted[some])
+            self._part[some], self._weights[: len(classes), some] = part, classes
+
+    def noise(
+        self, surface: NoisySurface, strength: float, *, keeps_clean: bool = True
+    ) -> NoiseFound:
+        """Estimate the noise, and say if there is nothing to do.
+
+        Parameters
+        ----------
+        surface : NoisySurface
+        strength : float
+            Factor of the noise, for the note alone.
+        keeps_clean : bool
+            Whether what looks like a clean mesh has no noise. Or else all roughness is noise.
+        """
+        tuned, frame = parameters(), surface.frame
+        clean = tuned.clean_roughness
+        n_counted = int(np.count_nonzero(self.is_counted))
+        noise, impulsive, level = np.zeros((3, len(self.is_counted)))
+        too_few = (
+            f"only {n_counted} vertices inside the surface: too few to tell noise from shape; "
+            "nothing was changed"
+        )
+        if n_counted < tuned.fewest_vertices:
+            return NoiseFound(noise, impulsive, noise, (too_few,))
+        detail = CleanDetail(surface, self.is_counted)
+        models = []
+        for members in self._members:
+            counted = np.zeros(len(level), dtype=bool)
+            counted[members] = self.is_counted[members]
+            if not counted.any():
+                continue
+            level[counted] = self._rough_level(surface, counted)
+            if np.median(level[counted]) <= clean:
+                noise[counted] = np.minimum(level[counted], clean)
+                continue
+            # The steps of contoured voxels stand out as well, but fade; single vertices do not.
+            if not surface.fading.fades(counted):
+                certainty = impulsive_certainty(surface, level, counted)
+                impulsive[members] = certainty * self.may_move[members]
+            if not keeps_clean:
+                # What is taken off for clean meshes is added first.
+                noise[counted] = (level[counted] ** 4 + clean**4) ** 0.25
+                continue
+            least = self._least_level(surface, level, counted)
+            reason = "" if impulsive[members].any() else detail.bends(least, counted)
+            if reason:
+                models.append(reason)
+            is_detail = detail.fades(counted) or bool(reason)
+            if is_detail or np.quantile(least[counted], 1 - tuned.rough_fraction) <= clean:
+                least = np.minimum(least, clean)
+            noise[counted] = least[counted]
+        if impulsive.any() or beyond_clean(strength * noise).any():
+            if n_counted < tuned.fewest_to_tell and keeps_clean:
+                return NoiseFound(0 * noise, 0 * noise, level, (too_few,))
+            return NoiseFound(noise, impulsive, level)
+        note = self._why_nothing(level, models)
+        return NoiseFound(noise, impulsive, level, (note,))
+
+    def _rough_level(self, surface: NoisySurface, counted: BoolArray) -> FloatArray:
+        """Noise that the roughness of some vertices, (n,) bool, tells: theirs alone, (c,)."""
+        frame = surface.frame
+        level: FloatArray = noise_model(surface.roughness, counted).level(frame.spacing[counted])
+        if np.median(level) > parameters().clean_roughness and surface.cosines is not None:
+            level = scan_level(surface.roughness, frame, counted, surface.cosines)[counted]
+        return level
+
+    def _least_level(
+        self, surface: NoisySurface, level: FloatArray, counted: BoolArray
+    ) -> FloatArray:
+        """Noise (n,) that all contrasts of some vertices, (n,) bool, allow.
+
+        From what the roughness tells, (n,).  Every kind of contrast is an upper bound: noise shows
+        in all of them alike, and shape adds.
+        """
+        tuned, frame, triangles = parameters(), surface.frame, surface.topology.triangles
+        if is_voxel_contour(triangles[counted[triangles].any(axis=1)], surface.positions):
+            return level
+        least = level
+        if surface.hinges.among(counted).value.size:
+            of_hinges = noise_model(surface.hinges, counted).level(frame.spacing)
+            # Noise that turns triangles over leaves nothing in their hinges.
+            limit = min(tuned.clearly_less * np.median(level[counted]), tuned.most_noise_in_normals)
+            if np.median(of_hinges[counted]) < limit:
+                least = of_hinges
+        return least
+
+    def _why_nothing(self, level: FloatArray, models: list[str]) -> str:
+        """Say why nothing is to be done: from the roughness (n,), and what tells models."""
+        if models:
+            return f"looks like a clean low-poly model: {models[0]}; nothing was changed"
+        typical = float(np.median(level[self.is_counted]))
+        is_clean = typical <= parameters().clean_roughness
+        what = "clean meshes are" if is_clean else "the detail of clean meshes is"
+        return (
+            f"no noise found: the surface is rough by {typical:.2g} of the local edge length, as "
+            f"{what}; nothing was changed"
+        )
+
+    def of_many(self, is_one: BoolArray) -> BoolArray:
+        """Which vertices belong to parts that have many of some vertices, (n,) bool, counted."""
+        tuned = parameters()
+        found = np.bincount(self._part, is_one & self.is_counted)
+        counted = np.bincount(self._part, self.is_counted)
+        is_many = found >= np.maximum(tuned.fewest_spikes, tuned.least_spikes * counted)
+        of_vertices: BoolArray = is_many[self._part]
+        return of_vertices
+
+    def best_mixtures(
+        self,
+        removed: Sequence[RealArray],
+        divergence: Sequence[RealArray],
+        variances: FloatArray,
+    ) -> list[Mixture]:
+        """Mix the filters for the least risk in every part.
+
+        From what each filter removes and its divergence, k of (n,), for several variances of the
+        noise, (s, n); a mixture for each of these.
+        """
+        n_parts, n_classes = len(self._members), len(self._weights)
+        chosen = np.zeros((len(variances), n_parts, n_classes, len(removed)))
+        for part, members in enumerate(self._members):
+            weights = self._weights[:, members] * self.is_counted[members]
+            used = np.flatnonzero(weights.any(axis=1))
+            if len(used):
+                chosen[:, part, used] = least_risk_coefficients(
+                    [row[members] for row in removed],
+                    [row[members] for row in divergence],
+                    variances[:, members],
+                    weights[used],
+                )
+        return [Mixture(each, self._weights, self._part) for each in chosen]
+
+    def looks_like_noise(
+        self, mixture: Mixture, removed: Sequence[RealArray], variance: FloatArray
+    ) -> BoolArray:
+        """Tell for every part whether what a mixture removes is like its noise, (p,) bool.
+
+        Shape that is removed is far more than the noise at few vertices; and where hardly anything
+        is removed, nothing is gained by it.
+
+        Parameters
+        ----------
+        mixture : Mixture
+        removed : k of (n,)
+            Normal part of what each filter removes.
+        variance : (n,)
+            Of the noise, in the squared unit of `removed`.
+        """
+        tuned, counted = parameters(), self.is_counted
+        total = np.zeros(len(counted))
+        for used in mixture.used:
+            total += mixture.coefficients(used) * removed[used]
+        total[~counted] = 0
+        is_far = np.square(total) > tuned.far_deviations**2 * variance
+        n_parts = len(self._members)
+        count, far, energy, expected = (
+            np.bincount(self._part, values, n_parts)
+            for values in (counted, is_far & counted, total**2, np.where(counted, variance, 0))
+        )
+        is_like: BoolArray = (far <= tuned.most_far * count) & (
+            energy >= tuned.least_gain_of_removal * expected
+        )
+        return is_like
+
+
+def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:
+    """Overlapping classes of vertices from dense to coarse, (c, n), adding up to 1.
+
+    Parameters
+    ----------
+    size : (n,)
+        Logarithm of the local edge length.
+    is_counted : (n,) bool
+        Vertices whose distribution decides.
+    """
+    tuned = parameters()
+    n_counted = int(np.count_nonzero(is_counted))
+    n_classes = int(np.clip(n_counted // tuned.vertices_per_class, 1, tuned.most_classes))
+    parts = np.linspace(tuned.class_margin, 1 - tuned.class_margin, n_classes)
+    knots = np.quantile(size[is_counted], parts) if n_counted else []
+    # On an even mesh there is nothing to tell apart.
+    if n_classes == 1 or not np.all(np.diff(knots) > tuned.least_class_distance):
+        return np.ones((1, len(size)))
+    return np.stack([np.interp(size, knots, unit) for unit in np.eye(n_classes)])

@@ -1,0 +1,198 @@
+"""Smooth noise on flat faces, where no shape hides it.
+
+What is left of the positions on a fitted plane is noise, however wide and however strong: its size
+is the level, and its size in bands of several widths tells the correlation.  On a clean model it is
+rounding.  Texture on flat faces is told from noise as elsewhere: noise is even, has the strengths
+of averaged white noise band by band, and is normally distributed (`smooth_noise`).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy import sparse
+
+from ...mesh.normals import dots
+from ...runtime.arrays import BoolArray, FloatArray, IntArray
+from ..flat_faces import FlatFaces
+from ..noise_correlation import WHITE, NoiseCorrelation
+from ..parameters import parameters
+from ..triangle_surface import TriangleSurface
+from .level import NORMAL_MEDIAN
+from .noisy_surface import NoisySurface
+from .smooth_noise import (
+    FEWEST_PASSES,
+    N_NARROW,
+    NORMAL_TAIL,
+    PASSES,
+    TAIL,
+    band_heights,
+    local_strengths,
+    quiet_part,
+    typical_sizes,
+)
+
+# Weights of the bands in the fit.  The narrowest one shows the edges of the mesh as well.
+WEIGHTS = np.array([0.0, 1.0, 1.0, 1.0])
+
+
+class FaceNoise(NamedTuple):
+    """Noise on the flat faces of a mesh.
+
+    Attributes
+    ----------
+    part : float
+        Part of the counted vertices that is well inside flat faces, 0 to 1.
+    n_counted : int
+        Number of these.
+    level : float
+        Standard deviation in local edge lengths.
+    correlation : NoiseCorrelation
+    misfit : float
+        Sum of the squared logarithms by which the bands differ from those of noise of this level.
+    evenness : float
+        How even the bands are over the faces, relative to noise; 0 to about 1.
+    outliers : float
+        How far out the largest heights are, over that of a normal distribution, or the other way
+        round if that is more.
+    lean : float
+        How much more there is of hills than of valleys or the other way round, 0 to 1.
+    """
+
+    part: float = 0.0
+    n_counted: int = 0
+    level: float = 0.0
+    correlation: NoiseCorrelation = WHITE
+    misfit: float = np.inf
+    evenness: float = 0.0
+    outliers: float = np.inf
+    lean: float = 1.0
+
+    @property
+    def may_be_noise(self) -> bool:
+        """Whether it is smooth noise if all that is rough is noise."""
+        tuned = parameters()
+        return (
+            self.part >= tuned.least_on_faces
+            and self.n_counted >= tuned.fewest_on_faces
+            and self.correlation.passes >= FEWEST_PASSES
+            and self.level >= tuned.least_level_on_faces
+        )
+
+    @property
+    def is_noise(self) -> bool:
+        """Whether it is smooth noise and no texture."""
+        tuned = parameters()
+        return (
+            self.may_be_noise
+            and self.level <= tuned.most_level_on_faces
+            and self.misfit <= tuned.most_misfit_on_faces
+            and self.evenness >= tuned.least_evenness_on_faces
+            and self.outliers <= tuned.most_outliers_on_faces
+            and self.lean <= tuned.told_lean
+        )
+
+
+def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -> FaceNoise:
+    """Measure what the positions of a surface differ from the planes of its flat faces.
+
+    Parameters
+    ----------
+    surface : NoisySurface
+    faces : FlatFaces
+        Found in spite of smooth noise.
+    is_counted : (n,) bool
+        Vertices to judge from.
+    """
+    tuned, planes = parameters(), faces.planes
+    face = np.where(is_counted, faces.of_vertices(), -1)
+    counts = np.bincount(face[face >= 0], minlength=len(planes))
+    is_small = np.append(counts < tuned.fewest_on_face, True)
+    face[is_small[face]] = -1
+    is_inner = face >= 0
+    n_inner = int(np.count_nonzero(is_inner))
+    if n_inner < tuned.fewest_on_faces:
+        return FaceNoise()
+    frame = _within_faces(surface, face, planes.normals)
+    off_plane = planes.heights(surface.positions, face)[:, None] * planes.normals[face]
+    heights = np.where(is_inner, frame.along_normal(off_plane), 0.0)
+    part = n_inner / np.count_nonzero(is_counted)
+    totals = np.bincount(face[is_inner], heights[is_inner] ** 2, len(planes))
+    sizes = np.sqrt(totals / np.maximum(counts, 1))
+    typical = float(np.median(sizes[face[is_inner]]))
+    if typical < tuned.least_level_on_faces:
+        return FaceNoise(part, n_inner, typical)
+    # Each face counts in its own unit: a scanner may see some of them at a grazing angle.
+    relative = heights / np.maximum(sizes[face], tuned.clean_roughness**2)
+    bands = band_heights(frame.raised(relative), frame)
+    correlation, of_noise, misfit = _explained(bands, surface, frame, is_inner)
+    # The three numbers of a plane take away the noise of as many vertices, if each had its own.
+    fitted = np.minimum(3 / correlation.deviation**2, counts / 2)
+    levels = np.sqrt(totals / np.maximum(counts - fitted, 1))
+    strengths, strengths_of_noise = (
+        local_strengths(each, frame, is_inner) for each in (bands, of_noise)
+    )
+    evenness = quiet_part(strengths)[1] / quiet_part(strengths_of_noise)[1]
+    local = bands[:2, is_inner] / strengths[:2]
+    local /= np.maximum(typical_sizes(local), 1e-9)[:, None]
+    tails = np.array([_tail(local[1]), _tail(relative[is_inner])])
+    return FaceNoise(
+        part,
+        n_inner,
+        level=float(np.median(levels[face[is_inner]])),
+        correlation=correlation,
+        misfit=misfit,
+        evenness=float(evenness[:N_NARROW].min()),
+        outliers=float(np.maximum(tails, 1 / np.maximum(tails, 1e-9)).max()),
+        lean=float(np.abs(np.tanh(NORMAL_MEDIAN * local).mean(axis=1)).max()),
+    )
+
+
+def _explained(
+    bands: FloatArray, surface: NoisySurface, frame: TriangleSurface, is_inner: BoolArray
+) -> tuple[NoiseCorrelation, FloatArray, float]:
+    """Find the noise of unit size whose bands are most like those of heights, (k, n).
+
+    Its correlation, its own bands, and the misfit.
+    """
+    found = np.log(np.maximum(typical_sizes(bands[:, is_inner]), 1e-12))
+    best = WHITE, bands, np.inf
+    for passes in PASSES:
+        noise = frame.spread(surface.fading.white * frame.spacing, passes) / frame.spacing
+        deviation = float(np.std(noise[is_inner]))
+        of_noise = band_heights(frame.raised(noise / deviation), frame)
+        differences = found - np.log(typical_sizes(of_noise[:, is_inner]))
+        misfit = float(WEIGHTS @ np.square(differences))
+        if misfit < best[2]:
+            correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
+            best = correlation, of_noise, misfit
+    return best
+
+
+def _tail(values: FloatArray) -> float:
+    """How far out the largest values are, relative to a normal distribution."""
+    size = np.abs(values)
+    return float(np.quantile(size, TAIL) / max(np.median(size), 1e-9)) / NORMAL_TAIL
+
+
+def _within_faces(surface: NoisySurface, face: IntArray, normals: FloatArray) -> TriangleSurface:
+    """Return a frame that averages within the faces of vertices, (n,), along their planes' normals.
+
+    A vertex without a face, or without a neighbour on it, is an average of itself.
+    """
+    frame = surface.frame
+    n = len(face)
+    links = sparse.coo_array(surface.topology.adjacency(np.float64))
+    first, second = links.coords
+    is_inside = (face[first] == face[second]) & (face[first] >= 0)
+    first, second = first[is_inside], second[is_inside]
+    count = np.bincount(first, minlength=n)
+    alone = np.flatnonzero(count == 0)
+    weights = np.concatenate([1 / count[first], np.ones(len(alone))])
+    places = np.concatenate([first, alone]), np.concatenate([second, alone])
+    mean = sparse.csr_array((weights, places), shape=(n, n))
+    # Of the two normals of a plane the one on the surface's side.
+    side = np.where(dots(normals[face], frame.normals) < 0, -1.0, 1.0)
+    along = np.where((face >= 0)[:, None], side[:, None] * normals[face], frame.normals)
+    return frame.with_frame(normals=along, mean=mean)

@@ -1,0 +1,52 @@
+"""Settings of the automatic method, checked when they are made."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..problem.setting_checks import BOUNDARIES, require_choice, require_number
+
+FEATURES = ("auto", "sharp", "smooth")
+CLEAN = ("keep", "detail", "denoise")
+LARGEST_STRENGTH = 100.0
+
+
+@dataclass(frozen=True)
+class DenoiseSettings:
+    """What `denoise` cannot find out by itself, because it is a matter of taste.
+
+    Attributes
+    ----------
+    strength : float
+        Factor of the estimated noise, above 0 and below 100.
+    features : str
+        "sharp" keeps creases wherever it can, "smooth" has no creases to keep, "auto" chooses per
+        place.
+    boundary : str
+        "fixed": boundary vertices stay exactly where they are; "free": they move along.
+    clean : str
+        "keep": what looks like a clean mesh or a low-poly model comes back unchanged, and a note
+        says why; "detail": so does what is uneven over several edges, even if it is like the smooth
+        noise of a scanner, which "keep" removes; "denoise": all that is rough is taken for noise.
+    max_deviation : float, optional
+        No vertex ends further than this length, in object units, from its input position.
+
+    Raises
+    ------
+    SettingsError
+        If a value makes no sense; the message names the field.
+    """
+
+    strength: float = 1.0
+    features: str = "auto"
+    boundary: str = "fixed"
+    clean: str = "keep"
+    max_deviation: float | None = None
+
+    def __post_init__(self) -> None:
+        require_number(self, "strength", above=0, below=LARGEST_STRENGTH)
+        require_choice(self, "features", FEATURES)
+        require_choice(self, "boundary", BOUNDARIES)
+        require_choice(self, "clean", CLEAN)
+        if self.max_deviation is not None:
+            require_number(self, "max_deviation", above=0)

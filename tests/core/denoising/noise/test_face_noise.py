@@ -1,0 +1,158 @@
+"""Smooth noise on flat faces is told from texture, with its level and correlation."""
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+from support import meshes
+
+from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
+from adaptive_fairing.core.denoising.flat_faces import NO_FACE, FlatFaces
+from adaptive_fairing.core.denoising.noise.face_noise import FaceNoise, face_noise
+from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
+from adaptive_fairing.core.denoising.noise_correlation import NoiseCorrelation
+from adaptive_fairing.core.denoising.normal_filter import triangles_around
+from adaptive_fairing.core.denoising.parameters import PARAMETERS
+from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
+
+
+def cube():
+    """A cube of edge 2 about the origin, with 32 uneven edges along each of its own."""
+    points = np.array([[x, y, z] for x in (-1.0, 1) for y in (-1.0, 1) for z in (-1.0, 1)])
+    faces = ConvexHull(points).simplices
+    inward = np.linalg.det(points[faces]) < 0
+    faces[inward] = faces[inward, ::-1]
+    for _ in range(5):
+        points, faces = meshes.split_1_to_4(points, faces)
+    jitter = np.random.default_rng(7).uniform(-0.2, 0.2, points.shape) * 2 / 2**5
+    return points + np.where(np.isclose(np.abs(points), 1), 0, jitter), faces
+
+
+CUBE, FACES = cube()
+TOPOLOGY = TriangleTopology(FACES, len(CUBE))
+CLEAN = TriangleSurface(TOPOLOGY, CUBE)
+ON_FACE = np.isclose(np.abs(CUBE), 1)
+ASSUMED = NoiseCorrelation(deviation=PARAMETERS.assumed_deviation, passes=PARAMETERS.assumed_passes)
+EVERYWHERE = np.ones(len(CUBE), dtype=bool)
+
+
+def smooth(passes, seed=0):
+    """Noise of unit size, (n,)."""
+    heights = CLEAN.spread(np.random.default_rng(seed).normal(size=len(CUBE)), passes)
+    return heights / heights.std()
+
+
+def with_heights(heights):
+    return CUBE + CLEAN.raised(heights)
+
+
+def found(points):
+    surface = TriangleSurface(TOPOLOGY, points)
+    slightly_smoothed = TriangleSurface(TOPOLOGY, CLEAN.spread(points, 1))
+    faces = FlatFaces(slightly_smoothed, points, triangles_around(TOPOLOGY), correlation=ASSUMED)
+    noisy = NoisySurface(points, slightly_smoothed.with_frame(spacing=surface.spacing))
+    return face_noise(noisy, faces, EVERYWHERE)
+
+
+@pytest.mark.parametrize("passes", [3, 4, 8])
+@pytest.mark.parametrize("level", [0.1, 0.2, 0.3])
+def test_level_and_correlation_are_right(level, passes):
+    """The level has the error of the noise itself: each face has few independent values."""
+    noise = found(with_heights(level * smooth(passes)))
+    assert noise.is_noise
+    n_independent = noise.n_counted * noise.correlation.deviation**2
+    assert noise.level == pytest.approx(level, rel=0.05 + 2 / np.sqrt(2 * n_independent))
+    assert passes / 1.6 <= noise.correlation.passes <= 1.6 * passes
+
+
+def test_what_planes_take_of_wide_noise_is_put_back():
+    """In the mean of eight; without it the level is lower by more than this tolerance."""
+    levels = [found(with_heights(0.2 * smooth(8, seed))).level / 0.2 for seed in range(8)]
+    assert np.mean(levels) == pytest.approx(1, abs=3 * np.std(levels) / np.sqrt(8))
+
+
+def test_faces_of_vertices_are_the_sides_of_the_cube():
+    points = with_heights(0.2 * smooth(4))
+    surface = TriangleSurface(TOPOLOGY, CLEAN.spread(points, 1))
+    faces = FlatFaces(surface, points, triangles_around(TOPOLOGY), correlation=ASSUMED)
+    face = faces.of_vertices()
+    sides = np.sign(CUBE) * ON_FACE
+    for number in np.unique(face[face != NO_FACE]):
+        assert len(np.unique(sides[face == number], axis=0)) == 1
+    # All but the ring beside the creases.
+    assert np.mean(face != NO_FACE) > 0.8
+    assert not np.any(ON_FACE.sum(axis=1)[face != NO_FACE] > 1)
+
+
+@pytest.mark.parametrize("points", [CUBE, meshes.icosphere(5)[0]], ids=["clean cube", "round"])
+def test_clean_shapes_have_none(points):
+    if points is not CUBE:
+        result = denoise(*meshes.icosphere(5))
+    else:
+        assert found(CUBE).level < 1e-6
+        result = denoise(CUBE, FACES)
+    assert not result.is_changed
+    assert not any("scanner" in note for note in result.notes)
+
+
+def test_white_noise_is_not_smooth():
+    assert found(with_heights(0.1 * smooth(0))).correlation.passes == 0
+    assert not found(with_heights(0.1 * smooth(0))).may_be_noise
+
+
+def test_texture_is_no_noise():
+    """Pits are not normally distributed, ridges have one width, patches are not even."""
+    x, y, z = CUBE.T * 2**4
+    pits = -np.exp(-np.square(np.minimum(smooth(3), 0) + 2))
+    ridges = np.sin(np.pi * (x + y + z) / 4)
+    patches = smooth(4) * (x > 0)
+    for texture in (pits, ridges, patches):
+        noise = found(with_heights(0.3 * texture / texture.std()))
+        assert not noise.is_noise
+
+
+TOLD = FaceNoise(
+    part=0.5,
+    n_counted=3000,
+    level=0.2,
+    correlation=NoiseCorrelation(seen=0.3, deviation=0.3, passes=4),
+    misfit=0.02,
+    evenness=0.9,
+    outliers=1.1,
+    lean=0.01,
+)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [
+        {"part": 0.1},
+        {"n_counted": 300},
+        {"level": 0.03},
+        {"level": 0.4},
+        {"correlation": NoiseCorrelation(passes=2)},
+        {"misfit": 0.2},
+        {"evenness": 0.5},
+        {"outliers": 1.5},
+        {"lean": 0.1},
+    ],
+)
+def test_all_conditions_must_hold(wrong):
+    assert TOLD.is_noise
+    assert not TOLD._replace(**wrong).is_noise
+
+
+@pytest.mark.parametrize("passes, left", [(4, 0.35), (12, 0.6)])
+def test_it_is_removed_and_faces_come_out_flat(passes, left):
+    """Over four edges, which is told from shape nowhere else, as well as over two."""
+    points = with_heights(0.3 * smooth(passes))
+    result = denoise(points, FACES)
+    assert "removed" in result.notes[0]
+    assert result.other_readings == ("detail",)
+
+    def off_the_cube(positions):
+        return np.sqrt(np.mean(np.where(ON_FACE, np.abs(positions) - 1, 0) ** 2))
+
+    assert off_the_cube(result.positions) < left * off_the_cube(points)
+    again = denoise(points, FACES, plan=result.plan)
+    assert np.array_equal(again.positions, result.positions)
+    assert not denoise(points, FACES, DenoiseSettings(clean="detail")).is_changed

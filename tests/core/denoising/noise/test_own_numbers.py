@@ -1,0 +1,75 @@
+"""Numbers that look random, and belong to the geometry."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import TriangleTopology
+from adaptive_fairing.core.denoising.noise.own_numbers import (
+    LINE_NOISE,
+    PROBE,
+    WHITE_NOISE,
+    OwnNumbers,
+)
+from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
+
+VERTICES, FACES = meshes.graded_sphere(4)
+POINTS = VERTICES * (1 + 0.01 * np.random.default_rng(0).normal(size=(len(VERTICES), 1)))
+
+
+def frame_of(points, faces):
+    return TriangleSurface(TriangleTopology(faces, len(points)), points)
+
+
+def steps(points, faces):
+    """Vectors (n, 3) that the probe stands for."""
+    frame = frame_of(points, faces)
+    return frame.raised(OwnNumbers(points, frame).probe())
+
+
+def test_they_are_spread_evenly_and_not_alike_at_neighbours():
+    frame = frame_of(POINTS, FACES)
+    own = OwnNumbers(POINTS, frame)
+    for use in (PROBE, WHITE_NOISE, LINE_NOISE):
+        phases = own.phases(use)
+        assert np.all((phases >= 0) & (phases < 1))
+        counts, _ = np.histogram(phases, 10, (0, 1))
+        expected = len(POINTS) / 10
+        assert np.sum((counts - expected) ** 2) / expected < 30  # chi² of 9, one in 3000
+        around = frame.mean @ phases
+        assert abs(np.corrcoef(phases, around)[0, 1]) < 4 / np.sqrt(len(POINTS))
+    numbers = [own.noise(use) for use in (WHITE_NOISE, LINE_NOISE)]
+    assert np.std(numbers[0]) == pytest.approx(1, abs=0.05)
+    assert abs(np.corrcoef(numbers)[0, 1]) < 4 / np.sqrt(len(POINTS))
+
+
+def test_neighbours_differ_on_an_exactly_regular_mesh_too():
+    vertices, faces = meshes.flat_grid(30, 30)
+    phases = OwnNumbers(vertices, frame_of(vertices, faces)).phases(PROBE)
+    assert len(np.unique(np.round(phases, 6))) > len(vertices) / 8
+
+
+@pytest.mark.parametrize("what", ["turned", "mirrored", "other side", "renumbered", "scaled"])
+def test_steps_go_with_the_mesh(what):
+    before = steps(POINTS, FACES)
+    generator = np.random.default_rng(3)
+    if what in ("turned", "scaled"):
+        turn = np.linalg.qr(generator.normal(size=(3, 3)))[0]
+        turn *= 1e-3 if what == "scaled" else np.linalg.det(turn)
+        after, before = steps(POINTS @ turn + [3, 0, 5], FACES), before @ turn
+    elif what == "mirrored":
+        flip = [-1, 1, 1]
+        after, before = steps(POINTS * flip, FACES), before * flip
+    elif what == "other side":
+        after = steps(POINTS, FACES[:, ::-1])
+    else:
+        order = generator.permutation(len(POINTS))
+        after, before = steps(POINTS[order], np.argsort(order)[FACES]), before[order]
+    assert np.linalg.norm(after - before) < 1e-5 * np.linalg.norm(before)
+
+
+def test_rounding_to_single_precision_moves_a_probe_by_little():
+    """Signs would leap at every vertex whose phase passes an end, by twice their size."""
+    before = steps(POINTS, FACES)
+    after = steps(POINTS.astype(np.float32).astype(float), FACES)
+    assert 0 < np.linalg.norm(after - before) < 0.01 * np.linalg.norm(before)

@@ -1,0 +1,123 @@
+"""Spikes are taken off before the filters spread them; normal noise is not touched."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
+from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
+from adaptive_fairing.core.denoising.noise.spikes import impulsive_certainty, without_spikes
+from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
+
+SHAPES = {"sphere": meshes.icosphere(4), "graded": meshes.graded_sphere(4)}
+
+
+def frame_of(shape):
+    vertices, faces = SHAPES[shape]
+    return TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
+
+
+def with_spikes(shape, below=0.0, seed=0):
+    """Heights in local edge lengths: at every fifth vertex far more than at the others."""
+    vertices, _ = SHAPES[shape]
+    generator = np.random.default_rng(seed)
+    is_spike = generator.random(len(vertices)) < 0.2
+    heights = np.where(is_spike, 0.45, below) * generator.normal(size=len(vertices))
+    return vertices + frame_of(shape).raised(heights)
+
+
+def certainty(shape, heights):
+    """For heights (n,) in local edge lengths, with the level that their median tells."""
+    frame = frame_of(shape)
+    points = SHAPES[shape][0] + frame.raised(heights)
+    level = np.full(len(heights), np.median(np.abs(heights)) / 0.6745)
+    everywhere = np.ones(len(heights), dtype=bool)
+    return impulsive_certainty(NoisySurface(points, frame), level, everywhere)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("seed", range(10))
+def test_normal_noise_is_not_impulsive(shape, seed):
+    n = len(SHAPES[shape][0])
+    assert certainty(shape, 0.2 * np.random.default_rng(seed).normal(size=n)) == 0
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_heavy_tails_are_told_from_normal_noise(shape):
+    """One vertex in ten has three times the standard deviation of the others."""
+    found = []
+    for seed in range(10):
+        generator = np.random.default_rng(seed)
+        n = len(SHAPES[shape][0])
+        scale = np.where(generator.random(n) < 0.1, 0.6, 0.2)
+        found.append(certainty(shape, scale * generator.normal(size=n)))
+    # A few thousand vertices may look calm by chance.
+    assert np.count_nonzero(found) >= 9
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_spikes_come_off_and_the_others_stay(shape):
+    vertices, _ = SHAPES[shape]
+    frame = frame_of(shape)
+    points = with_spikes(shape)
+    everywhere = np.ones(len(points), dtype=bool)
+    calm = without_spikes(NoisySurface(points, frame), everywhere, everywhere)
+    before = np.linalg.norm(points - vertices, axis=1) / frame.spacing
+    after = np.linalg.norm(calm - vertices, axis=1) / frame.spacing
+    assert np.sqrt(np.mean(after**2)) < 0.45 * np.sqrt(np.mean(before**2))
+    assert np.mean(after > 0.25) < 0.05
+    moved = (calm != points).any(axis=1)
+    assert np.mean(moved[before < 0.01]) < 0.05
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("below", [0.01, 0.02])
+def test_no_spike_survives(shape, below):
+    vertices, faces = SHAPES[shape]
+    frame = frame_of(shape)
+    points = with_spikes(shape, below=below)
+    result = denoise(points, faces)
+    assert result.plan.impulsive.max() > 0.8
+    assert any("impulsive" in note for note in result.notes)
+    assert result.other_readings == ()  # "denoise anyway" would be odd beside that note
+    left = np.linalg.norm(result.positions - vertices, axis=1) / frame.spacing
+    assert np.mean(left > 0.25) < 0.03
+    assert np.sqrt(np.mean(left**2)) < 0.1
+
+
+def test_spikes_of_a_rim_come_off_too():
+    vertices, faces = meshes.flat_grid(40, 40)
+    topology = TriangleTopology(faces, len(vertices))
+    generator = np.random.default_rng(0)
+    heights = np.where(generator.random(len(vertices)) < 0.2, 0.45, 0.01)
+    points = vertices + np.outer(heights * generator.normal(size=len(vertices)), [0, 0, 1])
+    result = denoise(points, faces, DenoiseSettings(boundary="free"))
+    rim = topology.on_boundary
+    left, before = (np.sqrt(np.mean(each[rim, 2] ** 2)) for each in (result.positions, points))
+    assert left < 0.4 * before
+
+
+def test_other_frames_lose_their_spikes_too():
+    vertices, faces = SHAPES["sphere"]
+    frame = frame_of("sphere")
+    plan = denoise(with_spikes("sphere", below=0.02), faces).plan
+    result = denoise(with_spikes("sphere", below=0.02, seed=1), faces, plan=plan)
+    left = np.linalg.norm(result.positions - vertices, axis=1) / frame.spacing
+    assert np.sqrt(np.mean(left**2)) < 0.1
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+def test_normal_noise_is_denoised_as_before(shape):
+    vertices, faces = SHAPES[shape]
+    frame = frame_of(shape)
+    heights = 0.2 * np.random.default_rng(2).normal(size=len(vertices))
+    assert not denoise(vertices + frame.raised(heights), faces).plan.impulsive.any()
+
+
+def test_steps_of_voxels_are_no_spikes():
+    """Heights in whole steps, averaged twice with the neighbours', as contours are."""
+    frame = frame_of("sphere")
+    vertices, faces = SHAPES["sphere"]
+    steps = np.random.default_rng(0).choice([-2.0, 0.0, 0.0, 2.0], len(vertices))
+    points = vertices + frame.raised(frame.spread(steps, 2))
+    assert not denoise(points, faces).plan.impulsive.any()

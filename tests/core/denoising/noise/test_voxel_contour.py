@@ -1,0 +1,33 @@
+"""Contours of whole voxels are told from models that repeat themselves as much."""
+
+import numpy as np
+from support import meshes
+
+from adaptive_fairing.core.denoising.noise.voxel_contour import is_voxel_contour
+
+
+def terraces(seed):
+    """Heights in whole steps, as contoured voxels have them."""
+    points, faces = meshes.flat_grid(60, 60)
+    heights = np.random.default_rng(seed).integers(0, 3, len(points))
+    return points + 0.5 * heights[:, None] * [0, 0, 1], faces
+
+
+def test_whole_steps_are_a_contour():
+    points, faces = terraces(1)
+    assert is_voxel_contour(faces, points - points.mean(axis=0))
+
+
+def test_noise_of_a_hundredth_of_a_step_makes_it_none():
+    points, faces = terraces(1)
+    points += 0.005 * np.random.default_rng(2).normal(size=points.shape)
+    assert not is_voxel_contour(faces, points - points.mean(axis=0))
+
+
+def test_flat_and_round_models_are_none():
+    for points, faces in (meshes.flat_grid(30, 30), meshes.icosphere(4), meshes.torus(48, 24)):
+        assert not is_voxel_contour(faces, points - points.mean(axis=0))
+
+
+def test_nothing_is_no_contour():
+    assert not is_voxel_contour(np.zeros((0, 3), int), np.zeros((4, 3)))

@@ -1,0 +1,83 @@
+"""Clean models of solids come back as they are: what is rough there is no noise."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import denoise
+from adaptive_fairing.core.denoising import mesh_parts
+from adaptive_fairing.core.denoising.noise.level import beyond_clean
+
+
+def diagonal(points):
+    return np.linalg.norm(np.ptp(points, axis=0))
+
+
+def with_slivers(n):
+    """A prism whose corners stand far out of flat ends."""
+    return meshes.sliver_prism(n)
+
+
+@pytest.mark.parametrize("n", [20, 60, 200])
+def test_a_prism_of_slivers_does_not_move(n):
+    points, faces = with_slivers(n)
+    assert np.array_equal(denoise(points, faces).positions, points)
+
+
+@pytest.mark.parametrize("n", [60, 200])
+@pytest.mark.parametrize("digits", [4, 5, 7])
+def test_rounding_its_coordinates_moves_no_vertex_by_more_than_a_thousandth(n, digits):
+    points, faces = with_slivers(n)
+    turn, _ = np.linalg.qr(np.random.default_rng(1).normal(size=(3, 3)))
+    points = np.round(points @ turn, digits - 1)
+    moved = np.linalg.norm(denoise(points, faces).positions - points, axis=1)
+    assert moved.max() <= 1e-3 * diagonal(points)
+
+
+@pytest.mark.parametrize("n", [60, 200])
+@pytest.mark.parametrize("seed", range(3))
+def test_jitter_of_a_thousandth_moves_no_vertex_by_more_than_a_hundredth(n, seed):
+    points, faces = with_slivers(n)
+    jitter = np.random.default_rng(seed).normal(size=points.shape) / np.sqrt(3)
+    points = points + 1e-3 * diagonal(points) * jitter
+    moved = np.linalg.norm(denoise(points, faces).positions - points, axis=1)
+    assert moved.max() <= 1e-2 * diagonal(points)
+
+
+def test_hinges_are_what_tells(monkeypatch):
+    """Without them the roughness of the corners is taken for noise."""
+    points, faces = with_slivers(200)
+    found = []
+    judged = mesh_parts.MeshParts.noise
+
+    def noise(self, *arguments, **options):
+        found.append(judged(self, *arguments, **options))
+        return found[-1]
+
+    monkeypatch.setattr(mesh_parts.MeshParts, "noise", noise)
+    denoise(points, faces)
+    assert not beyond_clean(found[0].level).any()
+    assert np.median(found[0].roughness) > 0.1
+
+
+def test_few_spikes_on_a_clean_model_are_left_as_they_are():
+    """The apex of a cone stands out as a spike does."""
+    points, faces = meshes.flat_grid(40, 40)
+    apex = np.argmin(np.linalg.norm(points - points.mean(axis=0), axis=1))
+    points[apex, 2] = 5.0
+    assert np.array_equal(denoise(points, faces).positions, points)
+
+
+@pytest.mark.parametrize("step", [0.1, 0.3])
+def test_rounded_heights_are_denoised_as_those_that_are_not(step):
+    """Quantised depths repeat each other; that decides nothing."""
+    points, faces = meshes.flat_grid(60, 60)
+    heights = 0.2 * np.random.default_rng(0).normal(size=len(points))
+    left = []
+    for quantum in (None, 0.2 * step):
+        rounded = heights if quantum is None else quantum * np.round(heights / quantum)
+        noisy = points + rounded[:, None] * [0, 0, 1]
+        inside = np.all(np.abs(points[:, :2] - points[:, :2].mean(axis=0)) < 20, axis=1)
+        left.append(denoise(noisy, faces).positions[inside, 2].std())
+    assert left[0] < 0.05
+    assert left[1] < 0.05

@@ -1,0 +1,131 @@
+"""Filters have names, and those of a later round follow what the rounds before it made."""
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+from support import meshes
+
+from adaptive_fairing.core import DenoiseSettings, PreparedMesh, denoise
+from adaptive_fairing.core.denoising.filter_bank import FilterBank
+from adaptive_fairing.core.denoising.filter_family import FilterFamily, NormalFamily
+from adaptive_fairing.core.denoising.filter_rounds import mesh_family, rounds, rounds_for
+from adaptive_fairing.core.denoising.plan import STRENGTHS
+from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
+
+POINTS, FACES = meshes.noisy_ball(3, 0.03)
+
+
+def all_families():
+    """Filters of the mesh and of all rounds, in the order in which they are used."""
+    return mesh_family(), *(family for families in rounds() for family in families)
+
+
+@pytest.fixture(scope="module")
+def prepared():
+    return PreparedMesh(POINTS, FACES)
+
+
+def noisy_cube(amplitude):
+    """A subdivided cube with noise along the directions from its middle: creases, and no margin."""
+    corners = np.array([[x, y, z] for x in (-1.0, 1) for y in (-1.0, 1) for z in (-1.0, 1)])
+    faces = ConvexHull(corners).simplices
+    inward = np.linalg.det(corners[faces]) < 0
+    faces[inward] = faces[inward, ::-1]
+    for _ in range(4):
+        corners, faces = meshes.split_1_to_4(corners, faces)
+    outward = corners / np.linalg.norm(corners, axis=1, keepdims=True)
+    height = np.random.default_rng(1).normal(0, amplitude * 2 / 2**4, (len(corners), 1))
+    return corners + height * outward, faces
+
+
+def test_every_filter_has_a_name_of_its_own():
+    filters = [each for family in all_families() for each in family.filters]
+    assert len({each.name for each in filters}) == len(filters)
+
+
+@pytest.mark.parametrize("features, kind", [("sharp", "keeps"), ("smooth", "rounds")])
+def test_features_decide_which_filters_are_mixed(features, kind):
+    plan = denoise(*noisy_cube(0.15), DenoiseSettings(features=features)).plan
+    expected = tuple(each for family in all_families() for each in family.filters)
+    assert plan.filters == expected
+    used = {plan.filters[index].creases for index in plan.mixtures[2].used}
+    assert used == {kind}
+
+
+def test_a_metric_that_does_not_bend_rounds_creases_and_the_narrowest_keeps_them():
+    """What the families say of themselves agrees with the angles of their metrics."""
+    families = [family for family in all_families() if isinstance(family, FilterFamily)]
+    angles = {
+        kind: [family.metric.angle for family in families if family.creases == kind]
+        for kind in ("rounds", "sees", "keeps")
+    }
+    assert set(angles["rounds"]) == {None}
+    assert max(angles["keeps"]) < min(angles["sees"])
+
+
+def test_less_noise_makes_the_angles_smaller_in_proportion():
+    half, full = (rounds_for(np.full(5, level)) for level in (0.1, 0.2))
+    assert full == list(rounds())
+    for some, others in zip(half, full, strict=True):
+        for one, other in zip(some, others, strict=True):
+            assert one.filters == other.filters
+            if isinstance(one, FilterFamily) and other.metric.angle is not None:
+                assert one.metric.angle == pytest.approx(other.metric.angle / 2)
+
+
+def test_a_later_round_takes_its_metric_from_the_mixture_of_the_rounds_before(
+    prepared, monkeypatch
+):
+    """Each surface that a round's metrics are taken from, rebuilt from the filters before it."""
+    calls = []
+    filtered = FilterBank.filtered
+
+    def recorded(self, noisy, surface, families):
+        found = list(filtered(self, noisy, surface, families))
+        calls.append((noisy.positions, surface.positions, [result for _, result in found]))
+        return iter(found)
+
+    monkeypatch.setattr(FilterBank, "filtered", recorded)
+    plan = denoise(POINTS, FACES, prepared=prepared).plan
+    both_runs = list(calls)
+    calls.clear()
+    denoise(POINTS, FACES, prepared=prepared, plan=plan)
+    assert len(calls) == len(plan.pilots) + 1
+    positions = calls[0][0]
+    # The others are of the probes, at the same time.
+    surfaces = [surface for each, surface, _ in both_runs if np.array_equal(each, positions)]
+    for surface, (_, again, _) in zip(surfaces, calls, strict=True):
+        assert np.array_equal(surface, again)
+    noisy = TriangleSurface(prepared.surface.topology, positions)
+    start, of_mesh = FilterBank(noisy, lambda report: None).started(noisy)
+    np.testing.assert_allclose(calls[0][1], start.positions, rtol=0, atol=1e-12)
+    so_far = [*of_mesh.values(), *calls[0][2]]
+    for pilot, (_, surface, results) in zip(plan.pilots, calls[1:], strict=True):
+        mixture = positions - sum(
+            pilot.coefficients(index)[:, None] * (positions - each)
+            for index, each in enumerate(so_far)
+        )
+        moved = np.linalg.norm(mixture - positions)
+        assert moved > 0
+        assert np.linalg.norm(surface - mixture) < 1e-6 * moved  # kept in single precision
+        so_far += results
+    assert len(plan.mixtures) == len(STRENGTHS)
+    assert all(each.by_class.shape[-1] == len(so_far) for each in plan.mixtures)
+
+
+def test_the_last_round_is_for_creases():
+    """The ball has none; a plan of the cube repeats all rounds, bit by bit."""
+    assert len(denoise(POINTS, FACES).plan.pilots) == len(rounds()) - 2
+    cube, faces = noisy_cube(0.15)
+    prepared = PreparedMesh(cube, faces)
+    found = denoise(cube, faces, prepared=prepared)
+    assert len(found.plan.pilots) == len(rounds()) - 1
+    again = denoise(cube, faces, prepared=prepared, plan=found.plan)
+    assert np.array_equal(again.positions, found.positions)
+
+
+@pytest.mark.parametrize("noise, is_used", [(0.1, True), (0.4, False)])
+def test_normals_of_the_noisy_mesh_are_used_if_the_noise_leaves_something_in_them(noise, is_used):
+    found = [family for families in rounds_for(np.full(5, noise)) for family in families]
+    of_noisy = [isinstance(family, NormalFamily) and family.is_of_noisy for family in found]
+    assert sum(of_noisy) == is_used

@@ -1,0 +1,130 @@
+"""Flat faces are found up to their creases and made flat; round shapes stay as they are."""
+
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+from support import meshes
+
+from adaptive_fairing.core import TriangleTopology, denoise
+from adaptive_fairing.core.denoising.flat_faces import FlatFaces, flattened
+from adaptive_fairing.core.denoising.normal_filter import triangles_around
+from adaptive_fairing.core.denoising.parameters import PARAMETERS
+from adaptive_fairing.core.denoising.plan import STRENGTHS
+from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
+
+
+def cube():
+    """A cube of edge 2 about the origin, with 16 uneven edges along each of its own."""
+    points = np.array([[x, y, z] for x in (-1.0, 1) for y in (-1.0, 1) for z in (-1.0, 1)])
+    faces = ConvexHull(points).simplices
+    inward = np.linalg.det(points[faces]) < 0
+    faces[inward] = faces[inward, ::-1]
+    for _ in range(4):
+        points, faces = meshes.split_1_to_4(points, faces)
+    # Along faces and creases alone.
+    jitter = np.random.default_rng(7).uniform(-0.2, 0.2, points.shape) * 2 / 2**4
+    return points + np.where(np.isclose(np.abs(points), 1), 0, jitter), faces
+
+
+def bent_sheet(radius):
+    """A sheet of edge length 1 that is bent down along a quarter of a cylinder, and where it is."""
+    flat, faces = meshes.flat_grid(60, 24)
+    way, y = flat[:, 0] - 24, flat[:, 1]
+    angle = np.clip(way / radius, 0, np.pi / 2)
+    before, after = np.minimum(way, 0), np.maximum(way - radius * np.pi / 2, 0)
+    x = before + radius * np.sin(angle)
+    z = radius * (np.cos(angle) - 1) - after
+    return np.stack([x, y, z], axis=1), faces, (angle > 0) & (angle < np.pi / 2)
+
+
+CUBE, FACES = cube()
+EDGE = 2 / 16
+
+
+def noisy_cube(amplitude, seed=0):
+    """Noise along the directions from the middle, in edge lengths."""
+    outward = CUBE / np.linalg.norm(CUBE, axis=1, keepdims=True)
+    height = np.random.default_rng(seed).normal(0, amplitude * EDGE, (len(CUBE), 1))
+    return CUBE + height * outward
+
+
+def seen(positions, faces, surface):
+    """What `FlatFaces` and `flattened` need."""
+    topology = TriangleTopology(faces, len(positions))
+    return TriangleSurface(topology, surface), positions, triangles_around(topology)
+
+
+def off_the_cube(positions):
+    """Distance of the vertices from the planes of the faces they belong to, largest first."""
+    on_face = np.isclose(np.abs(CUBE), 1)
+    return np.where(on_face, np.abs(np.abs(positions) - 1), 0).max(axis=1)
+
+
+def test_the_faces_of_a_cube_end_at_its_creases():
+    found = FlatFaces(*seen(noisy_cube(0.2), FACES, noisy_cube(0.04, seed=1)))
+    # Faces of the clean cube: the axis and side that all corners of a triangle are on.
+    corners = CUBE[FACES]
+    sides = [np.isclose(corners[:, :, k], s).all(axis=1) for k in range(3) for s in (-1, 1)]
+    true_face = np.argmax(sides, axis=0)
+    assert found.face.min() == 0
+    assert len(np.unique(np.stack([true_face, found.face]), axis=1).T) == 6
+
+
+def test_vertices_lie_on_the_planes_of_their_faces():
+    """Planes of n = 289 vertices are as exact as √(3 / n) of the noise, 0.2 of an edge."""
+    result = flattened(*seen(noisy_cube(0.2), FACES, noisy_cube(0.04, seed=1)))
+    error = np.sqrt(np.mean(off_the_cube(result) ** 2)) / EDGE
+    assert error < 2 * 0.2 * np.sqrt(3 / 289)
+
+
+@pytest.mark.parametrize("shape", [meshes.icosphere(4), meshes.torus(60, 30)])
+def test_round_shapes_stay(shape):
+    points, faces = shape
+    assert flattened(*seen(points, faces, points)) is None
+
+
+@pytest.mark.parametrize("radius", [6, 12])
+def test_a_rounded_edge_keeps_its_shape_between_flat_faces(radius):
+    points, faces, is_round = bent_sheet(radius)
+    noise = np.random.default_rng(0).normal(0, 0.1, points.shape)
+    arguments = seen(points + noise, faces, points)
+    assert len(np.unique(FlatFaces(*arguments).face)) == 3  # with what is on no face
+    moved = np.linalg.norm(flattened(*arguments) - points, axis=1)
+    # Faces grow over what is nearer to their planes than `face_height`: a strip on either side.
+    strip = np.sqrt(2 * PARAMETERS.face_height * radius) + 1
+    assert np.mean(moved[is_round] > 0) < 2 * strip / (radius * np.pi / 2)
+    assert moved[is_round].max() < PARAMETERS.face_height + 0.1
+    assert moved[~is_round].max() < 0.1
+
+
+def test_an_open_noisy_sheet_becomes_flat():
+    flat, faces = meshes.flat_grid(24, 24)
+    heights = np.random.default_rng(0).normal(0, 0.2, len(flat))
+    sheet = flat + np.outer(heights, [0, 0, 1])
+    rough = flat + 0.2 * np.outer(heights, [0, 0, 1])
+    result = flattened(*seen(sheet, faces, rough))
+    offset = result - result.mean(axis=0)
+    assert np.linalg.svd(offset)[1][2] < 1e-2 * np.sqrt(len(flat))
+
+
+def test_flat_faces_are_a_large_part_of_the_mixture_on_a_cube():
+    found = denoise(noisy_cube(0.2), FACES)
+    names = [each.name for each in found.plan.filters]
+    mixture = found.plan.mixtures[STRENGTHS.index(1.0)]
+    assert mixture.coefficients(names.index("flat faces")).mean() > 0.3
+    error = np.sqrt(np.mean(off_the_cube(found.positions) ** 2)) / EDGE
+    assert error < 0.2 * 0.2
+
+
+def test_low_spikes_leave_no_dents():
+    """Every fifth vertex is a spike, many no higher than the clean surface's own roughness."""
+    is_spike = np.random.default_rng(2).random(len(CUBE)) < 0.2
+    spiky = np.where(is_spike[:, None], noisy_cube(0.6, seed=3), CUBE)
+    found = denoise(spiky, FACES)
+    assert "impulsive" in " ".join(found.notes)
+    assert found.other_readings == ()
+    on_one_face = np.isclose(np.abs(CUBE), 1).sum(axis=1) == 1
+    dents = off_the_cube(found.positions)[on_one_face] / EDGE
+    assert np.sqrt(np.mean(dents**2)) < 0.02
+    again = denoise(spiky, FACES, plan=found.plan)
+    assert np.array_equal(again.positions, found.positions)

@@ -1,0 +1,112 @@
+"""Connected parts of a mesh have noise estimates of their own; small ones are judged together."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import TriangleTopology, denoise
+from adaptive_fairing.core.denoising.mesh_parts import MeshParts, density_classes
+from adaptive_fairing.core.denoising.noise import noisy_surface
+from adaptive_fairing.core.denoising.noise.line_roughness import LineRoughness
+from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
+from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
+from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
+
+BALL, FACES = meshes.icosphere(3)
+SMALL_BALL, SMALL_FACES = meshes.icosphere(2)
+
+
+def noisy(clean, faces, level, seed=0):
+    """Noise along the normals of a ball about the origin, in local edge lengths."""
+    spacing = TriangleSurface(TriangleTopology(faces, len(clean)), clean).spacing
+    heights = level * spacing * np.random.default_rng(seed).normal(size=len(clean))
+    return clean * (1 + heights[:, None])
+
+
+def side_by_side(*parts):
+    return meshes.merged(*((points + 9 * k, faces) for k, (points, faces) in enumerate(parts)))
+
+
+def levels_of(points, faces):
+    """Noise that is found, and the vertices of each part."""
+    topology = TriangleTopology(faces, len(points))
+    frame = TriangleSurface(topology, points)
+    parts = MeshParts(frame, np.zeros(len(points), dtype=bool))
+    return parts.noise(NoisySurface(points, frame), 1.0).level
+
+
+def test_large_parts_have_estimates_of_their_own():
+    parts = [(noisy(BALL, FACES, level, seed), FACES) for seed, level in enumerate((0.1, 0.3))]
+    level = levels_of(*side_by_side(*parts))
+    first, second = level[: len(BALL)], level[len(BALL) :]
+    assert np.median(first) == pytest.approx(0.1, rel=0.2)
+    assert np.median(second) == pytest.approx(0.3, rel=0.2)
+
+
+def test_a_clean_part_stays_clean_beside_a_noisy_one():
+    points, faces = side_by_side((BALL, FACES), (noisy(BALL, FACES, 0.2), FACES))
+    moves = np.linalg.norm(denoise(points, faces).positions - points, axis=1)
+    assert moves[: len(BALL)].max() < 1e-3 * moves[len(BALL) :].max()
+    assert moves[len(BALL) :].max() > 0
+
+
+def test_small_parts_are_judged_together():
+    """One level for all of them, where each alone would be judged by its own."""
+    parts = [
+        (noisy(SMALL_BALL, SMALL_FACES, level, seed), SMALL_FACES)
+        for seed, level in enumerate((0.15, 0.4, 0.15, 0.4))
+    ]
+    n = len(SMALL_BALL)
+    assert n < PARAMETERS.own_estimate <= len(BALL)
+    points, faces = side_by_side(*parts)
+
+    def contrast():
+        level = levels_of(points, faces).reshape(-1, n)
+        of_part = np.median(level, axis=1)
+        return of_part[[1, 3]].mean() / of_part[[0, 2]].mean()
+
+    assert contrast() == pytest.approx(1, abs=0.1)
+    with using(replace(PARAMETERS, own_estimate=n)):
+        assert contrast() > 1.8
+
+
+def test_what_all_parts_are_judged_by_is_computed_once(monkeypatch):
+    made = []
+    monkeypatch.setattr(
+        noisy_surface, "LineRoughness", lambda *args: made.append(LineRoughness(*args)) or made[-1]
+    )
+    parts = [(noisy(BALL, FACES, 0.2, seed), FACES) for seed in range(3)]
+    level = levels_of(*side_by_side(*parts)).reshape(3, -1)
+    assert np.median(level, axis=1) == pytest.approx(0.2, rel=0.2)
+    assert len(made) == 1
+
+
+def test_filters_are_chosen_in_every_part_by_its_noise():
+    """What a filter removes is the noise itself: its coefficient is 1 where there is noise."""
+    points, faces = side_by_side((BALL, FACES), (BALL, FACES))
+    topology = TriangleTopology(faces, len(points))
+    frame = TriangleSurface(topology, points)
+    parts = MeshParts(frame, np.zeros(len(points), dtype=bool))
+    removed = np.random.default_rng(0).normal(size=(1, len(points)))
+    variances = np.where(np.arange(len(points)) < len(BALL), 1.0, 0.0)[None]
+    (mixture,) = parts.best_mixtures(removed, np.ones_like(removed), variances)
+    chosen = mixture.coefficients(0)
+    assert chosen[: len(BALL)].mean() == pytest.approx(1, abs=0.1)
+    assert not chosen[len(BALL) :].any()
+
+
+def test_classes_add_up_to_one_and_follow_the_density():
+    size = np.random.default_rng(4).normal(size=4000)
+    classes = density_classes(size, np.ones(4000, dtype=bool))
+    assert len(classes) == 3
+    np.testing.assert_allclose(classes.sum(axis=0), 1)
+    assert classes[:, size.argmin()].tolist() == [1, 0, 0]
+    assert classes[:, size.argmax()].tolist() == [0, 0, 1]
+
+
+def test_an_even_mesh_is_one_class():
+    everyone = np.ones(4000, dtype=bool)
+    assert len(density_classes(np.zeros(4000), everyone)) == 1
+    assert len(density_classes(np.linspace(0, 1, 50), everyone[:50])) == 1
