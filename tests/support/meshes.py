@@ -233,10 +233,10 @@ def open_cylinder(n_around: int, n_along: int, radius: float = 1.0, height: floa
 
 
 def sliver_prism(n_sides: int, seed: int = 0) -> Mesh:
-    """A prism over points of a circle at random angles; its two flat ends are zigzags of slivers."""
+    """A prism over points of a circle at random angles; its flat ends are zigzags of slivers."""
     angles = np.sort(np.random.default_rng(seed).uniform(0, 2 * np.pi, n_sides))
-    ring = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(n_sides)])
-    vertices = np.concatenate([ring - [0, 0, 0.5], ring + [0, 0, 0.5]])
+    columns = np.cos(angles), np.sin(angles)
+    vertices = np.concatenate([_columns(*columns, np.full(n_sides, z)) for z in (-0.5, 0.5)])
     around = np.arange(n_sides)
     beyond = (around + 1) % n_sides
     sides = [(around, beyond, beyond + n_sides), (around, beyond + n_sides, around + n_sides)]

@@ -94,7 +94,7 @@ class MeshParts:
         keeps_clean : bool
             Whether what looks like a clean mesh has no noise. Or else all roughness is noise.
         """
-        tuned, frame = parameters(), surface.frame
+        tuned = parameters()
         clean = tuned.clean_roughness
         n_counted = int(np.count_nonzero(self.is_counted))
         noise, impulsive, level = np.zeros((3, len(self.is_counted)))

@@ -1,4 +1,4 @@
-"""What noise a surface has, of all kinds: the verdict that `denoise` acts on."""
+"""Verdict on the noise of a surface, of all kinds."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ..runtime.arrays import FloatArray
+from .noise.contrast import hinges
 from .noise.correlation import noise_correlation
 from .noise.face_noise import FaceNoise
 from .noise.level import beyond_clean
-from .noise.contrast import hinges
 from .noise.smooth_noise import SmoothNoise, smooth_noise
 from .noise_correlation import NoiseCorrelation
 from .parameters import parameters
@@ -83,7 +83,7 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     if impulsive.any():
         calm = stage.calmed(impulsive)
         after = calm.parts.noise(calm.noisy, strength, keeps_clean=keeps_clean)
-        # Spikes explain the roughness if it is gone without them; that of corners and creases stays.
+        # Without spikes their roughness is gone; that of corners and creases stays.
         tuned = parameters()
         most = tuned.most_unexplained * np.maximum(after.level, tuned.clean_roughness)
         was_moved = (calm.noisy.positions != stage.noisy.positions).any(axis=1)

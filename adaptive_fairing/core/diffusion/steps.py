@@ -14,12 +14,12 @@ from ..linalg.conjugate_gradients import SolveReport, conjugate_gradients
 from ..linalg.successive_solves import SuccessiveSolves
 from ..mesh.density import mesh_density
 from ..problem.caller_mesh import CallerMesh
+from ..problem.deviation import limited
 from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import SolverProblem
 from ..problem.setting_checks import checked_settings
 from ..runtime.arrays import FloatArray
 from ..runtime.precision import SINGLE
-from ..problem.deviation import limited
 from .fairing_result import FairingResult, FairingStep
 from .scheme import local_times, scheme_fields
 from .settings import FairingSettings

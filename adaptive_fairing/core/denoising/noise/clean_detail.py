@@ -43,22 +43,29 @@ class CleanDetail:
         is_small = np.count_nonzero(is_counted) < tuned.small_part
         _, kept = self._surface.fading.of_mesh(is_counted)
         is_mild = kept > tuned.least_kept and np.median(level[is_counted]) < tuned.roughest_model
-        return self._bends if is_small or is_mild else ""
+        if is_small:
+            return self._of_whole
+        return self._said_of(is_counted) if is_mild else ""
 
     @cached_property
-    def _bends(self) -> str:
-        """What tells that the whole mesh is a low-poly shape that bends; empty if it is none.
+    def _of_whole(self) -> str:
+        return self._said_of(self._all_counted)
+
+    def _said_of(self, is_counted: BoolArray) -> str:
+        """Say what tells that vertices, (n,) bool, are a low-poly shape that bends, or "".
 
         Measured is how far a vertex stands out from the mean of its neighbours.  In white noise
         this is independent of how far the neighbours stand out; on a smooth shape it is nearly the
         same.
         """
         tuned = parameters()
-        if np.count_nonzero(self._all_counted) > tuned.low_poly:
+        if np.count_nonzero(is_counted) > tuned.low_poly:
             return ""
         surface, frame = self._surface, self._surface.frame
         of_white = frame.rises(frame.raised(surface.fading.white))
-        of_mesh, of_noise = (self._alikeness(rises) for rises in (surface.own.rises, of_white))
+        of_mesh, of_noise = (
+            self._alikeness(rises, is_counted) for rises in (surface.own.rises, of_white)
+        )
         alike = (of_mesh - of_noise) / max(1 - of_noise, 1e-9)
         if alike < tuned.least_bend_correlation:
             return ""
@@ -66,9 +73,9 @@ class CleanDetail:
             f"neighbouring vertices stand out alike by {100 * alike:.0f} %, as where a shape bends"
         )
 
-    def _alikeness(self, own: FloatArray) -> float:
+    def _alikeness(self, own: FloatArray, is_counted: BoolArray) -> float:
         """Correlation of the deviations (n,) from the neighbours' mean with the neighbours'."""
         around = self._surface.frame.mean @ own
-        own, around = own[self._all_counted], around[self._all_counted]
+        own, around = own[is_counted], around[is_counted]
         size = float(own.std() * around.std())
         return float(np.mean((own - own.mean()) * (around - around.mean()))) / size if size else 0.0

@@ -56,7 +56,7 @@ class Contrast(NamedTuple):
         )
 
     def deviation(self, value: FloatArray) -> float:
-        """Standard deviation of the noise that explains some values."""
+        """Measure the standard deviation of the noise that explains some values."""
         return float(np.quantile(value, self.quantile)) / half_normal(self.quantile)
 
 

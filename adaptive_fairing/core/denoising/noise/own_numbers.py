@@ -42,7 +42,9 @@ class OwnNumbers:
 
     def __init__(self, positions: FloatArray, frame: TriangleSurface) -> None:
         self.rises = frame.rises(positions)
-        centred = positions - positions.mean(axis=0)
+        # Loose vertices belong to no surface, and must not change its numbers.
+        used = ~frame.topology.is_loose
+        centred = positions - positions[used].mean(axis=0)
         around = frame.mean @ centred
         square = dots(centred, centred)
         spread = square + frame.mean @ square - 2 * dots(centred, around)
@@ -50,8 +52,8 @@ class OwnNumbers:
         self._spread = spread / frame.spacing**2
         # Where a mesh is exactly regular, the lengths around its vertices are all the same.
         # Products, because a phase that is linear in the position would be a wave on a lattice.
-        _, axes = np.linalg.eigh(centred.T @ centred)
-        from_planes = np.abs(centred @ axes) * TURNS_FROM_PLANES / np.mean(frame.spacing)
+        _, axes = np.linalg.eigh(centred[used].T @ centred[used])
+        from_planes = np.abs(centred @ axes) * TURNS_FROM_PLANES / np.mean(frame.spacing[used])
         waves = np.abs(2 * (from_planes - np.floor(from_planes)) - 1)
         self._waves = MIXING * np.einsum("nk,nk->n", waves, np.roll(waves, 1, axis=1))
 

@@ -6,9 +6,9 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.mesh_parts import MeshParts
+from adaptive_fairing.core.denoising.noise.contrast import roughness
 from adaptive_fairing.core.denoising.noise.level import beyond_clean, noise_model
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
-from adaptive_fairing.core.denoising.noise.contrast import roughness
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 

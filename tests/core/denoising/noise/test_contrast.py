@@ -45,7 +45,7 @@ def test_fineness_is_the_variance_of_noise_of_one_amplitude(contrast):
 
 
 def test_hinges_do_not_see_how_a_flat_face_is_triangulated():
-    """A prism whose ends are zigzags of slivers: rough for differences, without a hinge but at edges."""
+    """The ends of a prism are zigzags of slivers: rough for differences, without a hinge."""
     vertices, faces = meshes.sliver_prism(40)
     frame = frame_of(vertices, faces)
     everywhere = np.ones(len(vertices), dtype=bool)

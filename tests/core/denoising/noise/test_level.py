@@ -5,8 +5,8 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoising.noise.level import beyond_clean, noise_model, scan_level
 from adaptive_fairing.core.denoising.noise.contrast import roughness
+from adaptive_fairing.core.denoising.noise.level import beyond_clean, noise_model, scan_level
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 

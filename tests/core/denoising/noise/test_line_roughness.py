@@ -5,9 +5,9 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
+from adaptive_fairing.core.denoising.noise.contrast import roughness
 from adaptive_fairing.core.denoising.noise.level import noise_model
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
-from adaptive_fairing.core.denoising.noise.contrast import roughness
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
