@@ -197,9 +197,11 @@ def _planned(
     filters = tuple(track.taken)
     usable = [each.serves(settings.features) for each in filters]
     rows = list(compress(removed, usable)), list(compress(divergence, usable))
-    variances = np.stack([pilot_variance, *(variance(factor) for factor in STRENGTHS)])
+    # First the noise as it is, whatever strength was asked for: it decides what looks like noise.
+    factors = 1 / settings.strength, *STRENGTHS
+    variances = np.stack([variance(factor) for factor in factors])
     of_noise, *mixtures = parts.best_mixtures(*rows, variances)
-    expected = (correlation.deviation / tuned.noise_factor) ** 2 * pilot_variance
+    expected = (correlation.deviation / tuned.noise_factor) ** 2 * variances[0]
     is_noise = parts.looks_like_noise(of_noise, rows[0], expected)
     mixtures = [each.within(is_noise).spread(usable) for each in mixtures]
     counted, kept = parts.is_counted, np.ones(len(mixtures))

@@ -8,7 +8,7 @@ many neighbours, it does, but so does shape.  Four things tell them apart, toget
 - Noise has the strengths of white noise that was averaged, band by band; in the next wider band it
   is hardly stronger, while shape goes on growing.
 - Noise is normally distributed: it has no outliers, and as many hills as valleys.
-- Noise repeats nothing.  Modelling makes exact copies (`repeats`).
+- Noise shows between triangles too; the flat faces of models are without hinges (`contrast`).
 
 What is as fine, as even and as random as noise, such as the grain of a rock, looks the same.
 """
@@ -94,7 +94,7 @@ class SmoothNoise(NamedTuple):
 
     @property
     def is_noise(self) -> bool:
-        """Whether it is told from shape: the test that acts by itself, but for exact copies."""
+        """Whether it is told from shape: the test that acts by itself."""
         tuned = parameters()
         return (
             self.n_counted >= tuned.fewest_to_tell_smooth
