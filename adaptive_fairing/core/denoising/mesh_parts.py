@@ -123,8 +123,13 @@ class MeshParts:
                 # What is taken off for clean meshes is added first.
                 noise[counted] = (level[counted] ** 4 + clean**4) ** 0.25
                 continue
-            least = self._least_level(surface, level, counted)
-            reason = "" if impulsive[members].any() else detail.bends(least, counted)
+            triangles = surface.topology.triangles
+            around = triangles[counted[triangles].any(axis=1)]
+            is_contour = is_voxel_contour(around, surface.positions)
+            least = level if is_contour else self._least_level(surface, level, counted)
+            reason = ""
+            if not (impulsive[members].any() or is_contour):
+                reason = detail.copies(counted) or detail.bends(least, counted)
             if reason:
                 models.append(reason)
             is_detail = detail.fades(counted) or bool(reason)
@@ -154,9 +159,7 @@ class MeshParts:
         From what the roughness tells, (n,).  Every kind of contrast is an upper bound: noise shows
         in all of them alike, and shape adds.
         """
-        tuned, frame, triangles = parameters(), surface.frame, surface.topology.triangles
-        if is_voxel_contour(triangles[counted[triangles].any(axis=1)], surface.positions):
-            return level
+        tuned, frame = parameters(), surface.frame
         least = level
         if surface.hinges.among(counted).value.size:
             of_hinges = noise_model(surface.hinges, counted).level(frame.spacing)

@@ -9,6 +9,7 @@ import numpy as np
 from ...runtime.arrays import BoolArray, FloatArray
 from ..parameters import parameters
 from .noisy_surface import NoisySurface
+from .repeats import repeated_part
 
 
 class CleanDetail:
@@ -32,6 +33,18 @@ class CleanDetail:
         fading = self._surface.fading
         rough, _ = fading.of_mesh(is_counted)
         return fading.fades(is_counted) and rough < parameters().least_roughness
+
+    def copies(self, is_counted: BoolArray) -> str:
+        """Say how many triangles at vertices, (n,) bool, are exact copies of others, or "".
+
+        What a camera or a scanner saw repeats itself too, where its depths are rounded.
+        """
+        surface, triangles = self._surface, self._surface.topology.triangles
+        if surface.cosines is not None:
+            return ""
+        some = triangles[is_counted[triangles].any(axis=1)]
+        part = repeated_part(some, surface.positions)
+        return f"{100 * part:.0f} % of its triangles are exact copies of others" if part else ""
 
     def bends(self, level: FloatArray, is_counted: BoolArray) -> str:
         """Say what tells that vertices, (n,) bool, belong to a low-poly model that bends, or "".
