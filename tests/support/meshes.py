@@ -236,7 +236,9 @@ def sliver_prism(n_sides: int, seed: int = 0) -> Mesh:
     """A prism over points of a circle at random angles; its flat ends are zigzags of slivers."""
     angles = np.sort(np.random.default_rng(seed).uniform(0, 2 * np.pi, n_sides))
     columns = np.cos(angles), np.sin(angles)
-    vertices = np.concatenate([_columns(*columns, np.full(n_sides, z)) for z in (-0.5, 0.5)])
+    vertices = np.concatenate(
+        [np.column_stack([*columns, np.full(n_sides, z)]) for z in (-0.5, 0.5)]
+    )
     around = np.arange(n_sides)
     beyond = (around + 1) % n_sides
     sides = [(around, beyond, beyond + n_sides), (around, beyond + n_sides, around + n_sides)]

@@ -108,7 +108,7 @@ def mixed_surfaces(
         if undented is None and beyond_clean(max(STRENGTHS) * settings.strength * level).any():
             plan = _planned(verdict, settings, progress)
             if plan.is_idle:
-                notes = (*notes, UNLIKE_NOISE)
+                notes, other_readings = (*notes, UNLIKE_NOISE), ("denoise",)
     else:
         if plan.impulsive.any():
             stage = stage.calmed(plan.impulsive)
@@ -201,9 +201,11 @@ def _planned(
     factors = 1 / settings.strength, *STRENGTHS
     variances = np.stack([variance(factor) for factor in factors])
     of_noise, *mixtures = parts.best_mixtures(*rows, variances)
-    expected = (correlation.deviation / tuned.noise_factor) ** 2 * variances[0]
-    is_noise = parts.looks_like_noise(of_noise, rows[0], expected)
-    mixtures = [each.within(is_noise).spread(usable) for each in mixtures]
+    if settings.clean != "denoise":
+        expected = (correlation.deviation / tuned.noise_factor) ** 2 * variances[0]
+        is_noise = parts.looks_like_noise(of_noise, rows[0], expected)
+        mixtures = [each.within(is_noise) for each in mixtures]
+    mixtures = [each.spread(usable) for each in mixtures]
     counted, kept = parts.is_counted, np.ones(len(mixtures))
     for index, mixture in enumerate(mixtures):
         for used in mixture.used:
