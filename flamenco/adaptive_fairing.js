@@ -107,7 +107,7 @@ const JOB_TYPE = {
         },
         {
             key: "boundary", type: "string", default: "fixed", choices: ["fixed", "free"],
-            description: "Whether the rims of open meshes stay or move along",
+            description: "Whether boundaries of open meshes stay or move along",
         },
         {
             key: "same_strength", type: "bool", default: true,

@@ -138,7 +138,7 @@ class SolverProperties:
     boundary: EnumProperty(
         name="Boundary",
         translation_context=CONTEXT,
-        description="What happens to the rim of an open mesh",
+        description="What happens to the boundary of an open mesh",
         items=(
             ("fixed", "Fixed", "Boundary vertices stay exactly where they are"),
             ("free", "Free", "The boundary is smoothed along with the surface, and may shrink"),

@@ -267,7 +267,7 @@ def _add_boundary(group: Any) -> None:
         group,
         "--boundary",
         ("fixed", "free"),
-        help="whether the rims of an open mesh stay or move along (default: fixed)",
+        help="whether the boundary of an open mesh stays or moves along (default: fixed)",
     )
 
 

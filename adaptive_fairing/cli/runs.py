@@ -97,9 +97,9 @@ def _smooth(
     show = not arguments.quiet and sys.stderr.isatty()
     with (
         step_progress(getattr(settings, "steps", 0), enabled=show and is_fair) as on_step,
-        part_progress(enabled=show) as on_progress,
+        part_progress(enabled=show) as on_fraction_done,
     ):
-        report = run_job(job, on_step, on_progress=on_progress)
+        report = run_job(job, on_step, on_fraction_done=on_fraction_done)
     return report, _outcome(report)
 
 

@@ -41,7 +41,7 @@ FRAMES_PER_STEP = 10
 """Length of one step on the timeline of an output .blend, in frames."""
 
 OnStep = Callable[[Solve], None]
-OnProgress = Callable[[float], None]
+OnFractionDone = Callable[[float], None]
 
 
 @dataclass(frozen=True)
@@ -104,7 +104,7 @@ def run_job(
     job: FairingJob,
     on_step: OnStep | None = None,
     *,
-    on_progress: OnProgress | None = None,
+    on_fraction_done: OnFractionDone | None = None,
     prepare: Prepare | None = None,
     admit: Admit | None = None,
 ) -> dict[str, Any]:
@@ -119,7 +119,7 @@ def run_job(
         What to do.
     on_step
         Called with the solve after every step of the paper's methods.
-    on_progress
+    on_fraction_done
         Called with the part of `denoise` that is done, up to 1; also of what is put beside.
     prepare
         Gives the preparation of a surface, by default a new one; a caller of many jobs may have
@@ -149,7 +149,7 @@ def run_job(
         admit or (lambda prepared: None),
     )
     try:
-        run.execute(on_step or (lambda solve: None), on_progress or (lambda part: None))
+        run.execute(on_step or (lambda solve: None), on_fraction_done or (lambda part: None))
     except (FairingError, OSError, MemoryError) as error:
         if job.report is not None:
             write_report(job.report, run.report(str(error) or "not enough memory"))
@@ -173,7 +173,7 @@ class _Run:
         self.solve: Solve | None = None
         self.notes: list[str] = []
 
-    def execute(self, on_step: OnStep, on_progress: OnProgress) -> None:
+    def execute(self, on_step: OnStep, on_fraction_done: OnFractionDone) -> None:
         job = self.job
         obj = import_mesh(job.input, job.object_name, keep_axes=keeps_axes(job.input, job.output))
         self.object_name = obj.name
@@ -193,7 +193,7 @@ class _Run:
             job.settings,
             prepared=preparation.mesh,
             plan=preparation.plan,
-            on_progress=on_progress,
+            on_fraction_done=on_fraction_done,
         )
         for _ in solve.run():
             on_step(solve)
@@ -215,7 +215,7 @@ class _Run:
             objects = [obj]
             is_alone = not job.denoised_beside or job.refine is not None
             if solve.steps and is_own_scene and not is_alone:
-                beside, note = denoised_beside(obj, solve, surface_vertex, solve.on_progress)
+                beside, note = denoised_beside(obj, solve, surface_vertex, solve.on_fraction_done)
                 self.notes.append(note)
                 objects += [] if beside is None else [beside]
             shapes = [shape[surface_vertex] for shape in solve.shapes]

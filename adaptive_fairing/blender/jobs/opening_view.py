@@ -22,7 +22,7 @@ def denoised_beside(
     obj: bpy.types.Object,
     solve: Solve,
     surface_vertex: np.ndarray | slice,
-    on_progress: Callable[[float], None] | None = None,
+    on_fraction_done: Callable[[float], None] | None = None,
 ) -> tuple[bpy.types.Object | None, str]:
     """Put the result of `denoise` beside an object whose mesh is still the input.
 
@@ -34,7 +34,7 @@ def denoised_beside(
         A solve of the paper's method on it.
     surface_vertex
         Vertex of the solve for each vertex of the mesh.
-    on_progress
+    on_fraction_done
         As in `Solve`.
 
     Returns
@@ -50,7 +50,7 @@ def denoised_beside(
         solve.triangles,
         DenoiseSettings(boundary=solve.settings.boundary),
         prepared=solve.prepared,
-        on_progress=on_progress,
+        on_fraction_done=on_fraction_done,
     )
     for _ in beside.run():
         pass

@@ -51,7 +51,7 @@ class Solve:
         Decide the algorithm.
     prepared, plan
         What another frame of the same surface hands on, see `denoise`.
-    on_progress
+    on_fraction_done
         Called with the part of `denoise` that is done, 0 to 1.
     denoised
         Result of `denoise`; its shapes are float32, which is what Blender keeps.
@@ -79,7 +79,7 @@ class Solve:
     weights: NDArray[np.float64] | None = None
     prepared: PreparedMesh | None = None
     plan: DenoisePlan | None = None
-    on_progress: Callable[[float], None] | None = None
+    on_fraction_done: Callable[[float], None] | None = None
     name: str = ""
     session_uid: int = 0
     denoised: DenoiseResult | None = None
@@ -279,8 +279,8 @@ class Solve:
             The run is no longer wanted.
         """
         self.progress = progress
-        if self.on_progress is not None:
-            self.on_progress(progress.done)
+        if self.on_fraction_done is not None:
+            self.on_fraction_done(progress.fraction_done)
         if self.is_cancelled:
             raise RunCancelledError
 

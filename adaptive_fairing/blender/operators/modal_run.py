@@ -101,12 +101,13 @@ class Progress:
         now, news = time.perf_counter(), self.solve.progress
         if news[:2] != self._phase[:2]:
             self._phase, self._phase_began = news, now
+        done, at_end = news.fraction_done, news.fraction_at_end
         # A phase is expected to be as slow as those before it. For the first one there is a guess.
         usual = FIRST_PHASE_SECONDS
-        if news.done > 0:
-            usual = (self._phase_began - self.last_news) * (news.until - news.done) / news.done
+        if done > 0:
+            usual = (self._phase_began - self.last_news) * (at_end - done) / done
         passed = (now - self._phase_began) / max(usual, TIMER_SECONDS)
-        return news.done + (news.until - news.done) * (1 - math.exp(-passed))
+        return done + (at_end - done) * (1 - math.exp(-passed))
 
     def _phase_text(self, news: DenoiseProgress) -> str:
         """Name what `denoise` is doing."""
@@ -192,7 +193,7 @@ class ModalRun:
         context.window_manager.progress_begin(0.0, 1.0)
         try:
             for solve in solves:
-                solve.on_progress = show
+                solve.on_fraction_done = show
             for _ in self._generator(solves):
                 current.step_done()
                 show()

@@ -1,1 +1,1 @@
-"""Denoising without a parameter: estimate the noise, mix filters for the least risk."""
+"""Automatic denoising: estimates of the noise, and mixtures of filters with the least risk."""

@@ -1,4 +1,4 @@
-"""Bounds of the motion, which hold whatever was estimated: the last thing that is done."""
+"""Bounds of the motion of vertices, which hold last, whatever was estimated."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Denoising without a parameter: the door to the automatic method."""
+"""Entry point of the automatic method: denoising without a parameter."""
 
 from __future__ import annotations
 

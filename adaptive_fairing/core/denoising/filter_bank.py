@@ -1,4 +1,4 @@
-"""The filters of the automatic method: corrected diffusion in several metrics.
+"""Filter bank of the automatic method: corrected diffusions in several metrics.
 
 One step of semi-implicit diffusion is S = (M + t L)⁻¹ M.  It also shrinks long waves, which it
 should keep.  The corrected step 1 - (1 - S)ᵖ has p times the order of accuracy at long waves and

@@ -1,4 +1,4 @@
-"""Filters with names, and families of them that are computed together."""
+"""Named filters, and families of them that are computed together."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from .noise_correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing
 
 # What a filter does at creases. Those that see creases keep what stands out of the noise.
-KEEPS, SEES, ROUNDS = "keeps", "sees", "rounds"
+KEEPS, SEES, IGNORES = "keeps", "sees", "ignores"
 
 
 class Filter(NamedTuple):
@@ -22,7 +22,7 @@ class Filter(NamedTuple):
     name : str
         Its own among all filters of a run.
     creases : str
-        `KEEPS`, `SEES` or `ROUNDS`.
+        `KEEPS`, `SEES` or `IGNORES`.
     """
 
     name: str
@@ -30,7 +30,7 @@ class Filter(NamedTuple):
 
     def serves(self, features: str) -> bool:
         """Whether the setting "auto", "sharp" or "smooth" allows this filter."""
-        return features == "auto" or self.creases == {"sharp": KEEPS, "smooth": ROUNDS}[features]
+        return features == "auto" or self.creases == {"sharp": KEEPS, "smooth": IGNORES}[features]
 
 
 class FilterFamily(NamedTuple):

@@ -1,4 +1,4 @@
-"""The filters of the automatic method, round by round."""
+"""Rounds of the automatic method, with the filters of each."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 from ..linalg.krylov_filters import Diffusion
 from ..runtime.arrays import FloatArray
-from .filter_family import KEEPS, ROUNDS, SEES, FilterFamily, FlatFamily, NormalFamily
+from .filter_family import IGNORES, KEEPS, SEES, FilterFamily, FlatFamily, NormalFamily
 from .lifted_metric import LiftedMetric
 from .noise_correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing
@@ -34,7 +34,7 @@ def all_diffusions() -> tuple[Diffusion, ...]:
 
 def mesh_family() -> FilterFamily:
     """Return the filters in the metric of the mesh alone."""
-    return FilterFamily("mesh", ROUNDS, LiftedMetric(), all_diffusions())
+    return FilterFamily("mesh", IGNORES, LiftedMetric(), all_diffusions())
 
 
 def rounds(angle_factor: float = 1.0, correlation: NoiseCorrelation = WHITE) -> tuple[Round, ...]:
@@ -48,7 +48,7 @@ def rounds(angle_factor: float = 1.0, correlation: NoiseCorrelation = WHITE) -> 
     wide, narrow = angle_factor * tuned.wide_angle, angle_factor * tuned.narrow_angle
     every, gentle = all_diffusions(), gentle_diffusions()
     return (
-        (FilterFamily("surface", ROUNDS, LiftedMetric(1), every),),
+        (FilterFamily("surface", IGNORES, LiftedMetric(1), every),),
         (
             FilterFamily("mesh, wide angle", SEES, LiftedMetric(0, wide), every),
             FilterFamily("surface, wide angle", SEES, LiftedMetric(1, wide), every),

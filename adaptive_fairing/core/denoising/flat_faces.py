@@ -1,4 +1,4 @@
-"""Flat faces: found on a denoised surface, fitted to the noisy positions, made flat.
+"""Flat faces of a denoised surface: detection, fit to the noisy positions, flattening.
 
 Faces are found in four steps.
 

@@ -1,4 +1,4 @@
-"""Folds of a denoised surface, which noise or spikes have left, smoothed out.
+"""Folds that noise or spikes have left in a denoised surface, and their smoothing.
 
 A triangle is folded if it faces against those across its edges, taken together by their areas.
 Noise turns a triangle over where it is strong, or where denoising has moved a vertex far.  There

@@ -1,4 +1,4 @@
-"""Metrics that follow the mesh and the bending of a surface: what diffusion takes for distance.
+"""Metrics of diffusion that follow the mesh and the bending of a surface.
 
 The paper's scalar diffusion tensor makes diffusion as fast as the mesh is coarse.  Taken further,
 the mesh itself gives the unit of length in every direction,

@@ -1,4 +1,4 @@
-"""Connected parts of a mesh, whose noise and best filters `denoise` judges each by itself."""
+"""Connected parts of a mesh, each with noise and best filters of its own."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The automatic method: estimate the noise, filter in rounds, mix the filters for the least risk.
+"""Mixing of filters for the least risk, in rounds: the automatic method as a whole.
 
 1.  Judge the noise: of which kind, and how much by connected part and density (`noise_verdict`).
 2.  Filter in the metrics of the slightly smoothed surface (`filter_bank`).  Mix the filters so that

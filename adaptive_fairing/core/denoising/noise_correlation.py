@@ -1,4 +1,4 @@
-"""Noise that neighbouring vertices have something of in common."""
+"""Correlation of noise, as white noise mixed with the mean of the neighbours' noise."""
 
 from __future__ import annotations
 

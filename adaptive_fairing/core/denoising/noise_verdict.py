@@ -17,11 +17,11 @@ from .parameters import parameters
 from .stage import Stage
 
 SMOOTH = (
-    "the surface is evenly uneven over several edges, by {:.2g} of an edge: fine detail, which was "
-    "kept, or the smooth noise of a scanner, which is removed if all roughness counts as noise"
+    "the surface is uniformly rough over several edges, by {:.2g} of an edge: fine detail, which "
+    "was kept, or the smooth noise of a scanner, which is removed if all roughness counts as noise"
 )
 SMOOTH_REMOVED = (
-    "the surface is uneven over several edges, by {:.2g} of an edge, as the smooth noise of a "
+    "the surface is rough over several edges, by {:.2g} of an edge, as the smooth noise of a "
     'scanner is: it was removed; the setting "Keep Fine Detail" (clean "detail") keeps it'
 )
 IMPULSIVE = "the noise is impulsive: single vertices that stand out were put back first"

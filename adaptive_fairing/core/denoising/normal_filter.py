@@ -1,4 +1,4 @@
-"""Triangle normals, smoothed within the sides of creases.
+"""Smoothing of triangle normals within the sides of creases.
 
 A triangle's normal becomes the mean of those around it that turn away from it by less than an
 angle, the nearer ones counting for more.  Unlike diffusion in a metric that follows the bending,

@@ -1,4 +1,4 @@
-"""Every tuned number of the automatic method, and how a tool varies one of them.
+"""Tuned numbers of the automatic method, and the variation of one of them by a tool.
 
 Functions read `parameters()` where they need a number.  `using` replaces the numbers for the code
 inside its block, in the calling thread only: tasks of a thread pool must get them as arguments.

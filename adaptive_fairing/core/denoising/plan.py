@@ -1,4 +1,4 @@
-"""How the filters were mixed on one mesh: enough to do the same to other frames of the surface."""
+"""Plan of a run: how the filters were mixed, enough for other frames of the surface."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How far a run of `denoise` has come."""
+"""Progress of a run of `denoise`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 # About what a phase takes of the processor time, measured on 80 000 triangles.
-NOISE, ROUNDS, MIXTURE, MEASURES = 0.16, (0.04, 0.11, 0.13, 0.18, 0.27), 0.07, 0.05
+NOISE_SHARE, MIXTURE_SHARE, MEASURES_SHARE = 0.16, 0.07, 0.05
+SHARE_OF_ROUND = (0.04, 0.11, 0.13, 0.18, 0.27)
 
 
 class DenoiseProgress(NamedTuple):
@@ -19,17 +20,17 @@ class DenoiseProgress(NamedTuple):
         mixed ("mix"), the result is measured ("measure").
     number, total : int
         Which round of filters this is, counted from 1, and of how many; 0 in the other phases.
-    done : float
-        Part of the work that is done, 0 to 1.
-    until : float
-        Part that will be done at the end of the phase.
+    fraction_done : float
+        Of the work, 0 to 1.
+    fraction_at_end : float
+        Of the work that will be done when the phase ends.
     """
 
     phase: str = "noise"
     number: int = 0
     total: int = 0
-    done: float = 0.0
-    until: float = 0.0
+    fraction_done: float = 0.0
+    fraction_at_end: float = 0.0
 
 
 class ProgressReport:
@@ -45,15 +46,15 @@ class ProgressReport:
 
     def __init__(self, tell: Callable[[DenoiseProgress], None] | None, *, has_plan: bool) -> None:
         self._tell = tell
-        rounds = [("filter", number, fraction) for number, fraction in enumerate(ROUNDS, start=1)]
-        phases = [("noise", 0, 0.0 if has_plan else NOISE), *rounds, ("mix", 0, MIXTURE)]
-        phases.append(("measure", 0, MEASURES))
-        total = sum(fraction for *_, fraction in phases)
+        rounds = [("filter", number, share) for number, share in enumerate(SHARE_OF_ROUND, start=1)]
+        phases = [("noise", 0, 0.0 if has_plan else NOISE_SHARE), *rounds]
+        phases += [("mix", 0, MIXTURE_SHARE), ("measure", 0, MEASURES_SHARE)]
+        total = sum(share for *_, share in phases)
         self._news: dict[tuple[str, int], DenoiseProgress] = {}
         done = 0.0
-        for phase, number, fraction in phases:
-            until = done + fraction / total
-            n_rounds = len(ROUNDS) if number else 0
+        for phase, number, share in phases:
+            until = done + share / total
+            n_rounds = len(SHARE_OF_ROUND) if number else 0
             self._news[phase, number] = DenoiseProgress(phase, number, n_rounds, done, until)
             done = until
         self._now = DenoiseProgress()
@@ -70,5 +71,5 @@ class ProgressReport:
 
     def finish(self) -> None:
         """Tell that all is done."""
-        self._now = DenoiseProgress("measure", done=1.0, until=1.0)
+        self._now = DenoiseProgress("measure", fraction_done=1.0, fraction_at_end=1.0)
         self.again()

@@ -1,4 +1,4 @@
-"""What `denoise` returns."""
+"""Result of `denoise`."""
 
 from __future__ import annotations
 

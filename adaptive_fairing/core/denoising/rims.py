@@ -1,4 +1,4 @@
-"""The rims of an open surface, denoised as curves.
+"""Rims, the closed curves of a free boundary, and their denoising.
 
 Filters draw rims inwards, because nothing outside holds them.  So a rim's vertices go where the
 filters take them only along the rim, and no further than their noise.  Across the surface and

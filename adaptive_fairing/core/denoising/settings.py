@@ -26,7 +26,7 @@ class DenoiseSettings:
         "fixed": boundary vertices stay exactly where they are; "free": they move along.
     clean : str
         "keep": what looks like a clean mesh or a low-poly model comes back unchanged, and a note
-        says why; "detail": so does what is uneven over several edges, even if it is like the smooth
+        says why; "detail": so does what is rough over several edges, even if it is like the smooth
         noise of a scanner, which "keep" removes; "denoise": all that is rough is taken for noise.
     max_deviation : float, optional
         No vertex ends further than this length, in object units, from its input position.

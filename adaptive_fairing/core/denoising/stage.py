@@ -1,4 +1,4 @@
-"""A surface before it is filtered, and on its way through the filters."""
+"""Stage of a run: a surface before it is filtered, and on its way through the filters."""
 
 from __future__ import annotations
 

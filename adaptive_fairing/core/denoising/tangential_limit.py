@@ -1,4 +1,4 @@
-"""How far `denoise` moves vertices along the surface.
+"""Limit of the motion of vertices along the surface.
 
 Filters also move vertices along the surface: towards the middle of their neighbours, and inwards at
 a rim.  A large part of that is no noise, and small triangles between larger ones may be turned

@@ -1,4 +1,4 @@
-"""A surface of triangles, with what the automatic method measures of it."""
+"""Triangle surface, with what the automatic method measures of it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The mixture of several filters that comes nearest to the surface without noise.
+"""Unbiased risk estimate (Stein), and the mixture of filters for which it is least.
 
 What a filter k removes of the noisy positions x = x₀ + σ n is e_k.  Of the mixtures x - Σ a_k e_k
 the one with the least distance to the unknown x₀ minimises

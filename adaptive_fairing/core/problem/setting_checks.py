@@ -11,7 +11,7 @@ import numpy as np
 from ..errors import SettingsError
 from ..mesh.solver_mesh import FRAMES
 
-# Vertices on the rim of an open mesh stay where they are, or move along with the natural boundary
+# Boundary vertices of an open mesh stay where they are, or move along with the natural boundary
 # condition.
 BOUNDARIES = ("fixed", "free")
 

@@ -240,7 +240,7 @@ class TestDenoise:
     def test_a_mesh_format_gets_the_strength_asked_for(self, given, expected, tmp_path):
         parts = []
         job = FairingJob(given, tmp_path / "out.ply", self.settings)
-        report = run_job(job, on_progress=parts.append)
+        report = run_job(job, on_fraction_done=parts.append)
         found = read_positions(import_mesh(tmp_path / "out.ply").data)
         np.testing.assert_array_equal(found, expected.positions.astype(np.float32))
         assert parts == sorted(parts)

@@ -61,7 +61,7 @@ def test_a_mesh_that_denoise_leaves_alone_stands_alone(meshes, tmp_path):
 def test_its_progress_is_told(meshes, tmp_path):
     job = FairingJob(meshes / "noisy.ply", tmp_path / "out.blend", SETTINGS, denoised_beside=True)
     parts = []
-    run_job(job, on_progress=parts.append)
+    run_job(job, on_fraction_done=parts.append)
     assert len(parts) > 3
     assert max(parts) == 1.0
 

@@ -76,7 +76,7 @@ class TestRunFrames:
             solve.is_cancelled = True
         assert list(frames) == []
         assert [solve.has_result for solve in solves] == [True, False, False]
-        assert solves[1].progress.done == solves[2].progress.done == 0
+        assert solves[1].progress.fraction_done == solves[2].progress.fraction_done == 0
 
 
 class TestPreparations:

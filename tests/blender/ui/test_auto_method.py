@@ -181,8 +181,8 @@ class TestRun:
         until = 2.0
 
         def note_progress(self, progress):
-            self.parts = [*getattr(self, "parts", []), progress.done]
-            self.is_cancelled = progress.done >= self.until
+            self.parts = [*getattr(self, "parts", []), progress.fraction_done]
+            self.is_cancelled = progress.fraction_done >= self.until
             super().note_progress(progress)
 
     @pytest.fixture
@@ -192,14 +192,14 @@ class TestRun:
     def test_it_tells_its_progress_and_comes_in_one_piece(self, solve):
         assert len(list(run_solves([solve]))) == 1
         assert len(solve.parts) > 20
-        assert solve.progress.done == 1.0
+        assert solve.progress.fraction_done == 1.0
         assert solve.denoised.strengths.tolist() == STRENGTHS
 
     def test_cancelling_ends_it_in_the_middle_without_a_result(self, solve):
         solve.until = 0.3
         other = Solve(solve.vertices, solve.triangles, solve.settings)
         assert list(run_solves([solve, other])) == []
-        assert 0.3 <= solve.progress.done < 0.5
+        assert 0.3 <= solve.progress.fraction_done < 0.5
         assert not (solve.has_result or solve.error or other.has_result)
 
     def test_cancelling_a_sequence_ends_it_and_starts_no_other_frame(self, solve):

@@ -1,4 +1,4 @@
-"""No vertex goes further than the noise that was found at it explains."""
+"""Bounds of the motion: the noise that was found at each vertex."""
 
 import numpy as np
 import pytest

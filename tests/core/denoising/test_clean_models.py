@@ -1,4 +1,4 @@
-"""Clean models of solids come back as they are: what is rough there is no noise."""
+"""Clean models of solids, which come back as they are."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Debris and loose vertices decide nothing: the rest is denoised as without them."""
+"""Debris and loose vertices, which decide nothing for the rest."""
 
 import numpy as np
 import pytest

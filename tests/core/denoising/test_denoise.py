@@ -1,4 +1,4 @@
-"""`denoise` needs no parameter: the noise goes, the shape stays."""
+"""Denoising without a parameter: removal of the noise, preservation of the shape."""
 
 import numpy as np
 import pytest
@@ -237,19 +237,21 @@ def test_progress_rises_to_one_and_may_end_the_run():
     points, faces = noisy_torus()
     seen = []
     plan = denoise(points, faces, progress=seen.append).plan
-    assert [each.done for each in seen] == sorted(each.done for each in seen)
-    assert seen[-1].done == 1
+    done = [each.fraction_done for each in seen]
+    assert done == sorted(done)
+    assert done[-1] == 1
     assert len(seen) > 30, "too seldom to end a run"
     phases = list(dict.fromkeys(seen[:-1]))
     filters = [("filter", number, 5) for number in range(1, 6)]
     measured = [each[:3] for each in phases]
     assert measured == [("noise", 0, 0), *filters, ("mix", 0, 0), ("measure", 0, 0)]
-    assert [each.until for each in phases] == [*(each.done for each in phases[1:]), 1.0]
+    begins = [each.fraction_done for each in phases]
+    assert [each.fraction_at_end for each in phases] == [*begins[1:], 1.0]
     again = []
     denoise(points, faces, plan=plan, progress=again.append)
     measured.remove(("filter", 5, 5))  # a torus has no creases, and the plan knows it
     assert [each[:3] for each in dict.fromkeys(again[:-1])] == measured
-    assert again[0].until == 0, "nothing is measured with a plan"
+    assert again[0].fraction_at_end == 0, "nothing is measured with a plan"
 
     def cancel(progress):
         raise KeyboardInterrupt

@@ -1,4 +1,4 @@
-"""How much of the noise filters remove, measured with a probe, against the exact trace."""
+"""Divergence of filters, measured with a probe, against the exact trace."""
 
 import numpy as np
 import pytest

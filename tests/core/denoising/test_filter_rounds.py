@@ -1,4 +1,4 @@
-"""Filters have names, and those of a later round follow what the rounds before it made."""
+"""Rounds of named filters, of which later ones follow what those before them made."""
 
 import numpy as np
 import pytest
@@ -43,7 +43,7 @@ def test_every_filter_has_a_name_of_its_own():
     assert len({each.name for each in filters}) == len(filters)
 
 
-@pytest.mark.parametrize("features, kind", [("sharp", "keeps"), ("smooth", "rounds")])
+@pytest.mark.parametrize("features, kind", [("sharp", "keeps"), ("smooth", "ignores")])
 def test_features_decide_which_filters_are_mixed(features, kind):
     plan = denoise(*noisy_cube(0.15), DenoiseSettings(features=features)).plan
     expected = tuple(each for family in all_families() for each in family.filters)
@@ -57,9 +57,9 @@ def test_a_metric_that_does_not_bend_rounds_creases_and_the_narrowest_keeps_them
     families = [family for family in all_families() if isinstance(family, FilterFamily)]
     angles = {
         kind: [family.metric.angle for family in families if family.creases == kind]
-        for kind in ("rounds", "sees", "keeps")
+        for kind in ("ignores", "sees", "keeps")
     }
-    assert set(angles["rounds"]) == {None}
+    assert set(angles["ignores"]) == {None}
     assert max(angles["keeps"]) < min(angles["sees"])
 
 

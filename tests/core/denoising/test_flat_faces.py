@@ -1,4 +1,4 @@
-"""Flat faces are found up to their creases and made flat; round shapes stay as they are."""
+"""Flat faces, found up to their creases and made flat, beside round shapes, which stay."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Folds of noise are smoothed out; others stay, and what has none."""
+"""Folds made by noise, which are smoothed, and folds of the mesh, which stay."""
 
 import numpy as np
 from support import meshes

@@ -1,4 +1,4 @@
-"""The metric that `denoise` diffuses in: mesh, surface and bending."""
+"""Metric of the diffusion: mesh, surface and bending."""
 
 import numpy as np
 import pytest

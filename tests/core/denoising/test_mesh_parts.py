@@ -1,4 +1,4 @@
-"""Connected parts of a mesh have noise estimates of their own; small ones are judged together."""
+"""Connected parts with noise estimates of their own, and small ones judged together."""
 
 from dataclasses import replace
 

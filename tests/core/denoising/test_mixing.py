@@ -1,4 +1,4 @@
-"""The mixture of the filters as a whole."""
+"""Mixture of the filters as a whole."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Normals are smoothed within the sides of creases, and surfaces fitted to them."""
+"""Triangle normals smoothed within the sides of creases, and surfaces fitted to them."""
 
 import numpy as np
 import pytest

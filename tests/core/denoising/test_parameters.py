@@ -1,4 +1,4 @@
-"""The tuned numbers of the automatic method can be varied, for the calling thread alone."""
+"""Tuned numbers of the automatic method, varied for the calling thread alone."""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import FrozenInstanceError, replace

@@ -1,4 +1,4 @@
-"""Planes of flat faces: outliers do not count, bent faces are told, vertices go onto planes."""
+"""Planes of flat faces: outliers, bent faces, vertices that go onto planes."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""With a free boundary, rims lose their noise and stay where they belong."""
+"""Free boundaries: removal of their noise, preservation of their place."""
 
 import numpy as np
 import pytest

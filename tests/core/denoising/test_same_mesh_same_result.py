@@ -1,4 +1,4 @@
-"""A mesh that is turned, mirrored, renumbered or moved by rounding is denoised alike."""
+"""Invariance of the result to turns, reflections, numbering and rounding of the mesh."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Fairing with "auto" moves vertices less along the surface, and turns no triangle over."""
+"""Limit of the motion along the surface, and triangles that it keeps from turning over."""
 
 import numpy as np
 from support import meshes

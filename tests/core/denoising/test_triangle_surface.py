@@ -1,4 +1,4 @@
-"""What `denoise` measures of a surface: edge lengths, normals, heights, creases."""
+"""Measures of a triangle surface: edge lengths, normals, heights, creases."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Mixtures of filters with the least estimated risk."""
+"""Unbiased risk estimate, and the mixture for which it is least."""
 
 import numpy as np
 import pytest

@@ -1,1 +1,1 @@
-"""What noise a mesh has: its level, its correlation, and what only looks like noise."""
+"""Noise of a mesh: its level, its correlation, and shape that only looks like it."""

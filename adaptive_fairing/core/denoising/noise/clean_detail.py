@@ -1,4 +1,4 @@
-"""Shape that is as rough as noise in every contrast, and what tells it all the same."""
+"""Detail of clean meshes that is as rough as noise in every contrast."""
 
 from __future__ import annotations
 

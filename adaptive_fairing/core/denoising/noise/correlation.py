@@ -1,4 +1,4 @@
-"""The correlation of the noise at neighbouring vertices, estimated from the mesh alone.
+"""Correlation of the noise at neighbouring vertices, estimated from the mesh alone.
 
 Staircases fade in differences of higher order (`order_decay`) as white noise does that was mixed
 with the mean of the neighbours' noise.  Noise that is smooth over several edges cannot be told

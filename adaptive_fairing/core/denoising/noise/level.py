@@ -1,4 +1,4 @@
-"""How strong the noise of a mesh is, told from the mesh alone."""
+"""Level of the noise, estimated from the mesh alone."""
 
 from __future__ import annotations
 

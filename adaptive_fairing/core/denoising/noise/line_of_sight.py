@@ -1,4 +1,4 @@
-"""The lines of sight of a depth camera or a scanner, told from the mesh that it left.
+"""Lines of sight of a depth camera or a scanner, recovered from the mesh that it left.
 
 A camera sees its points along rays that are a grid, and a mesh joins neighbours of that grid.  Any
 two triangles side by side are then a parallelogram, as seen by the camera: the sums of the opposite

@@ -1,4 +1,4 @@
-"""A surface with noise, and what several measures of the noise read of it, each computed once."""
+"""Noisy surface, with what several measures of the noise read of it, each computed once."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How the roughness of a mesh fades in differences of higher order: white noise does not.
+"""Decay of roughness in differences of higher order, by which shape differs from white noise.
 
 White noise shows with the same strength in every difference with the neighbours' mean, of whatever
 order.  Shape fades in the higher ones, the faster the smoother it is; so do the staircases of

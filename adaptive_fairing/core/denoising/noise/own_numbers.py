@@ -1,4 +1,4 @@
-"""Numbers that look random but belong to the geometry.
+"""Pseudo-random numbers that follow from the geometry alone.
 
 The automatic method adds a little noise of its own to measure what the filters do with noise.
 Numbers from a generator would go with the numbering of the vertices, so that a turned or renumbered

@@ -1,4 +1,4 @@
-"""Exactly repeated triangles: what modelling makes, and measuring never does.
+"""Exact repetitions of triangles, which modelling makes and measuring does not.
 
 Modelled meshes are full of repetition: rings, mirrored halves, arrays, subdivided flat faces.
 Their triangles have twins with the same three lengths, to the last digit of single precision.

@@ -1,4 +1,4 @@
-"""Noise that is alike over several edges, as that of range scanners and depth cameras.
+"""Smooth noise: alike over several edges, as that of range scanners and depth cameras.
 
 In differences of second order it hardly shows.  In wider bands, between averages over few and over
 many neighbours, it does, but so does shape.  Four things tell them apart, together:

@@ -1,4 +1,4 @@
-"""Detail of clean meshes is no noise: it fades in differences of higher order."""
+"""Detail of clean meshes, which fades in differences of higher order and is no noise."""
 
 import numpy as np
 import pytest

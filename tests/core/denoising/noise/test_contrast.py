@@ -1,4 +1,4 @@
-"""Contrasts: noise makes each of them a half-normal deviate of its size; shape only adds."""
+"""Contrasts: half-normal deviates of the size of the noise, to which shape only adds."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Noise that is alike at neighbouring vertices is recognised, and taken for all that it is."""
+"""Correlation of noise at neighbouring vertices, and the level that it stands for."""
 
 import numpy as np
 import pytest

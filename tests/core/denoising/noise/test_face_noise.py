@@ -1,4 +1,4 @@
-"""Smooth noise on flat faces is told from texture, with its level and correlation."""
+"""Smooth noise on flat faces: its level, its correlation, and texture that is none."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""The noise of a mesh, estimated from the mesh alone."""
+"""Level of the noise, estimated from the mesh alone."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""A depth camera's line of sight is found from its mesh alone."""
+"""Line of sight of a depth camera, recovered from its mesh alone."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Creases are no noise, even where they are everywhere."""
+"""Roughness along the smoothest line, which creases do not raise even where they are everywhere."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Numbers that look random, and belong to the geometry."""
+"""Pseudo-random numbers that follow from the geometry alone."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Exact repetitions tell modelled meshes."""
+"""Exact repetitions of triangles, by which modelled meshes are told."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Noise that is alike over several edges: what can be told, and that the user decides."""
+"""Smooth noise over several edges: what can be told, and what the user decides."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Spikes are taken off before the filters spread them; normal noise is not touched."""
+"""Spikes, taken off before the filters spread them, and normal noise, which is not touched."""
 
 import numpy as np
 import pytest

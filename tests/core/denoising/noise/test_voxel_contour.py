@@ -1,4 +1,4 @@
-"""Contours of whole voxels are told from models that repeat themselves as much."""
+"""Contours of whole voxels, and models that repeat themselves as much."""
 
 import numpy as np
 from support import meshes
