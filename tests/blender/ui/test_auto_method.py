@@ -240,12 +240,12 @@ class TestRun:
 
     def test_the_bar_moves_within_the_first_second_and_on_in_every_phase(self, solve, current):
         assert self.bar() == (0.0, "Measuring the noise")
-        solve.progress = DenoiseProgress("noise", done=0.0, until=0.25)
+        solve.progress = DenoiseProgress("noise", fraction_done=0.0, fraction_at_end=0.25)
         self.bar()
         self.now += 1
         first, _ = self.bar()
         assert 0.01 < first < 0.25
-        solve.progress = DenoiseProgress("filter", 3, 5, done=0.5, until=0.75)
+        solve.progress = DenoiseProgress("filter", 3, 5, fraction_done=0.5, fraction_at_end=0.75)
         self.now += 1
         assert self.bar() == (0.5, "Filtering 3 of 5, 2 s left")
         self.now += 1  # half of what this phase takes if it is as fast as those before it
@@ -255,7 +255,7 @@ class TestRun:
         self.now += 1000
         assert 0.7 < self.bar()[0] <= 0.75
         for phase, name in (("mix", "Mixing the filters"), ("measure", "Measuring the result")):
-            solve.progress = DenoiseProgress(phase, done=0.9, until=1.0)
+            solve.progress = DenoiseProgress(phase, fraction_done=0.9, fraction_at_end=1.0)
             assert self.bar()[1].startswith(name)
 
     def test_a_busy_machine_may_ask_late_for_the_first_time(self, current):
