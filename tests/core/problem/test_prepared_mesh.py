@@ -7,7 +7,14 @@ import pytest
 from support.bad_meshes import everything_wrong
 from support.meshes import bipyramid, bumpy_disc, latlong_sphere, random_closed
 
-from adaptive_fairing.core import FairingSettings, InputError, LoopSpace, PreparedMesh, fair
+from adaptive_fairing.core import (
+    FairingSettings,
+    InputError,
+    LoopSpace,
+    PreparedMesh,
+    denoise,
+    fair,
+)
 from adaptive_fairing.core.problem import prepared_mesh
 
 SETTINGS = FairingSettings(tau=0.016, steps=2)
@@ -105,13 +112,15 @@ def test_another_quadrature_is_refused():
         fair(vertices, faces, finer, prepared=mesh)
 
 
-@pytest.mark.parametrize("valence", [1_000, 20_000])
-def test_too_many_neighbours_are_refused_before_any_work(valence, monkeypatch):
+@pytest.mark.parametrize(
+    ("algorithm", "valence"), [(fair, 1_000), (fair, 20_000), (denoise, 2_000), (denoise, 20_000)]
+)
+def test_too_many_neighbours_are_refused_before_any_work(algorithm, valence, monkeypatch):
     vertices, faces = bipyramid(valence)
     monkeypatch.setattr(prepared_mesh, "PatchSet", None)  # where the work would begin
     message = rf"2 vertices have more than 100 neighbours, up to {valence}: vertices {valence}, "
     with pytest.raises(InputError, match=message):
-        fair(vertices, faces)
+        algorithm(vertices, faces)
 
 
 def test_poles_of_a_few_hundred_neighbours_are_solved():
