@@ -70,7 +70,7 @@ def test_the_profile_of_a_step_finds_the_solver_and_the_elements():
     (first, second, denoised), iterations = profile_step.profiles(mesh, settings)
     assert {"linalg", "fem"} <= {name.partition(".")[0] for name in second.looks}
     assert {"loop", "mesh"} <= {name.partition(".")[0] for name in first.looks}
-    assert {"linalg", "denoise"} <= {name.partition(".")[0] for name in denoised.looks}
+    assert {"linalg", "denoising"} <= {name.partition(".")[0] for name in denoised.looks}
     assert iterations > 0
     assert profile_step.unavoidable_work(mesh, FairingSettings(), iterations).operations > 0
 

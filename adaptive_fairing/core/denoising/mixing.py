@@ -201,7 +201,8 @@ def _planned(
     factors = 1 / settings.strength, *STRENGTHS
     variances = np.stack([variance(factor) for factor in factors])
     of_noise, *mixtures = parts.best_mixtures(*rows, variances)
-    if settings.clean != "denoise":
+    # Smooth noise had to look like noise in every band before it was told.
+    if settings.clean != "denoise" and not correlation.passes:
         expected = (correlation.deviation / tuned.noise_factor) ** 2 * variances[0]
         is_noise = parts.looks_like_noise(of_noise, rows[0], expected)
         mixtures = [each.within(is_noise) for each in mixtures]

@@ -72,7 +72,7 @@ class CleanDetail:
         same.
         """
         tuned = parameters()
-        if np.count_nonzero(is_counted) > tuned.low_poly:
+        if np.count_nonzero(self._all_counted) > tuned.low_poly:
             return ""
         surface, frame = self._surface, self._surface.frame
         of_white = frame.rises(frame.raised(surface.fading.white))
