@@ -108,12 +108,7 @@ def export_mesh(
             require_space(draft.parent, _size_bound())
 
         def write() -> None:
-            try:
-                _call(path, file_format.exporter, {**options, "filepath": str(draft)})
-            except FileError:
-                # Exporters word a full disk in many ways, which is told in one.
-                require_space(draft.parent, _size_bound())
-                raise
+            _write(path, file_format.exporter, {**options, "filepath": str(draft)}, draft)
             if not draft.is_file():
                 raise FileError(f"cannot write {path}: Blender wrote nothing")
 
@@ -188,7 +183,7 @@ def save_blend(path: Path) -> None:
     """
     with replaced_file(path) as draft:
         options = {"filepath": str(draft), "copy": True, "check_existing": False}
-        _call(path, "wm.save_as_mainfile", options)
+        _write(path, "wm.save_as_mainfile", options, draft)
 
 
 def empty_scene() -> None:
@@ -260,6 +255,15 @@ def _show_alone(obj: bpy.types.Object) -> None:
     show_scene(scene)
     # Some exporters write every scene of the file.
     bpy.data.batch_remove([each for each in bpy.data.scenes if each != scene])
+
+
+def _write(path: Path, name: str, options: Mapping[str, Any], draft: Path) -> None:
+    """Run an operator that writes a file; Blender words a full disk in many ways, this in one."""
+    try:
+        _call(path, name, options)
+    except FileError:
+        require_space(draft.parent, _size_bound())
+        raise
 
 
 def _call(path: Path, name: str, options: Mapping[str, Any]) -> None:
