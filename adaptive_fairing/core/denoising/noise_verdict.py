@@ -89,10 +89,14 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
         was_moved = (calm.noisy.positions != stage.noisy.positions).any(axis=1)
         is_sure = stage.parts.of_many(was_moved) | (after.level > tuned.clean_roughness)
         is_noise = is_sure & (after.roughness <= most)
-        impulsive = np.where(is_noise, impulsive, 0)
-        reach = np.maximum(after.level, np.where(impulsive > 0, found.roughness, 0))
-        stage = calm if impulsive.all() else stage.calmed(impulsive)
-        found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
+        kept = np.where(is_noise, impulsive, 0)
+        reach = np.maximum(after.level, np.where(kept > 0, found.roughness, 0))
+        if np.array_equal(kept, impulsive):
+            stage, found = calm, after
+        elif kept.any():
+            stage = stage.calmed(kept)
+            found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
+        impulsive = kept
         notes = (IMPULSIVE,) if impulsive.any() else found.notes
     level, counted, correlation = found.level, stage.parts.is_counted, None
     was_kept = bool(found.notes) and keeps_clean and not impulsive.any()
