@@ -26,8 +26,11 @@ class FairingStep:
         In the units of the input; vertices that are held have their input coordinates bit by bit.
     density : (n,)
         d_i after smoothing, in the solver's frame, as this step used it; 0 at loose vertices.
+        Where weights of 0 leave most of the mesh still it is that of the input there.
     curvature_energy, area, volume : float
-        Measures of the limit surface of `positions`, see `SurfaceMeasures`.
+        Measures of the limit surface of `positions`, see `SurfaceMeasures`. Where weights of 0
+        leave most of the mesh still they are those of the part around the vertices that may move,
+        which is all that is solved on; it is open, so the volume is not a number.
     solve : SolveReport
     initial : SurfaceMeasures
         Measures of the surface before the first step.

@@ -12,7 +12,6 @@ from ..fem.differential_geometry import SurfaceMeasures, energy_ratio
 from ..fem.loop_space import LoopSpace, StepSystem
 from ..linalg.conjugate_gradients import SolveReport, conjugate_gradients
 from ..linalg.successive_solves import SuccessiveSolves
-from ..mesh.density import mesh_density
 from ..problem.caller_mesh import CallerMesh
 from ..problem.deviation import limited
 from ..problem.prepared_mesh import PreparedMesh
@@ -21,9 +20,10 @@ from ..problem.setting_checks import checked_settings
 from ..runtime.arrays import FloatArray
 from ..runtime.precision import SINGLE
 from .fairing_result import FairingResult, FairingStep
-from .scheme import local_times, scheme_fields
+from .local_density import initial_density, margin_of_run, next_density
 from .settings import FairingSettings
 from .smoothing_radius import tau_of_run
+from .timestep_field import local_times, scheme_fields
 from .volume import VolumeKeeper
 
 # Diffusion lowers the curvature energy until a triangle, a tip or a thin part shrinks to nothing,
@@ -126,19 +126,29 @@ def _steps(
         quadrature_tolerance=settings.quadrature_tolerance,
         normalize=normalize,
     )
-    space, frame, current, weights, is_held, notes = SolverProblem.posed(
-        mesh, prepared, "fair", boundary=settings.boundary, normalize=normalize
+    problem = SolverProblem.posed(
+        mesh,
+        prepared,
+        "fair",
+        boundary=settings.boundary,
+        normalize=normalize,
+        margin=margin_of_run(settings),
     )
-    start, limit = current, settings.max_deviation
+    space, frame, whole, is_held = problem.space, problem.frame, problem.whole, problem.is_held
+    start = current = problem.start
+    limit = settings.max_deviation
     # Sizes of residuals must depend neither on where the mesh lies nor on how it is turned.
-    centre = start[~space.topology.is_loose].mean(axis=0)
-    tau = tau_of_run(space.topology, start, settings)
-    times = tau * weights
+    centre = whole.start[~whole.topology.is_loose].mean(axis=0)
+    tau = tau_of_run(whole.topology, whole.start, settings)
+    times = tau * problem.weights
+    at_start = initial_density(problem, settings)
     keeper = None
     if settings.keep_volume:
         keeper = VolumeKeeper(space.topology, start, is_held)
     solves = SuccessiveSolves()
-    density, system = _system(space, current, settings, times, _serves_single(space, settings))
+    density = at_start[whole.part]
+    in_single = _serves_single(space, settings)
+    system = _system(space, current, settings, times, density, in_single)
     initial = previous = system.measures
     least_energy = initial.curvature_energy
     for index in range(1, settings.steps + 1):
@@ -168,7 +178,8 @@ def _steps(
         if index < settings.steps and solve.converged:
             # Where single precision did not serve it is not tried again.
             in_single, in_double = system.matrix.is_single, system.in_double
-            density, system = _system(space, current, settings, times, in_single, in_double)
+            density = next_density(problem, current, settings, density)
+            system = _system(space, current, settings, times, density, in_single, in_double)
             measures = system.measures
         else:
             measures = space.measures(current, system.matrix.is_single)
@@ -180,14 +191,14 @@ def _steps(
             tau=tau,
             time=index * tau,
             positions=limited(frame.outward(current, mesh.points, is_held), mesh.points, limit),
-            density=frame.to_caller(used_density),
+            density=whole.to_caller(used_density, at_start),
             curvature_energy=outer.curvature_energy,
             area=outer.area,
             volume=outer.volume,
             solve=solve,
             initial=initial.scaled(1 / frame.scale),
             stop_reason=reason,
-            notes=notes
+            notes=problem.notes
             + (keeper.notes if keeper is not None else ())
             + limit_notes
             + _collapse_notes(measures.curvature_energy, least_energy),
@@ -202,17 +213,13 @@ def _system(
     current: FloatArray,
     settings: FairingSettings,
     times: FloatArray,
+    density: FloatArray,
     in_single: bool,
     in_double: frozenset[Block] = frozenset(),
-) -> tuple[FloatArray, StepSystem]:
-    """Density of the current surface, and the linear system (3.3) of the chosen scheme.
-
-    `times` (n,) are τ times the weights of the vertices.
-    """
-    density = mesh_density(space.topology, current, settings.density, settings.density_passes)
+) -> StepSystem:
+    """Linear system (3.3) of the chosen scheme; `times` (n,) are τ times the weights."""
     fields = scheme_fields(settings, local_times(settings, times, density))
-    system = space.step_system(current, **fields, in_single=in_single, in_double=in_double)
-    return density, system
+    return space.step_system(current, **fields, in_single=in_single, in_double=in_double)
 
 
 def _serves_single(space: LoopSpace, settings: FairingSettings) -> bool:

@@ -14,7 +14,6 @@ from scipy.sparse import csgraph
 from ..errors import InputError, SolverError, listed
 from ..linalg.conjugate_gradients import conjugate_gradients
 from ..linalg.successive_solves import SuccessiveSolves
-from ..mesh.density import mesh_density
 from ..mesh.input_checks import plain_array
 from ..mesh.topology import TriangleTopology
 from ..problem.caller_mesh import CallerMesh
@@ -22,9 +21,10 @@ from ..problem.prepared_mesh import PreparedMesh
 from ..problem.problem import SolverProblem
 from ..problem.setting_checks import checked_settings
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
-from .scheme import local_times, scheme_fields
+from .local_density import initial_density, margin_of_run
 from .settings import FairingSettings
 from .smoothing_radius import tau_of_run
+from .timestep_field import local_times, scheme_fields
 
 
 def fair_values(
@@ -95,13 +95,18 @@ def fair_values(
         normalize=settings.normalize,
     )
     problem = SolverProblem.posed(
-        mesh, prepared, "fair", boundary=settings.boundary, normalize=settings.normalize
+        mesh,
+        prepared,
+        "fair",
+        boundary=settings.boundary,
+        normalize=settings.normalize,
+        margin=margin_of_run(settings),
     )
     # Every function in [-1, 1], so that all count alike in the residual; a constant becomes 0.
     low, high = given.min(axis=0), given.max(axis=0)
     centre, spread = low / 2 + high / 2, high / 2 - low / 2
     spread[spread == 0] = 1.0
-    vertex_of = prepared.surface.vertex_of
+    vertex_of = problem.frame.surface.vertex_of
     inner = (given[vertex_of] - centre) / spread
     moves = ~problem.is_held
     results = np.repeat(given[None], settings.steps, axis=0)
@@ -128,8 +133,9 @@ def _evolution(
 ) -> list[FloatArray]:
     """Values (n, k) of the solver's vertices after every step."""
     space, topology, points = problem.space, problem.space.topology, problem.start
-    times = tau_of_run(topology, points, settings) * problem.weights
-    density = mesh_density(topology, points, settings.density, settings.density_passes)
+    whole = problem.whole
+    times = tau_of_run(whole.topology, whole.start, settings) * problem.weights
+    density = initial_density(problem, settings)[whole.part]
     fields = scheme_fields(settings, local_times(settings, times, density))
     mass, stiffness = space.flow_matrices(points, **fields)
     matrix = mass.plus(1.0, stiffness)

@@ -17,7 +17,7 @@ from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import IndexArray, IntArray, LongArray
 from ..runtime.threads import ordered_map
 from .partition import chunk_triangles
-from .patch_class import TETRAHEDRON, Corner, PatchClass, count_control_points, is_regular_patch
+from .patch_class import TETRAHEDRON, Corner, PatchClass, count_control_points
 from .quadrature import QuadratureChoice, quadrature_choice
 
 # Up to so many times their number, values are sorted by marking them in a table.
@@ -50,6 +50,12 @@ class Segment(NamedTuple):
 class PatchSet:
     """All patches of a triangulation, ready for chunk-wise integration.
 
+    Parameters
+    ----------
+    topology : TriangleTopology
+    part_of : TriangleTopology, optional
+        A larger mesh whose quadrature is to be used: what is integrated is then the same there.
+
     Attributes
     ----------
     topology : TriangleTopology
@@ -62,8 +68,9 @@ class PatchSet:
     n_control_points : (n_classes,) int
     """
 
-    def __init__(self, topology: TriangleTopology) -> None:
+    def __init__(self, topology: TriangleTopology, part_of: TriangleTopology | None = None) -> None:
         self.topology = topology
+        self._part_of = part_of or topology
         self._codes, self._corners = corner_codes(topology)
         self.class_of, self._first_corner, class_codes = class_groups(self._codes.reshape(-1, 3))
         self.classes: list[PatchClass] = [
@@ -86,10 +93,11 @@ class PatchSet:
 
     def quadrature(self, tolerance: float) -> QuadratureChoice:
         """Pick the rules that keep M and L of this mesh within a tolerance."""
-        is_regular = [is_regular_patch(each) for each in self.classes]
-        n_triangles = max(self.topology.n_triangles, 1)
-        regular_part = float(self.class_sizes[is_regular].sum() / n_triangles)
-        return quadrature_choice(tolerance, n_triangles, regular_part)
+        whole = self._part_of
+        is_regular = whole.ring_size == np.where(whole.on_boundary, 4, 6)
+        n_regular = np.count_nonzero(is_regular[whole.triangles].all(axis=1))
+        n_triangles = max(whole.n_triangles, 1)
+        return quadrature_choice(tolerance, n_triangles, n_regular / n_triangles)
 
     def _segments(self, chunk: IndexArray) -> list[Segment]:
         """Sort the triangles of a chunk by class."""

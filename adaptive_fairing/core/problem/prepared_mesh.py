@@ -7,25 +7,17 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import InputError, listed
-from ..fem.loop_space import LoopSpace
-from ..fem.memory_estimate import Algorithm, estimated_bytes, require_memory
-from ..loop.patches import PatchSet
-from ..mesh.solver_mesh import Frame, SolverFrame, SolverSurface, solvable_surface
-from ..runtime.arrays import FloatArray, IntArray
+from ..errors import InputError
+from ..mesh.solver_mesh import Frame, SolverFrame, solvable_surface
+from ..runtime.arrays import BoolArray, FloatArray, IntArray
 from .caller_mesh import CallerMesh
+from .prepared_surface import PreparedSurface
+from .region import Region, part_around
 
 DEFAULT_TOLERANCE = 1e-3
 
-# All neighbours of a vertex are coupled in each triangle around it: the local matrices there have
-# half the cube of its valence entries. With so many a step takes about ten seconds; twice the
-# valence is eight times that.
-# `denoise` measures the surface, but has no such matrices: eight times as many take as long.
-MOST_POLE_ENTRIES = {"fair": 3e8, "denoise": 2.4e9}
-NOTABLE_VALENCE = 100
 
-
-class PreparedMesh:
+class PreparedMesh(PreparedSurface):
     """Cuts, numbering, patches, tables and sparsity pattern of a mesh, for any run.
 
     They depend on the triangles; the order of the solver's vertices, hence the last bits of the
@@ -90,34 +82,24 @@ class PreparedMesh:
     def _prepare(
         self, mesh: CallerMesh, tolerance: float, normalize: Frame, scale: float | None
     ) -> None:
+        super().__init__(solvable_surface(mesh.points, mesh.triangles), tolerance)
         self.triangles = mesh.triangles
-        self.quadrature_tolerance = tolerance
-        self.surface = solvable_surface(mesh.points, mesh.triangles)
         self.own_scale = SolverFrame.of(mesh.points, self.surface, normalize).scale
         self._scale = scale
-        self._space: LoopSpace | None = None
+        self._region_key: tuple[bytes, int, int] | None = None
+        self._region: Region | None = None
 
-    def space_for(self, algorithm: Algorithm) -> LoopSpace:
-        """Finite element space of the surface, made at the first call.
+    def region(
+        self, points: FloatArray, moves: BoolArray, n_rings: int, least: int = 0
+    ) -> Region | None:
+        """Give the part of the surface around vertices that may move; see `part_around`.
 
-        Raises
-        ------
-        MemoryNeededError
-            The solve cannot fit into memory.
-        InputError
-            Vertices with so many neighbours that assembling the matrices would take minutes.
+        That of the last call is kept: a second run on the same vertices prepares nothing.
         """
-        if self._space is None:
-            _require_moderate_poles(self.surface, MOST_POLE_ENTRIES[algorithm])
-            patches = PatchSet(self.surface.topology)
-            require_memory(patches, self.quadrature_tolerance, algorithm)
-            self._space = LoopSpace(self.surface.topology, self.quadrature_tolerance, patches)
-        return self._space
-
-    def needed_bytes(self, algorithm: Algorithm) -> int:
-        """Upper bound of the memory that a solve takes, this preparation included."""
-        patches = PatchSet(self.surface.topology)
-        return estimated_bytes(patches, self.quadrature_tolerance, algorithm)
+        key = np.packbits(moves).tobytes(), n_rings, least
+        if key != self._region_key:
+            self._region_key, self._region = key, part_around(points, self, moves, n_rings, least)
+        return self._region
 
     def serves(self, triangles: IntArray, n_vertices: int) -> bool:
         """Whether a mesh has the triangles that were prepared."""
@@ -144,15 +126,3 @@ class PreparedMesh:
         """Solver's frame for positions of this surface, with their own centre."""
         frame = SolverFrame.of(points, self.surface, normalize)
         return frame if self._scale is None else replace(frame, scale=self._scale)
-
-
-def _require_moderate_poles(surface: SolverSurface, most_entries: float) -> None:
-    """Refuse vertices with so many neighbours that a run would take minutes or hours."""
-    valence = surface.topology.ring_size
-    poles = np.flatnonzero(valence > NOTABLE_VALENCE)
-    if np.sum(valence[poles].astype(np.float64) ** 3) / 2 > most_entries:
-        raise InputError(
-            f"{len(poles)} vertices have more than {NOTABLE_VALENCE} neighbours, up to "
-            f"{valence.max()}: vertices {listed(surface.vertex_of[poles])}; a run would take "
-            "minutes, remesh there"
-        )

@@ -2,15 +2,63 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NamedTuple
+
+import numpy as np
 
 from ..fem.loop_space import LoopSpace
 from ..fem.memory_estimate import Algorithm
 from ..mesh.solver_mesh import Frame, SolverFrame
-from ..runtime.arrays import BoolArray, FloatArray
+from ..mesh.topology import TriangleTopology
+from ..runtime.arrays import BoolArray, FloatArray, IndexArray
 from .caller_mesh import CallerMesh
 from .diagnosis import surface_notes
 from .prepared_mesh import PreparedMesh
+
+
+class Margin(NamedTuple):
+    """How much around the vertices that may move is solved on.
+
+    Attributes
+    ----------
+    n_rings, least : int
+        See `rings_around`.
+    """
+
+    n_rings: int
+    least: int = 0
+
+
+class WholeSurface(NamedTuple):
+    """All of the surface of which a part may be solved on.
+
+    Attributes
+    ----------
+    frame : SolverFrame
+    start : (n, 3)
+        Positions in the solver's frame.
+    part : (k,) int
+        The vertices that are solved on, in the order of the problem.
+    """
+
+    frame: SolverFrame
+    start: FloatArray
+    part: IndexArray
+
+    @property
+    def topology(self) -> TriangleTopology:
+        """Connectivity of all of it."""
+        return self.frame.surface.topology
+
+    def to_caller(self, values: FloatArray, elsewhere: FloatArray) -> FloatArray:
+        """Values (k,) of the vertices solved on as values of the caller's vertices.
+
+        `elsewhere` (n,) are those of the whole surface.
+        """
+        of_all = elsewhere.copy()
+        of_all[self.part] = values
+        return self.frame.to_caller(of_all)
 
 
 class SolverProblem(NamedTuple):
@@ -28,6 +76,10 @@ class SolverProblem(NamedTuple):
         Vertices that must stay: of weight 0, loose, on cuts, and on a fixed boundary.
     notes : tuple of str
         What is wrong with the mesh and how it was made solvable, one line each.
+    whole : WholeSurface
+        What the vertices are a part of, in the same frame.
+    is_part : bool
+        Whether they are not all of it.
     """
 
     space: LoopSpace
@@ -36,6 +88,8 @@ class SolverProblem(NamedTuple):
     weights: FloatArray
     is_held: BoolArray
     notes: tuple[str, ...]
+    whole: WholeSurface
+    is_part: bool
 
     @classmethod
     def posed(
@@ -46,20 +100,35 @@ class SolverProblem(NamedTuple):
         *,
         boundary: str,
         normalize: Frame = "box",
+        margin: Margin | None = None,
     ) -> SolverProblem:
-        """Go over to the solver's mesh.
+        """Go over to the solver's mesh; with a margin to a part of it if only a part may move.
 
         Raises
         ------
         MemoryNeededError
             The solve cannot fit into memory.
         """
-        surface, topology = prepared.surface, prepared.surface.topology
         frame = prepared.frame(mesh.points, normalize)
-        weights = mesh.weights[surface.vertex_of]
+        start = frame.inward(mesh.points)
+        weights = mesh.weights[prepared.surface.vertex_of]
+        region = None
+        if margin is not None and not weights.all():
+            region = prepared.region(start, weights > 0, *margin)
+        part = np.arange(len(start)) if region is None else region.inner_of
+        solved = region or prepared
+        surface, topology = solved.surface, solved.surface.topology
+        weights = weights[part]
         is_held = (weights == 0) | topology.is_loose | surface.is_cut
         if boundary == "fixed":
             is_held |= topology.on_boundary
-        start = frame.inward(mesh.points)
-        space = prepared.space_for(algorithm)
-        return cls(space, frame, start, weights, is_held, surface_notes(start, surface))
+        return cls(
+            solved.space_for(algorithm),
+            replace(frame, surface=surface),
+            start[part],
+            weights,
+            is_held,
+            surface_notes(start, prepared.surface),
+            WholeSurface(frame, start, part),
+            region is not None,
+        )

@@ -10,14 +10,14 @@ from __future__ import annotations
 import numpy as np
 
 from ..runtime.arrays import FloatArray
-from .refined_mesh import CREASE, SMOOTH, RefinedMesh
+from .refined_topology import CREASE, SMOOTH, RefinedTopology
 from .sectors import counted, sectors_of
 
 REGULAR_VALENCE = 6
 REGULAR_SECTOR = 3  # triangles on one side of a regular boundary vertex
 
 
-def regular_curvature(mesh: RefinedMesh, control: FloatArray) -> FloatArray:
+def regular_curvature(mesh: RefinedTopology, control: FloatArray) -> FloatArray:
     """Compute mean and Gaussian curvature where the surface is regular, (2, n_vertices).
 
     Returns
@@ -50,7 +50,7 @@ def regular_curvature(mesh: RefinedMesh, control: FloatArray) -> FloatArray:
     return result
 
 
-def curvature(mesh: RefinedMesh, control: FloatArray, finer_control: FloatArray) -> FloatArray:
+def curvature(mesh: RefinedTopology, control: FloatArray, finer_control: FloatArray) -> FloatArray:
     """Compute mean and Gaussian curvature at all vertices, (2, n_vertices).
 
     The curvature of Loop's surface has no value at a vertex of another valence than 6: towards it,
@@ -74,7 +74,7 @@ def curvature(mesh: RefinedMesh, control: FloatArray, finer_control: FloatArray)
     return result
 
 
-def refined_curvature(mesh: RefinedMesh, control: FloatArray) -> FloatArray:
+def refined_curvature(mesh: RefinedTopology, control: FloatArray) -> FloatArray:
     """Compute the same on a mesh that was refined at least once, (2, n_vertices).
 
     There the neighbours of the vertices without a value have one: these get their mean.

@@ -16,7 +16,7 @@ from ..mesh.manifold import cut_to_manifold
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, IntArray, LongArray
 from .limit_surface import RefinementLevels
-from .refined_mesh import edge_keys
+from .refined_topology import edge_keys
 
 
 @dataclass(frozen=True)

@@ -10,18 +10,18 @@ import numpy as np
 from ..mesh.normals import unit_vectors
 from ..runtime.arrays import FloatArray, IntArray
 from ..runtime.threads import chunks, for_each
-from .refined_mesh import RefinedMesh
+from .refined_topology import RefinedTopology
 
 CACHED_ROWS = 4096
 """Rows worked on at a time, so that all intermediate arrays stay in the cache."""
 
 
-def edge_control_points(mesh: RefinedMesh, control: FloatArray, result: FloatArray) -> None:
+def edge_control_points(mesh: RefinedTopology, control: FloatArray, result: FloatArray) -> None:
     """Compute the control points of the new vertices.
 
     Parameters
     ----------
-    mesh : RefinedMesh
+    mesh : RefinedTopology
         Before the step.
     control : (n_vertices, 3)
         Control points before it.
@@ -41,7 +41,7 @@ def edge_control_points(mesh: RefinedMesh, control: FloatArray, result: FloatArr
 
 
 def edge_limits(
-    mesh: RefinedMesh,
+    mesh: RefinedTopology,
     control: FloatArray,
     points: FloatArray | None = None,
     normals: FloatArray | None = None,
@@ -50,7 +50,7 @@ def edge_limits(
 
     Parameters
     ----------
-    mesh : RefinedMesh
+    mesh : RefinedTopology
         Before the step.
     control : (n_vertices + e, 3)
         Control points after it.

@@ -20,7 +20,7 @@ from .curvature import curvature, refined_curvature
 from .edge_points import edge_control_points, edge_limits, unit_cross
 from .masks import limit_matrix, refinement_matrix, tangent_matrices, vertex_matrix
 from .patch_evaluation import PatchEvaluation, SurfacePoints, checked_places
-from .refined_mesh import CORNER, RefinedMesh, unrefined_mesh
+from .refined_topology import CORNER, RefinedTopology, unrefined_topology
 from .sectors import Sectors, sector_normals, sectors_of
 
 
@@ -68,7 +68,7 @@ class RefinementLevels:
                 raise InputError(f"{name} use vertices outside 0 … {topology.n_vertices - 1}")
         is_corner[numbers] = True
         self._topology = topology
-        self._meshes = [unrefined_mesh(topology, pairs, is_corner)]
+        self._meshes = [unrefined_topology(topology, pairs, is_corner)]
         self._steps: list[sparse.csr_array] = []
         self._vertex_steps: list[sparse.csr_array] = []
         self._sectors: dict[int, Sectors] = {}
@@ -82,7 +82,7 @@ class RefinementLevels:
     def _tangents(self) -> tuple[sparse.csr_array, sparse.csr_array]:
         return tangent_matrices(self.mesh(0))
 
-    def mesh(self, level: int) -> RefinedMesh:
+    def mesh(self, level: int) -> RefinedTopology:
         """Give the connectivity after `level` steps.
 
         Raises
@@ -317,7 +317,7 @@ class LimitSurface:
         """Cut every triangle into 4 ** levels ones, all vertices on the limit surface.
 
         The vertices of the control mesh come first.  Triangles 4 f … 4 f + 3 of a level come from
-        triangle f of the level before, see `refined_mesh`.
+        triangle f of the level before, see `refined_topology`.
         """
         control = self.levels.control_points(self.positions, levels)
         points, normals, _ = self.levels.points_and_normals(control)

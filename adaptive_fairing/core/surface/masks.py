@@ -20,10 +20,10 @@ from scipy import sparse
 
 from ..mesh.loop_masks import limit_weight, loop_alpha
 from ..runtime.arrays import FloatArray, IndexArray
-from .refined_mesh import CORNER, CREASE, DART, RefinedMesh
+from .refined_topology import CORNER, CREASE, DART, RefinedTopology
 
 
-def refinement_matrix(mesh: RefinedMesh) -> sparse.csr_array:
+def refinement_matrix(mesh: RefinedTopology) -> sparse.csr_array:
     """Assemble the step from the control points of a mesh to those of `mesh.finer`.
 
     Returns
@@ -34,14 +34,14 @@ def refinement_matrix(mesh: RefinedMesh) -> sparse.csr_array:
     return sparse.csr_array(sparse.vstack([vertex_matrix(mesh), _edge_rows(mesh)], format="csr"))
 
 
-def vertex_matrix(mesh: RefinedMesh) -> sparse.csr_array:
+def vertex_matrix(mesh: RefinedTopology) -> sparse.csr_array:
     """Assemble the rows of the refinement matrix for the vertices that are kept."""
     valences = np.arange(1, mesh.ring_size.max(initial=0) + 1)
     weight = np.append(0.0, loop_alpha(valences) / valences)
     return _vertex_rows(mesh, weight, crease_weight=1 / 8)
 
 
-def limit_matrix(mesh: RefinedMesh) -> sparse.csr_array:
+def limit_matrix(mesh: RefinedTopology) -> sparse.csr_array:
     """Assemble the map from control points to the limit positions of the vertices.
 
     Returns
@@ -58,7 +58,7 @@ def limit_matrix(mesh: RefinedMesh) -> sparse.csr_array:
 
 
 def _vertex_rows(
-    mesh: RefinedMesh, weight: FloatArray, crease_weight: float, at_darts: int | None = None
+    mesh: RefinedTopology, weight: FloatArray, crease_weight: float, at_darts: int | None = None
 ) -> sparse.csr_array:
     """Weigh neighbours by valence, along creases by `crease_weight`; the rest is the vertex's."""
     n, size = mesh.n_vertices, mesh.ring_size
@@ -92,7 +92,7 @@ def _vertex_rows(
     return rows
 
 
-def _edge_rows(mesh: RefinedMesh) -> sparse.csr_array:
+def _edge_rows(mesh: RefinedTopology) -> sparse.csr_array:
     """3/8 of the ends and 1/8 of the opposite corners; on sharp edges 1/2 of the ends alone."""
     n_edges = len(mesh.edges)
     indices = np.concatenate([mesh.edges, mesh.opposite], axis=1)
@@ -107,7 +107,7 @@ def _edge_rows(mesh: RefinedMesh) -> sparse.csr_array:
     return rows
 
 
-def tangent_matrices(mesh: RefinedMesh) -> tuple[sparse.csr_array, sparse.csr_array]:
+def tangent_matrices(mesh: RefinedTopology) -> tuple[sparse.csr_array, sparse.csr_array]:
     """Assemble two maps from control points to limit tangents inside, Σ cos(2πj/n) x_j and sin.
 
     Their cross product points outward.  Rows of vertices on creases and the boundary mean nothing.
@@ -157,7 +157,7 @@ class DartRings(NamedTuple):
         return np.array([dart_masks(n)[row, 0] for n in self.valences])
 
 
-def dart_rings(mesh: RefinedMesh) -> DartRings:
+def dart_rings(mesh: RefinedTopology) -> DartRings:
     """Collect the rings of the darts; they are few."""
     vertices = np.flatnonzero(mesh.kind == DART)
     places = [np.empty(0, dtype=np.intp)]

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ..runtime.arrays import BoolArray, LongArray
 from .cut_surface import CutSurface
-from .refined_mesh import RefinedMesh, edge_keys
+from .refined_topology import RefinedTopology, edge_keys
 
 Values = NDArray[Any]
 
@@ -137,7 +137,7 @@ class RefinedNet:
             current = np.concatenate([halves, inner.astype(current.dtype)])
         return current[self._edge_choice] if self.cut.is_cut else current
 
-    def _mesh(self, level: int) -> RefinedMesh:
+    def _mesh(self, level: int) -> RefinedTopology:
         return self.cut.levels.mesh(level)
 
 

@@ -14,7 +14,7 @@ from scipy import sparse
 
 from ..mesh.normals import unit_vectors
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray
-from .refined_mesh import CORNER, CREASE, RefinedMesh
+from .refined_topology import CORNER, CREASE, RefinedTopology
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Sectors:
         return self.half_edge[self.start[sector] + place], sector
 
 
-def sectors_of(mesh: RefinedMesh) -> Sectors:
+def sectors_of(mesh: RefinedTopology) -> Sectors:
     """Cut the rings of vertices on sharp edges into sectors."""
     if not mesh.has_sharp_edges:
         none = np.empty(0, dtype=np.intp)
@@ -94,7 +94,7 @@ def counted(sizes: IndexArray) -> tuple[IndexArray, IndexArray]:
     return group, np.arange(len(group)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
 
 
-def sector_normals(mesh: RefinedMesh, sectors: Sectors, control: FloatArray) -> FloatArray:
+def sector_normals(mesh: RefinedTopology, sectors: Sectors, control: FloatArray) -> FloatArray:
     """Compute the unit normals of the limit surface in the sectors, at their vertices, (s, 3).
 
     Exact where the side has a tangent plane: on creases with up to five triangles on that side,

@@ -17,7 +17,7 @@ from adaptive_fairing.core import (
     mesh_density,
 )
 from adaptive_fairing.core.diffusion import steps as diffusion_steps
-from adaptive_fairing.core.problem import prepared_mesh
+from adaptive_fairing.core.problem import prepared_surface
 
 METHODS = ("uniform", "adaptive_timestep", "adaptive_tensor")
 EXACT = {"cg_tolerance": 1e-12, "normalize": False}
@@ -267,7 +267,7 @@ def test_tables_and_sparsity_pattern_are_made_once(monkeypatch):
             spaces.append(1)
             super().__init__(*args, **kwargs)
 
-    monkeypatch.setattr(prepared_mesh, "LoopSpace", CountedSpace)
+    monkeypatch.setattr(prepared_surface, "LoopSpace", CountedSpace)
     assert len(list(fair_steps(*meshes.noisy_ball(2, 0.03), FairingSettings(steps=3)))) == 3
     assert len(spaces) == 1
 

@@ -15,7 +15,7 @@ from adaptive_fairing.core import (
     denoise,
     fair,
 )
-from adaptive_fairing.core.problem import prepared_mesh
+from adaptive_fairing.core.problem import prepared_surface
 
 SETTINGS = FairingSettings(tau=0.016, steps=2)
 MESHES = {
@@ -63,7 +63,7 @@ def test_another_frame_is_what_it_is_alone_up_to_the_solvers_tolerance(name):
 def test_the_topology_is_analysed_once(monkeypatch):
     counted = []
     monkeypatch.setattr(
-        prepared_mesh, "LoopSpace", lambda *given: counted.append(1) or LoopSpace(*given)
+        prepared_surface, "LoopSpace", lambda *given: counted.append(1) or LoopSpace(*given)
     )
     vertices, faces = MESHES["closed"]
     mesh = PreparedMesh(vertices, faces)
@@ -117,10 +117,18 @@ def test_another_quadrature_is_refused():
 )
 def test_too_many_neighbours_are_refused_before_any_work(algorithm, valence, monkeypatch):
     vertices, faces = bipyramid(valence)
-    monkeypatch.setattr(prepared_mesh, "PatchSet", None)  # where the work would begin
+    monkeypatch.setattr(prepared_surface, "PatchSet", None)  # where the work would begin
     message = rf"2 vertices have more than 100 neighbours, up to {valence}: vertices {valence}, "
     with pytest.raises(InputError, match=message):
         algorithm(vertices, faces)
+
+
+def test_a_space_that_serves_denoise_is_refused_to_fair():
+    """Poles that `denoise` can treat would take the paper's method minutes."""
+    mesh = PreparedMesh(*bipyramid(700))
+    mesh.space_for("denoise")
+    with pytest.raises(InputError, match="a run would take minutes"):
+        mesh.space_for("fair")
 
 
 def test_poles_of_a_few_hundred_neighbours_are_solved():

@@ -6,7 +6,7 @@ from support import meshes
 
 from adaptive_fairing.core import LimitSurface, TriangleTopology
 from adaptive_fairing.core.surface.masks import dart_masks
-from adaptive_fairing.core.surface.refined_mesh import CORNER, CREASE, DART, SMOOTH
+from adaptive_fairing.core.surface.refined_topology import CORNER, CREASE, DART, SMOOTH
 
 
 def cube():

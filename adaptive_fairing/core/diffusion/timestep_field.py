@@ -1,4 +1,4 @@
-"""Three schemes of the paper: the place of the local time in the linear system."""
+"""Timestep field: τ times the density, and its place in the system of each of the three schemes."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ SMOOTH, DART, CREASE, CORNER = np.arange(4, dtype=np.int8)
 """Kinds of vertices: with no, one, two, or more sharp edges.  Corners stay where they are."""
 
 
-class RefinedMesh:
+class RefinedTopology:
     """A level of refinement: an oriented manifold of triangles, whose finer levels are cheap.
 
     Attributes
@@ -114,7 +114,7 @@ class RefinedMesh:
         return np.stack(faces, axis=1)
 
     @cached_property
-    def finer(self) -> RefinedMesh:
+    def finer(self) -> RefinedTopology:
         """The mesh after one step of refinement."""
         n, n_edges = self.n_vertices, len(self.edges)
         m = len(self.triangles)
@@ -147,7 +147,7 @@ class RefinedMesh:
         kind = np.concatenate([self.kind, np.where(self.is_sharp, CREASE, SMOOTH)])
         is_sharp = np.zeros(len(edges), dtype=bool)
         is_sharp[: 2 * n_edges] = np.repeat(self.is_sharp, 2)
-        return RefinedMesh(
+        return RefinedTopology(
             triangles.reshape(-1, 3),
             sides.reshape(-1, 3),
             edges,
@@ -228,9 +228,9 @@ def _children_along(half_edge: IntArray) -> tuple[IntArray, IntArray]:
     return 12 * triangle + 3 * k, 12 * triangle + 3 * ((k + 1) % 3) + 2
 
 
-def unrefined_mesh(
+def unrefined_topology(
     topology: TriangleTopology, creases: LongArray, corners: BoolArray
-) -> RefinedMesh:
+) -> RefinedTopology:
     """Build level 0.
 
     Parameters
@@ -266,7 +266,7 @@ def unrefined_mesh(
     n_sharp = np.bincount(edges[is_sharp].reshape(-1), minlength=n)
     kind = np.minimum(n_sharp, CORNER).astype(np.int8)
     kind[corners | topology.is_loose] = CORNER
-    return RefinedMesh(
+    return RefinedTopology(
         triangles,
         side_of.reshape(-1, 3),
         edges,

@@ -1,0 +1,44 @@
+"""Density d_i for a run, which may solve on a part of the surface only."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..mesh.density import mesh_density
+from ..problem.problem import Margin, SolverProblem
+from ..problem.region import SUPPORT_RINGS
+from ..runtime.arrays import FloatArray
+from .settings import FairingSettings
+
+
+def margin_of_run(settings: FairingSettings) -> Margin | None:
+    """Find how much around the moving vertices decides what becomes of them.
+
+    Returns
+    -------
+    Margin or None
+        None where it is all of the mesh: the volume that is kept is that of whole parts.
+    """
+    if settings.keep_volume:
+        return None
+    # Each pass takes in one more ring, and what it starts from is the mean over another one.
+    return Margin(max(SUPPORT_RINGS, settings.density_passes + 1))
+
+
+def initial_density(problem: SolverProblem, settings: FairingSettings) -> FloatArray:
+    """Measure the density of all of the surface where the run starts, (n,)."""
+    whole = problem.whole
+    return mesh_density(whole.topology, whole.start, settings.density, settings.density_passes)
+
+
+def next_density(
+    problem: SolverProblem, current: FloatArray, settings: FairingSettings, last: FloatArray
+) -> FloatArray:
+    """Measure the density of the vertices that are solved on, (k,).
+
+    In a part of the surface those of weight 0 keep the `last` one: the next ones would be wrong at
+    the rim, and a density plays no part where nothing may move.
+    """
+    topology = problem.space.topology
+    density = mesh_density(topology, current, settings.density, settings.density_passes)
+    return np.where(problem.weights > 0, density, last) if problem.is_part else density
