@@ -40,6 +40,7 @@ BAD_DENOISING = {
     "features": ["round", "", None],
     "boundary": ["open", None],
     "clean": ["yes", True, None],
+    "width": [0, 0.5, 16.5, -1, float("nan"), "wide", "4", None, True],
     "max_deviation": [0, -1, float("nan"), "x"],
 }
 BAD_SETTINGS = {FairingSettings: BAD_FAIRING, DenoiseSettings: BAD_DENOISING}

@@ -16,13 +16,14 @@ from ..problem.problem import SolverProblem
 from ..runtime.arrays import BoolArray, FloatArray
 from ..runtime.precision import SINGLE
 from .filter_family import KEEPS
-from .mixing import mixed_surfaces
 from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
 from .progress import DenoiseProgress, ProgressReport
+from .region import filtered, not_judged
 from .result import DenoiseResult
 from .settings import DenoiseSettings
 from .triangle_surface import TriangleSurface
+from .wide_noise import denoised_surfaces
 
 
 def denoise(
@@ -49,12 +50,13 @@ def denoise(
     settings : DenoiseSettings, optional
     weights : (n,) float, optional
         Factor in [0, 1] of the displacement of a vertex; a vertex of weight 0 stays exactly where
-        it is.
+        it is, and noise is not judged from it. Where most weights are 0 filters only go some rings
+        around the others.
     prepared : PreparedMesh, optional
         What an earlier run on a mesh with the same triangles can hand on.
     plan : DenoisePlan, optional
-        Of another frame of this surface (`DenoiseResult.plan`), made with the same `prepared`:
-        nothing is estimated, the filters are mixed as there.
+        Of another frame of this whole surface (`DenoiseResult.plan`), made with the same
+        `prepared`: nothing is estimated, the filters are mixed as there.
     progress : callable, optional
         Called with `DenoiseProgress` now and then, by any thread but one at a time; may raise to
         end the run.
@@ -94,17 +96,20 @@ def denoise(
         prepared = PreparedMesh.of(mesh)
     else:
         prepared.require(mesh.triangles, len(mesh.points))
-    surface = prepared.surface
-    problem = SolverProblem.posed(mesh, prepared, "denoise", boundary=settings.boundary)
-    if plan is not None and len(plan.noise) != len(problem.start):
-        raise InputError(
-            f"the plan is of a mesh of {len(plan.noise)} vertices, not {len(problem.start)}"
-        )
+    n_vertices = len(prepared.surface.vertex_of)
+    if plan is not None and len(plan.noise) != n_vertices:
+        raise InputError(f"the plan is of a mesh of {len(plan.noise)} vertices, not {n_vertices}")
+    margin = filtered(settings.width, plan)
+    problem = SolverProblem.posed(
+        mesh, prepared, "denoise", boundary=settings.boundary, margin=margin
+    )
+    if plan is not None and problem.is_part:
+        plan = plan.at(problem.whole.part)
     report = ProgressReport(progress, has_plan=plan is not None)
-    outcome = mixed_surfaces(
+    outcome = denoised_surfaces(
         problem.space.topology,
         problem.start,
-        surface.is_cut,
+        not_judged(problem),
         settings,
         plan=plan,
         progress=report,
@@ -121,8 +126,8 @@ def denoise(
         problem.space.measures(each, in_single).scaled(1 / frame.scale) for each in surfaces
     )
     plan, noise = outcome.plan, outcome.plan.noise
-    start = TriangleSurface(topology, problem.start)
-    creases = TriangleSurface(topology, outcome.positions[STRENGTHS.index(1.0)]).crease_part()
+    denoised = TriangleSurface(topology, outcome.positions[STRENGTHS.index(1.0)])
+    creases = denoised.crease_part()
     result = DenoiseResult(
         strengths=settings.strength * np.array(STRENGTHS),
         shapes=np.stack(
@@ -132,9 +137,9 @@ def denoise(
             ]
         ),
         start=mesh.points,
-        noise=frame.to_caller(noise),
+        noise=problem.whole.to_caller(noise, np.zeros(n_vertices)),
         noise_level=_median_where(noise > 0, noise),
-        noise_length=_median_where(noise > 0, noise * start.spacing) / frame.scale,
+        noise_length=_median_where(noise > 0, noise * denoised.spacing) / frame.scale,
         radius=plan.radius,
         sharp_part=_sharp_part(plan),
         crease_part=creases,

@@ -49,28 +49,24 @@ def rounds(angle_factor: float = 1.0, correlation: NoiseCorrelation = WHITE) -> 
     every, gentle = all_diffusions(), gentle_diffusions()
     return (
         (FilterFamily("surface", IGNORES, LiftedMetric(1), every),),
-        (
-            FilterFamily("mesh, wide angle", SEES, LiftedMetric(0, wide), every),
-            FilterFamily("surface, wide angle", SEES, LiftedMetric(1, wide), every),
-        ),
+        (FilterFamily("mesh, wide angle", SEES, LiftedMetric(0, wide), every),),
         (
             FilterFamily("mesh, narrow angle", KEEPS, LiftedMetric(0, narrow), gentle),
             NormalFamily(
                 "noisy normals", (Smoothing(tuned.long_fit_angle, tuned.noisy_fit_passes),), True
             ),
         ),
-        (_fits("normals", tuned.short_fit_passes, tuned.long_fit_passes),),
         (
-            _fits("normals of the fits", tuned.last_short_fit_passes, tuned.last_long_fit_passes),
-            FlatFamily("flat faces", correlation),
+            NormalFamily(
+                "normals",
+                (
+                    Smoothing(tuned.short_fit_angle, tuned.short_fit_passes),
+                    Smoothing(tuned.long_fit_angle, tuned.long_fit_passes),
+                ),
+            ),
         ),
+        (FlatFamily("flat faces", correlation),),
     )
-
-
-def _fits(name: str, short_passes: tuple[int, ...], long_passes: tuple[int, ...]) -> NormalFamily:
-    tuned = parameters()
-    short = Smoothing(tuned.short_fit_angle, short_passes)
-    return NormalFamily(name, (short, Smoothing(tuned.long_fit_angle, long_passes)))
 
 
 def rounds_for(noise: FloatArray, correlation: NoiseCorrelation = WHITE) -> list[Round]:

@@ -1,10 +1,9 @@
-"""Folds that noise or spikes have left in a denoised surface, and their smoothing.
+"""Folds that noise has left in a denoised surface, and their smoothing.
 
 A triangle is folded if it faces against those across its edges, taken together by their areas.
-Noise turns a triangle over where it is strong, or where denoising has moved a vertex far.  There
-the triangle's vertices go half of their way to the middle of their neighbours, in a few rounds.
-Other folds belong to the mesh, as bad cuts of solids leave them: they stay.  But a mesh has few of
-its own: of many, as noise along the surface makes them where triangles are thin, all are smoothed.
+Where a spike was put back, or noise wider than the triangles was removed, the vertices of a fold go
+half of their way to the middle of their neighbours, in a few rounds.  Other folds belong to the
+mesh, as bad cuts and decimation leave them: they stay.
 """
 
 from __future__ import annotations
@@ -19,37 +18,27 @@ from .triangle_surface import TriangleSurface
 
 
 def unfolded(
-    positions: FloatArray, before: TriangleSurface, may_move: BoolArray, noise: FloatArray
+    positions: FloatArray, before: TriangleSurface, is_at: BoolArray, may_move: BoolArray
 ) -> FloatArray:
-    """Smooth the folds of positions (n, 3) that noise has made.
+    """Smooth the folds of positions (n, 3) at some vertices.
 
     Parameters
     ----------
     positions : (n, 3)
     before : TriangleSurface
         Before denoising.
-    may_move : (n,) bool
-        Vertices that may move.
-    noise : (n,)
-        Standard deviation in local edge lengths.
+    is_at, may_move : (n,) bool
+        Vertices at which folds are smoothed, and those that may move.
     """
-    tuned, topology, result = parameters(), before.topology, positions
+    topology, result = before.topology, positions.copy()
     triangles = topology.triangles
-    folded = are_folded(topology, positions)
-    if folded.any():
-        move = np.linalg.norm(positions - before.positions, axis=1)
-        are_many = are_folded(topology, before.positions).mean() > tuned.most_own_folds
-        turns = ((noise > tuned.most_noise_in_normals) | are_many) & (move > 0)
-        turns |= move > tuned.least_move_of_folds * before.spacing
-        of_noise = turns[triangles].any(axis=1)
-        result = positions.copy()
-        for _ in range(tuned.unfolding_rounds):
-            vertices = np.unique(triangles[of_noise & folded])
-            vertices = vertices[may_move[vertices]]
-            if not len(vertices):
-                break
-            result[vertices] = (result[vertices] + before.mean[vertices] @ result) / 2
-            folded = are_folded(topology, result)
+    of_noise = is_at[triangles].any(axis=1)
+    for _ in range(parameters().unfolding_rounds if of_noise.any() else 0):
+        vertices = np.unique(triangles[of_noise & are_folded(topology, result)])
+        vertices = vertices[may_move[vertices]]
+        if not len(vertices):
+            break
+        result[vertices] = (result[vertices] + before.mean[vertices] @ result) / 2
     return result
 
 

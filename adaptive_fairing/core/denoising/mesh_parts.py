@@ -109,7 +109,8 @@ class MeshParts:
         for members in self._members:
             counted = np.zeros(len(level), dtype=bool)
             counted[members] = self.is_counted[members]
-            if not counted.any():
+            # As in a mesh of so few, nothing can be told: specks stay as they are.
+            if np.count_nonzero(counted) < tuned.fewest_vertices:
                 continue
             level[counted] = self._rough_level(surface, counted)
             if np.median(level[counted]) <= clean:
@@ -215,37 +216,55 @@ class MeshParts:
                 )
         return [Mixture(each, self._weights, self._part) for each in chosen]
 
-    def looks_like_noise(
-        self, mixture: Mixture, removed: Sequence[RealArray], variance: FloatArray
-    ) -> BoolArray:
-        """Tell for every part whether what a mixture removes is like its noise, (p,) bool.
+    def clustering(
+        self, before: TriangleSurface, after: FloatArray, noise: FloatArray
+    ) -> FloatArray:
+        """Correlate how far vertices have moved with how far those beside them have, (p,).
 
-        Shape that is removed is far more than the noise at few vertices; and where hardly anything
-        is removed, nothing is gained by it.
+        Noise is as strong everywhere as its model says, so what was removed of it is as large
+        beside a vertex of much as beside one of little.  What was removed of a shape comes in
+        clusters: at corners, creases and slivers much, on faces little.
 
         Parameters
         ----------
-        mixture : Mixture
-        removed : k of (n,)
-            Normal part of what each filter removes.
-        variance : (n,)
-            Of the noise, in the squared unit of `removed`.
+        before : TriangleSurface
+        after : (n, 3)
+            The same vertices.
+        noise : (n,)
+            Standard deviation in local edge lengths.
         """
-        tuned, counted = parameters(), self.is_counted
-        total = np.zeros(len(counted))
-        for used in mixture.used:
-            total += mixture.coefficients(used) * removed[used]
-        total[~counted] = 0
-        is_far = np.square(total) > tuned.far_deviations**2 * variance
+        surface = TriangleSurface(before.topology, after)
+        removed = np.abs(surface.along_normal(before.positions - after))
+        is_judged = self.is_counted & (noise > 0)
+        # The logarithm lets a few large ones not decide for all.
+        size = np.where(is_judged, np.log1p(removed / np.where(is_judged, noise, 1)), 0)
+        part_beside = surface.mean @ is_judged.astype(float)
+        is_judged &= part_beside > 0
+        beside = (surface.mean @ size)[is_judged] / part_beside[is_judged]
+        size, part, n_parts = size[is_judged], self._part[is_judged], len(self._members)
+        count = np.maximum(np.bincount(part, minlength=n_parts), 1)
+
+        def covariance(first: FloatArray, second: FloatArray) -> FloatArray:
+            sums = [np.bincount(part, each, n_parts) for each in (first, second, first * second)]
+            result: FloatArray = sums[2] / count - sums[0] * sums[1] / count**2
+            return result
+
+        spread = covariance(size, size) * covariance(beside, beside)
+        return covariance(size, beside) / np.sqrt(np.maximum(spread, np.finfo(float).tiny))
+
+    def of_parts(self, is_one: BoolArray) -> FloatArray:
+        """Which part of the counted vertices of every part are some, (n,) bool: (p,), 0 to 1."""
         n_parts = len(self._members)
-        count, far, energy, expected = (
-            np.bincount(self._part, values, n_parts)
-            for values in (counted, is_far & counted, total**2, np.where(counted, variance, 0))
+        found, counted = (
+            np.bincount(self._part, each, n_parts)
+            for each in (is_one & self.is_counted, self.is_counted)
         )
-        is_like: BoolArray = (far <= tuned.most_far * count) & (
-            energy >= tuned.least_gain_of_removal * expected
-        )
-        return is_like
+        return found / np.maximum(counted, 1)
+
+    def at_vertices(self, of_parts: BoolArray) -> BoolArray:
+        """Tell for every vertex what holds for its part, (n,) bool from (p,) bool."""
+        of_vertices: BoolArray = of_parts[self._part]
+        return of_vertices
 
 
 def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:

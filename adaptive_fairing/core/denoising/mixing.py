@@ -26,8 +26,10 @@ from ..runtime.threads import for_each
 from .bounds import Bounds
 from .filter_rounds import Round, rounds_for
 from .folds import unfolded
+from .given_width import verdict_of_width
 from .mixture import Mixture
 from .noise.level import beyond_clean
+from .noise.own_numbers import WHITE_NOISE
 from .noise_verdict import NoiseVerdict, noise_verdict
 from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
@@ -78,6 +80,7 @@ def mixed_surfaces(
     is_still: BoolArray,
     settings: DenoiseSettings,
     *,
+    width: float | None = None,
     plan: DenoisePlan | None = None,
     progress: ProgressReport,
 ) -> MixedSurfaces:
@@ -90,6 +93,8 @@ def mixed_surfaces(
     is_still : (n,) bool
         Vertices that noise and risk are not judged from, besides those of the boundary.
     settings : DenoiseSettings
+    width : float, optional
+        Of the noise in edges of this mesh, if it was told.
     plan : DenoisePlan, optional
         Of another frame of this surface: nothing is estimated then.
     progress : ProgressReport
@@ -100,7 +105,11 @@ def mixed_surfaces(
     notes: tuple[str, ...] = ()
     other_readings: tuple[str, ...] = ()
     if plan is None:
-        verdict = noise_verdict(stage, settings.strength, settings.clean)
+        verdict = (
+            noise_verdict(stage, settings.strength, settings.clean)
+            if width is None
+            else verdict_of_width(stage, width)
+        )
         stage, level, impulsive = verdict.stage, verdict.level, verdict.impulsive
         notes, other_readings = verdict.notes, verdict.other_readings
         plan = DenoisePlan.idle(level, impulsive, verdict.reach)
@@ -117,7 +126,7 @@ def mixed_surfaces(
             stage.track.repeat(plan, progress)
     start, before = stage.track.start, TriangleSurface(topology, positions)
     if undented is not None:
-        results = [Sliding(before, stage.frame, True, plan.noise).limited(undented)]
+        results = [Sliding(before, stage.frame, True, plan.reach).limited(undented)]
     elif plan.is_idle:
         results = [start.positions]
     else:
@@ -128,8 +137,8 @@ def mixed_surfaces(
             sliding.limited(stage.track.mixed(mixture), factor * settings.strength)
             for factor, mixture in zip(STRENGTHS, plan.mixtures, strict=True)
         ]
-    counted, noise = stage.parts.is_counted, plan.noise
-    results = [unfolded(each, before, counted, noise) for each in results]
+    was_spike = (start.positions != positions).any(axis=1)
+    results = [unfolded(each, before, was_spike, stage.parts.is_counted) for each in results]
     if len(results) < len(STRENGTHS):
         results *= len(STRENGTHS)
     bounds = Bounds(before, stage.frame, start.positions, plan.reach)
@@ -201,12 +210,17 @@ def _planned(
     factors = 1 / settings.strength, *STRENGTHS
     variances = np.stack([variance(factor) for factor in factors])
     of_noise, *mixtures = parts.best_mixtures(*rows, variances)
-    # Smooth noise had to look like noise in every band before it was told.
-    if settings.clean != "denoise" and not correlation.passes:
-        expected = (correlation.deviation / tuned.noise_factor) ** 2 * variances[0]
-        is_noise = parts.looks_like_noise(of_noise, rows[0], expected)
-        mixtures = [each.within(is_noise) for each in mixtures]
     mixtures = [each.spread(usable) for each in mixtures]
+    # Smooth noise had to look like noise in every band before it was told; or the user has told it.
+    is_told = settings.clean == "denoise" or settings.width != "auto" or correlation.passes
+    if not is_told:
+        sliding = Sliding(track.start, frame, saw_creases, noise)
+        after = sliding.limited(track.mixed(of_noise.spread(usable)))
+        white = stage.noisy.own.noise(WHITE_NOISE)
+        as_noise = track.start.positions - frame.raised(noise * correlation.applied(white, frame))
+        found, expected = (parts.clustering(track.start, each, noise) for each in (after, as_noise))
+        is_noise = found - expected <= tuned.most_clustered
+        mixtures = [each.within(is_noise) for each in mixtures]
     counted, kept = parts.is_counted, np.ones(len(mixtures))
     for index, mixture in enumerate(mixtures):
         for used in mixture.used:

@@ -42,6 +42,10 @@ class Mixture(NamedTuple):
         coefficients: RealArray = np.einsum("cn,nc->n", self.weights, of_vertex)
         return coefficients
 
+    def at(self, vertices: IndexArray) -> Mixture:
+        """Return the same mixture at some of the vertices, (k,)."""
+        return self._replace(weights=self.weights[:, vertices], part=self.part[vertices])
+
     def within(self, parts: BoolArray) -> Mixture:
         """Return the same mixture in some parts, (p,) bool; elsewhere nothing is removed."""
         return self._replace(by_class=self.by_class * parts[:, None, None])

@@ -88,6 +88,11 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
         most = tuned.most_unexplained * np.maximum(after.level, tuned.clean_roughness)
         was_moved = (calm.noisy.positions != stage.noisy.positions).any(axis=1)
         is_sure = stage.parts.of_many(was_moved) | (after.level > tuned.clean_roughness)
+        # Spikes may be anywhere, corners of a shape are beside others.
+        least = np.maximum(found.roughness, tuned.clean_roughness)
+        clustering = stage.parts.clustering(stage.track.start, calm.noisy.positions, least)
+        by_chance = stage.parts.of_parts(was_moved) + tuned.most_clustered_spikes
+        is_sure &= stage.parts.at_vertices(clustering <= by_chance)
         is_noise = is_sure & (after.roughness <= most)
         kept = np.where(is_noise, impulsive, 0)
         reach = np.maximum(after.level, np.where(kept > 0, found.roughness, 0))
@@ -101,8 +106,9 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     level, counted, correlation = found.level, stage.parts.is_counted, None
     was_kept = bool(found.notes) and keeps_clean and not impulsive.any()
     others = ("denoise",) if was_kept and found.roughness.any() else ()
-    # White noise that is stronger hides the smooth kind.
-    if counted.any() and np.median(found.roughness[counted]) < parameters().least_roughness:
+    # White noise that is stronger hides the smooth kind; a handful of vertices shows neither.
+    enough = np.count_nonzero(counted) >= parameters().fewest_vertices
+    if enough and np.median(found.roughness[counted]) < parameters().least_roughness:
         seen = stage.noisy.along_sight()
         on_faces = stage.face_noise(seen)
         anywhere = smooth_noise(seen, counted)

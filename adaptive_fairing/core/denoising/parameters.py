@@ -132,10 +132,6 @@ class DenoiseParameters:
     # between the normals was 0.6 on shapes of flat faces with them, the error on others up to 1.11;
     # with 0.5, which turns triangles over, up to 1.8.
     most_noise_in_normals: float = 0.25
-    # Passes of the short and long smoothing in the last round. Beside flat faces, 60 more of the
-    # long one changed nothing.
-    last_short_fit_passes: tuple[int, ...] = (5,)
-    last_long_fit_passes: tuple[int, ...] = (20,)
     # The last round is for meshes with more creases than this among their edges. Of 25 shapes the
     # smooth ones had at most 0.008 (one with slivers 0.027), those with creases 0.016 or more.
     fewest_creases: float = 0.01
@@ -151,15 +147,6 @@ class DenoiseParameters:
     # Rounds in which folds are smoothed. After spikes 28 triangles of eleven tuning shapes faced
     # the wrong way, instead of 114 without; 20 rounds gave the same.
     unfolding_rounds: int = 5
-    # With noise of no more than `most_noise_in_normals` a fold is of noise if denoising has moved a
-    # vertex of it by more than this. A flat-sided mesh with 20 folds of its own had 43 flipped
-    # triangles with 0, 29 with 0.5, and 27 if all folds stay (normal noise of 0.2); after spikes 23
-    # other shapes had 41 with 0, 60 with 0.5, and 129.
-    least_move_of_folds: float = 0.5
-    # A mesh of which a larger part is folded has folds of noise. The mesh with folds of its own has
-    # 0.5 %, with noise in all directions of 0.2 1.9 %; shapes with thin triangles then have 3.5 %
-    # and more, and one of them 352 flipped triangles without this, and 19 with it.
-    most_own_folds: float = 0.02
 
     # lifted_metric
     # Fraction of the mass of linear elements that is moved to the diagonal. With 0 filters are
@@ -169,7 +156,8 @@ class DenoiseParameters:
     # mesh_parts
     # In a mesh of fewer vertices that is rough, noise cannot be told from shape. By hand.
     fewest_to_tell: int = 300
-    # In a mesh of fewer vertices nothing can be told. By hand.
+    # In a mesh of fewer vertices, or in all small parts together if they have fewer, nothing can be
+    # told. By hand.
     fewest_vertices: int = 50
     # Connected parts of as many vertices are judged each by itself, others together. By hand.
     own_estimate: int = 400
@@ -343,6 +331,16 @@ class DenoiseParameters:
     # changes on 200 random models, clean or noisy.
     least_over_chance: float = 512.0
 
+    # wide_noise, given_width: noise whose width was told.
+    # Edges that wide noise spans on the level where it is removed, at least.
+    level_edges_of_width: float = 3.5
+    # What a shape has in the band that is narrower than the noise, over what it has in the one as
+    # wide, each relative to noise. Five clean shapes measured 0.2 to 0.56 for widths of 4 to 16.
+    narrow_of_shape: float = 0.38
+    # The noise has at least this part of the narrow band, also where shape would explain it all:
+    # or else there would be nothing that more strength could remove. By hand.
+    least_of_narrow: float = 0.3
+
     # noise/voxel_contour
     # Contoured voxels have at most this many kinds of edges; marching cubes have 27.
     most_kinds_of_edges: int = 100
@@ -357,14 +355,12 @@ class DenoiseParameters:
     # many more.
     extra_deviations: float = 1.0
 
-    # mesh_parts: what looks like noise when it is removed
-    # Of what is removed no larger part lies beyond so many standard deviations of the noise. With
-    # noise on 18 tuning shapes it was 0.005 at most, 0.04 on one; on most boolean models with
-    # jitter 0.1 to 0.8.
-    far_deviations: float = 3.3
-    most_far: float = 0.08
-    # Its energy is at least this part of the noise's. With noise it was 0.45 to 1.1.
-    least_gain_of_removal: float = 0.36
+    # mixing: what looks like noise when it is removed
+    # What is removed at a vertex correlates with what is removed beside it by no more than this
+    # above the model's noise. With noise of ten kinds on 18 tuning shapes it did so by -0.14 to
+    # 0.27. On 12 shapes, half of them decimated, with noise of 0.02 to 0.4: 0.28 to 0.67 where the
+    # result was worse than the input.
+    most_clustered: float = 0.3
 
     # noise_verdict
     # Spikes are noise if the roughness that is left without them is at most this many times what
@@ -373,6 +369,9 @@ class DenoiseParameters:
     # They are many: at least this many, and this part of the vertices judged. By hand.
     fewest_spikes: int = 10
     least_spikes: float = 0.05
+    # What is beside a spike is one by no more than this above their share. Spikes and heavy tails
+    # on 18 tuning shapes had -0.1 to 0.03, one 0.08; corners of decimated shapes 0.03 to 0.4.
+    most_clustered_spikes: float = 0.05
     # Smooth noise makes hinges between triangles; a model with less than this part of them has
     # none. By hand.
     least_of_expected_hinges: float = 0.5

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..runtime.arrays import FloatArray
+from ..runtime.arrays import FloatArray, IndexArray
+from .coarse_level import CoarseLevel
 from .filter_family import Filter
 from .mixture import Mixture
 from .noise_correlation import WHITE, NoiseCorrelation
@@ -40,6 +41,10 @@ class DenoisePlan:
         Whether the last round was run, which is for creases.
     correlation : NoiseCorrelation
         Of the noise at neighbours.
+    level : CoarseLevel, optional
+        Where the noise was removed, if it is wide, and the plan there. All but `noise` then is of
+        the level's vertices.
+    on_level : DenoisePlan, optional
     """
 
     filters: tuple[Filter, ...]
@@ -51,11 +56,31 @@ class DenoisePlan:
     reach: FloatArray
     has_creases: bool = False
     correlation: NoiseCorrelation = WHITE
+    level: CoarseLevel | None = None
+    on_level: DenoisePlan | None = None
 
     @classmethod
     def idle(cls, noise: FloatArray, impulsive: FloatArray, reach: FloatArray) -> DenoisePlan:
         """Leave everything but vertices that stand out as it is."""
         return cls((), noise, (), (), np.ones(len(STRENGTHS)), impulsive, reach)
+
+    def at(self, vertices: IndexArray) -> DenoisePlan:
+        """Return the same plan for a part of the surface, (k,) of its vertices."""
+        return replace(
+            self,
+            noise=self.noise[vertices],
+            pilots=tuple(each.at(vertices) for each in self.pilots),
+            mixtures=tuple(each.at(vertices) for each in self.mixtures),
+            impulsive=self.impulsive[vertices],
+            reach=self.reach[vertices],
+        )
+
+    def carried_to(self, level: CoarseLevel, noise: FloatArray) -> DenoisePlan:
+        """Return the plan for a surface over the level that this plan was made on.
+
+        With its noise, (n,) in local edge lengths.
+        """
+        return replace(self, noise=noise, level=level, on_level=self)
 
     @property
     def is_idle(self) -> bool:
@@ -71,4 +96,5 @@ class DenoisePlan:
         the radius of doing nothing 0.
         """
         kept = float(np.clip(self.kept[STRENGTHS.index(1.0)], 1e-6, 1))
-        return float(np.sqrt(np.sqrt(3) / (4 * np.pi) * (1 / kept - 1)))
+        unit = self.level.ratio if self.level is not None else 1.0
+        return unit * float(np.sqrt(np.sqrt(3) / (4 * np.pi) * (1 / kept - 1)))

@@ -44,7 +44,8 @@ class DenoiseResult:
         Whether creases were asked for; with features "auto" whether there are more of them than
         smooth meshes have.
     initial : SurfaceMeasures
-        Curvature energy, area and volume of the input's limit surface.
+        Curvature energy, area and volume of the input's limit surface. Where weights of 0 leave
+        most of the mesh still it is that of the part around the others, which has no volume.
     measures : tuple of SurfaceMeasures
         The same for each of `shapes`.
     solve : SolveReport
@@ -57,7 +58,7 @@ class DenoiseResult:
         "denoise" where it was kept as a clean mesh's, "detail" where smooth noise was removed.
     settings : DenoiseSettings
     plan : DenoisePlan
-        To treat other frames of this surface alike.
+        To treat other frames of this surface alike, or another part of it if it is of the whole.
     """
 
     strengths: FloatArray

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from numbers import Real
 
+from ..errors import SettingsError
 from ..problem.setting_checks import BOUNDARIES, require_choice, require_number
 
 FEATURES = ("auto", "sharp", "smooth")
 CLEAN = ("keep", "detail", "denoise")
 LARGEST_STRENGTH = 100.0
+WIDTHS = 1.0, 16.0
 
 
 @dataclass(frozen=True)
@@ -28,6 +31,11 @@ class DenoiseSettings:
         "keep": what looks like a clean mesh or a low-poly model comes back unchanged, and a note
         says why; "detail": so does what is rough over several edges, even if it is like the smooth
         noise of a scanner, which "keep" removes; "denoise": all that is rough is taken for noise.
+    width : "auto" or float
+        Of the noise: the distance in edges, from 1 to 16, at which two heights of it are alike by
+        1 / e; about half the size of its bumps. White noise has 1. Noise of a width that was told
+        is removed, whatever it looks like: `clean` plays no part. "auto" finds noise of up to four
+        edges where it is told from shape.
     max_deviation : float, optional
         No vertex ends further than this length, in object units, from its input position.
 
@@ -41,6 +49,7 @@ class DenoiseSettings:
     features: str = "auto"
     boundary: str = "fixed"
     clean: str = "keep"
+    width: str | float = "auto"
     max_deviation: float | None = None
 
     def __post_init__(self) -> None:
@@ -48,5 +57,18 @@ class DenoiseSettings:
         require_choice(self, "features", FEATURES)
         require_choice(self, "boundary", BOUNDARIES)
         require_choice(self, "clean", CLEAN)
+        self._require_width()
         if self.max_deviation is not None:
             require_number(self, "max_deviation", above=0)
+
+    def _require_width(self) -> None:
+        least, most = WIDTHS
+        if self.width == "auto":
+            return
+        is_number = isinstance(self.width, Real) and not isinstance(self.width, bool)
+        if not (is_number and least <= float(self.width) <= most):
+            raise SettingsError(
+                f'width must be "auto" or a number of edges from {least:g} to {most:g}, '
+                f"not {self.width!r}"
+            )
+        object.__setattr__(self, "width", float(self.width))

@@ -2,8 +2,9 @@
 
 Filters also move vertices along the surface: towards the middle of their neighbours, and inwards at
 a rim.  A large part of that is no noise, and small triangles between larger ones may be turned
-over.  So vertices go only a fraction of their way along the surface, and less where a triangle
-would be turned over.  They go all of their way along the normal.
+over.  So vertices go only a fraction of their way along the surface, no further than one standard
+deviation of the noise, and less where a triangle would be turned over.  They go all of their way
+along the normal.
 
 What a scanner or a depth camera saw was not moved along the surface by noise, but along the rays.
 In the end its vertices go along them onto the surface that is found so.
@@ -64,6 +65,7 @@ class Sliding:
         self._before = unit_vectors(start.triangle_normals())
         cosines = dots(self._before, self._upwards)
         self._was_upright = cosines > tuned.upright_cosine
+        self._reach = noise * start.spacing
         self._is_free = noise > tuned.most_noise_told
         is_told = ~self._is_free[self._triangles].any(axis=1)
         self._may_turn = is_told & (cosines > -tuned.upright_cosine)
@@ -77,6 +79,10 @@ class Sliding:
         move = faired - self._positions
         normals = vertex_normals(self._topology, faired) if self._has_creases else self._normals
         along = move - dots(move, normals)[:, None] * normals
+        length = np.linalg.norm(along, axis=1)
+        too_far = 1 - np.minimum(1, self._reach / np.where(length > 0, length, 1))
+        beyond = along * too_far[:, None]
+        move, along = move - beyond, along - beyond
         along_kept, kept = np.full(len(faired), tuned.sliding_fraction), np.ones(len(faired))
         if self._rims is not None:
             rim = self._rims.vertices

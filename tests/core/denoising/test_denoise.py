@@ -205,16 +205,27 @@ def test_the_same_mesh_gives_the_same_result(torus_result, pose):
     assert result.noise_level == pytest.approx(torus_result.noise_level, rel=1e-6)
 
 
-def test_held_vertices_stay_and_shares_scale_the_displacement(torus_result):
+def test_held_vertices_stay_and_shares_scale_the_displacement():
     points, faces = noisy_torus()
     weights = np.ones(len(points))
     weights[:100], weights[100:200] = 0, 0.5
     result = denoise(points, faces, weights=weights)
-    full = torus_result.positions - points
+    full = denoise(points, faces, weights=np.ceil(weights)).positions - points
     part = result.positions - points
     assert np.array_equal(result.positions[:100], points[:100])
     np.testing.assert_allclose(part[100:200], 0.5 * full[100:200], atol=1e-9)
     np.testing.assert_allclose(part[200:], full[200:], atol=1e-9)
+    assert (np.linalg.norm(part[100:], axis=1) > 0).all()
+
+
+def test_noise_is_not_judged_from_held_vertices(torus_result):
+    """A half that an earlier run has denoised does not make the other half look clean."""
+    points, faces = noisy_torus()
+    is_done = points[:, 2] < 0
+    after = np.where(is_done[:, None], torus_result.positions, points)
+    result = denoise(after, faces, weights=~is_done)
+    assert result.noise_level == pytest.approx(torus_result.noise_level, rel=0.1)
+    assert distance_to_torus(result.positions[~is_done]) < 0.4 * distance_to_torus(points[~is_done])
 
 
 def test_a_boundary_is_held_or_faired_with_the_rest():
@@ -277,9 +288,10 @@ def test_a_plan_of_another_mesh_is_refused(torus_result):
         denoise(*meshes.icosphere(3), plan=torus_result.plan)
 
 
-def test_too_few_vertices_are_left_alone():
+@pytest.mark.parametrize("clean", ["keep", "denoise"])
+def test_too_few_vertices_are_left_alone(clean):
     vertices, faces = meshes.icosahedron()
-    result = denoise(vertices, faces)
+    result = denoise(vertices, faces, DenoiseSettings(clean=clean))
     assert np.array_equal(result.positions, vertices)
     assert "only 12 vertices" in result.notes[-1]
 

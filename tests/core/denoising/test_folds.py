@@ -1,19 +1,16 @@
-"""Folds made by noise, which are smoothed, and folds of the mesh, which stay."""
+"""Folds at spikes, which are smoothed, and folds of the mesh, which stay."""
 
 import numpy as np
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
 from adaptive_fairing.core.denoising.folds import are_folded, unfolded
-from adaptive_fairing.core.denoising.parameters import parameters
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
 FLAT, FACES = meshes.flat_grid(12, 12)
 TOPOLOGY = TriangleTopology(FACES, len(FLAT))
-LIFTED = TriangleSurface(TOPOLOGY, FLAT + np.array([0, 0, 1.0]))
+BEFORE = TriangleSurface(TOPOLOGY, FLAT)
 INSIDE = ~TOPOLOGY.on_boundary
-NEAR = np.array([0, 0, 0.2])
-WEAK, STRONG = np.full(len(FLAT), 0.1), np.full(len(FLAT), 0.5)
 CORNER = np.flatnonzero(INSIDE)[len(FLAT) // 3]
 
 
@@ -41,35 +38,24 @@ def test_a_right_angle_is_no_fold():
     assert not are_folded(TOPOLOGY, bent).any()
 
 
-def test_folds_are_smoothed_near_by_alone():
-    positions, is_down = pushed()
-    near = TriangleSurface(TOPOLOGY, positions + NEAR)
-    for before, noise in ((LIFTED, WEAK), (near, STRONG)):
-        result = unfolded(positions, before, INSIDE, noise)
-        assert not are_folded(TOPOLOGY, result).any()
-        changed = np.flatnonzero((result != positions).any(axis=1))
-        assert np.isin(changed, FACES[is_down]).all()
+def test_folds_at_spikes_are_smoothed_and_nothing_else():
+    other = np.flatnonzero(INSIDE)[10]
+    positions, is_down = pushed([CORNER, other])
+    was_spike = np.arange(len(FLAT)) == CORNER
+    result = unfolded(positions, BEFORE, was_spike, INSIDE)
+    at_spike = was_spike[FACES].any(axis=1)
+    folded = are_folded(TOPOLOGY, result)
+    assert (is_down & at_spike).any()
+    assert np.array_equal(folded, is_down & ~at_spike)
+    changed = np.flatnonzero((result != positions).any(axis=1))
+    assert np.isin(changed, FACES[is_down & at_spike]).all()
 
 
-def test_folds_of_the_mesh_itself_and_what_has_not_or_may_not_move_stay():
+def test_what_may_not_move_stays():
     positions, _ = pushed()
-    same, near = (TriangleSurface(TOPOLOGY, positions + way) for way in (0 * NEAR, NEAR))
     nowhere = np.zeros_like(INSIDE)
-    for before, may_move, noise in (
-        (same, INSIDE, STRONG),
-        (near, INSIDE, WEAK),
-        (LIFTED, nowhere, STRONG),
-    ):
-        result = unfolded(positions, before, may_move, noise)
-        assert np.array_equal(result, positions)
-
-
-def test_many_folds_are_of_noise_where_denoising_has_moved_them():
-    positions, is_down = pushed(np.flatnonzero(INSIDE)[[39, 44, 61, 83, 88]])
-    assert is_down.mean() > parameters().most_own_folds
-    near, same = (TriangleSurface(TOPOLOGY, positions + way) for way in (NEAR, 0 * NEAR))
-    assert not are_folded(TOPOLOGY, unfolded(positions, near, INSIDE, WEAK)).any()
-    assert np.array_equal(unfolded(positions, same, INSIDE, WEAK), positions)
+    result = unfolded(positions, BEFORE, np.ones_like(INSIDE), nowhere)
+    assert np.array_equal(result, positions)
 
 
 def test_no_fold_is_left_of_spikes():

@@ -8,6 +8,7 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
 from adaptive_fairing.core.denoising.mesh_parts import MeshParts, density_classes
+from adaptive_fairing.core.denoising.mixing import UNLIKE_NOISE
 from adaptive_fairing.core.denoising.noise import noisy_surface
 from adaptive_fairing.core.denoising.noise.line_roughness import LineRoughness
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
@@ -110,3 +111,48 @@ def test_an_even_mesh_is_one_class():
     everyone = np.ones(4000, dtype=bool)
     assert len(density_classes(np.zeros(4000), everyone)) == 1
     assert len(density_classes(np.linspace(0, 1, 50), everyone[:50])) == 1
+
+
+def test_specks_of_few_vertices_stay_as_they_are():
+    """What would tell their noise from their shape takes more of them."""
+    speck, speck_faces = meshes.icosahedron()
+    rough = speck * (1 + 0.3 * np.random.default_rng(0).normal(size=(len(speck), 1)))
+    points, faces = side_by_side((noisy(BALL, FACES, 0.2), FACES), (rough, speck_faces))
+    moved = (denoise(points, faces).positions != points).any(axis=1)
+    assert moved[: len(BALL)].mean() > 0.9
+    assert not moved[len(BALL) :].any()
+
+
+@pytest.fixture(scope="module")
+def two_balls():
+    """Two parts of one mesh, with a noisy surface of each."""
+    points, faces = side_by_side((BALL, FACES), (BALL, FACES))
+    surface = TriangleSurface(TriangleTopology(faces, len(points)), points)
+    return surface, MeshParts(surface, np.zeros(len(points), dtype=bool))
+
+
+def test_noise_that_is_removed_does_not_come_in_clusters(two_balls):
+    """What is removed of a shape does, also by much smaller amounts; each part by itself."""
+    surface, parts = two_balls
+    n = len(BALL)
+    numbers = np.random.default_rng(3).normal(size=2 * n)
+    near_edge = np.exp(-((np.tile(BALL[:, 0], 2) / 0.3) ** 2))
+    shape = np.where(np.arange(2 * n) < n, 1, 3 * near_edge) * numbers
+    for size in (0.05, 0.3):
+        after = surface.positions - surface.raised(size * shape)
+        noise, corners = parts.clustering(surface, after, np.full(2 * n, size))
+        assert abs(noise) < 4 / np.sqrt(n)
+        assert corners > PARAMETERS.most_clustered
+
+
+def test_what_comes_in_clusters_is_not_removed():
+    """Roughness around a belt of a ball, where noise would be everywhere."""
+    ball, faces = meshes.icosphere(4)
+    belt = np.exp(-((ball[:, :1] / 0.5) ** 2))
+    points = ball + belt * (noisy(ball, faces, 0.3) - ball)
+    found = denoise(points, faces)
+    assert np.array_equal(found.positions, points)
+    assert UNLIKE_NOISE in found.notes
+    assert found.other_readings == ("denoise",)
+    with using(replace(PARAMETERS, most_clustered=2.0)):
+        assert not np.array_equal(denoise(points, faces).positions, points)

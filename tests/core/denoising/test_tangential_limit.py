@@ -64,6 +64,17 @@ def test_vertices_go_a_fraction_of_their_way_along_the_surface():
     )
 
 
+def test_no_vertex_goes_further_along_the_surface_than_its_noise():
+    vertices, faces = SPHERE
+    along = 0.1 * np.cross([0, 0, 1.0], vertices)
+    start = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
+    noise = np.linspace(0, 0.2, len(vertices))
+    result = sliding(*SPHERE, noise).limited(0.97 * vertices + along)
+    way = result - 0.97 * vertices
+    assert np.all(np.linalg.norm(way, axis=1) <= noise * start.spacing + 1e-3)
+    assert np.linalg.norm(along, axis=1).max() > 0.4 * start.spacing.max()
+
+
 def test_what_was_folded_before_is_not_judged():
     vertices, faces = SPHERE
     folded = slid(vertices, faces)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...mesh.normals import dots
-from ...runtime.arrays import BoolArray, FloatArray
+from ...runtime.arrays import FloatArray
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 
@@ -84,14 +84,3 @@ class LineRoughness:
         passing = lines.passing(positions)
         self.least = np.abs(lines.least_deviation(positions, passing))
         self.least_of_noise = np.abs(lines.least_deviation(frame.raised(noise), passing))
-
-    def level(self, is_counted: BoolArray, quantile: float = 0.5) -> float:
-        """Return the standard deviation of noise that is as rough, in local edge lengths.
-
-        An upper bound of the noise, for at least one vertex of `is_counted`, (n,), inside the
-        surface.  A higher `quantile` tells how rough the roughest part of the vertices is.
-        """
-        return float(
-            np.quantile(self.least[is_counted], quantile)
-            / np.median(self.least_of_noise[is_counted])
-        )

@@ -3,8 +3,9 @@
 The automatic method adds a little noise of its own to measure what the filters do with noise.
 Numbers from a generator would go with the numbering of the vertices, so that a turned or renumbered
 mesh would get other ones.  Here each vertex gets its number from lengths around it and from its
-distances to the principal planes of the mesh, which no turn, reflection, renumbering or reversal of
-the faces changes.
+distance to the centre of the mesh, which no turn, reflection, renumbering or reversal of the faces
+changes.  And a mesh that is a little different gets a little different numbers, so that rounding
+does not choose the result.
 """
 
 from __future__ import annotations
@@ -16,14 +17,17 @@ from ...mesh.normals import dots
 from ...runtime.arrays import FloatArray
 from ..triangle_surface import TriangleSurface
 
-# Turns of the phase per local edge length.  Noise of 0.05 of an edge moves the phase by several
-# turns, so neighbours are not alike; rounding to single precision moves it by a thousandth.
-TURNS = (61.0, 37.0 * np.sqrt(2))
-TURNS_FROM_PLANES = (31.0 * np.sqrt(3), 29.0 * np.sqrt(5), 23.0 * np.sqrt(7))
-MIXING = 13.0
+# Turns of the phase per local edge length, from lengths around a vertex.  Noise of 0.1 of an edge
+# moves the phase by some turns, so neighbours are not alike; jitter of 0.0001 by some thousandths.
+TURNS = (24.0, 15.0 * np.sqrt(2))
+# Turns per squared edge length, from the distance to the centre.  Where a mesh is exactly regular,
+# the lengths around its vertices are all the same.  The square makes waves of all lengths; a phase
+# that is linear in the position would be one wave on a lattice.
+TURNS_FROM_CENTRE = 0.02 * np.sqrt(3)
 
-# Different numbers for different uses: added to the turns.
-PROBE, WHITE_NOISE, LINE_NOISE = 0.0, 7.3, 12.9
+# Different numbers for different uses: so many times the turns.  Fewest for the probe, which
+# decides what is mixed; noise to compare with must be even everywhere.
+PROBE, WHITE_NOISE, LINE_NOISE, SEEDS = 1.0, 4.3, 3.1, 9.7
 
 
 class OwnNumbers:
@@ -50,17 +54,12 @@ class OwnNumbers:
         spread = square + frame.mean @ square - 2 * dots(centred, around)
         self._to_middle = np.linalg.norm(centred - around, axis=1) / frame.spacing
         self._spread = spread / frame.spacing**2
-        # Where a mesh is exactly regular, the lengths around its vertices are all the same.
-        # Products, because a phase that is linear in the position would be a wave on a lattice.
-        _, axes = np.linalg.eigh(centred[used].T @ centred[used])
-        from_planes = np.abs(centred @ axes) * TURNS_FROM_PLANES / np.mean(frame.spacing[used])
-        waves = np.abs(2 * (from_planes - np.floor(from_planes)) - 1)
-        self._waves = MIXING * np.einsum("nk,nk->n", waves, np.roll(waves, 1, axis=1))
+        self._from_centre = square / np.mean(frame.spacing[used]) ** 2
 
     def phases(self, use: float) -> FloatArray:
-        """Return numbers in [0, 1), (n,), for `PROBE`, `WHITE_NOISE` or `LINE_NOISE`."""
-        turns = (TURNS[0] + use) * self._to_middle + (TURNS[1] + use) * self._spread
-        turns += self._waves
+        """Return numbers in [0, 1), (n,), for `PROBE`, `WHITE_NOISE`, `LINE_NOISE` or `SEEDS`."""
+        turns = TURNS[0] * self._to_middle + TURNS[1] * self._spread
+        turns = use * (turns + TURNS_FROM_CENTRE * self._from_centre)
         phases: FloatArray = turns - np.floor(turns)
         return phases
 

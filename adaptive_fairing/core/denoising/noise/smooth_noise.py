@@ -200,6 +200,13 @@ def band_heights(positions: FloatArray, frame: TriangleSurface) -> FloatArray:
     return np.stack(found)
 
 
+def band_height(positions: FloatArray, frame: TriangleSurface, low: int, high: int) -> FloatArray:
+    """Heights along the normals of the band between two numbers of passes, (n,)."""
+    near = frame.spread(positions, low)
+    band = near - frame.spread(near, high - low)
+    return frame.along_normal(band - frame.spread(band, high))
+
+
 def local_strengths(
     heights: FloatArray, frame: TriangleSurface, is_counted: BoolArray
 ) -> FloatArray:

@@ -32,9 +32,10 @@ def levels(points, smooth, faces):
     frame = TriangleSurface(topology, smooth)
     inside = ~topology.on_boundary
     model = noise_model(roughness(points, frame), inside)
+    lines = NoisySurface(points, frame).lines
     return (
         np.median(model.level(frame.spacing)[inside]),
-        NoisySurface(points, frame).lines.level(inside),
+        np.median(lines.least[inside]) / np.median(lines.least_of_noise[inside]),
     )
 
 

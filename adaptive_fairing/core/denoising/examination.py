@@ -1,0 +1,99 @@
+"""Examination of a mesh before a run: its noise, what it is made of, what is wrong with it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ..linalg.conjugate_gradients import SolveReport
+from ..problem.caller_mesh import CallerMesh
+from ..problem.diagnosis import MeshProblems, find_problems
+from ..problem.mesh_counts import MeshCounts, mesh_counts
+from ..problem.prepared_mesh import PreparedMesh
+from .noise.level import beyond_clean
+from .noise_verdict import noise_verdict
+from .progress import DenoiseProgress, ProgressReport
+from .settings import DenoiseSettings
+from .stage import Stage
+
+
+class Examination(NamedTuple):
+    """What `denoise` would find in a mesh, and what is wrong with it.
+
+    Attributes
+    ----------
+    noise_level, noise_length : float
+        As in `DenoiseResult`.
+    is_clean : bool
+        Whether there is nothing to remove.
+    notes : tuple of str
+        What the roughness is taken for, where there is more to say than its size.
+    counts : MeshCounts
+    problems : MeshProblems
+    """
+
+    noise_level: float
+    noise_length: float
+    is_clean: bool
+    notes: tuple[str, ...]
+    counts: MeshCounts
+    problems: MeshProblems
+
+
+def examine(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    settings: DenoiseSettings | None = None,
+    *,
+    progress: Callable[[DenoiseProgress], None] | None = None,
+) -> Examination:
+    """Measure the noise of a mesh without removing it, and count what it is made of.
+
+    This is what `denoise` does before it filters.  Having filtered, it may still find that what it
+    would remove is not like noise.
+
+    Parameters
+    ----------
+    vertices : (n, 3) float
+    faces : (m, 3) int
+    settings : DenoiseSettings, optional
+    progress : callable, optional
+        As of `denoise`.
+
+    Raises
+    ------
+    InputError
+        As `denoise`.
+    """
+    settings = settings or DenoiseSettings()
+    mesh = CallerMesh.checked(vertices, faces)
+    prepared = PreparedMesh.of(mesh)
+    surface, frame = prepared.surface, prepared.frame(mesh.points, "box")
+    report = ProgressReport(progress, has_plan=False)
+    report.begin("noise")
+
+    def on_solve(_solve: SolveReport) -> None:
+        report.again()
+
+    stage = Stage(surface.topology, frame.inward(mesh.points), surface.is_cut, on_solve)
+    verdict = noise_verdict(stage, settings.strength, settings.clean)
+    noise = verdict.level
+    is_clean = not (verdict.impulsive.any() or beyond_clean(settings.strength * noise).any())
+    if not is_clean:
+        correlation = verdict.correlation
+        noise = noise / correlation.seen * correlation.deviation
+    found, spacing = noise > 0, verdict.stage.frame.spacing
+    level, length = (
+        float(np.median(each[found])) if found.any() else 0.0 for each in (noise, noise * spacing)
+    )
+    return Examination(
+        noise_level=level,
+        noise_length=length / frame.scale,
+        is_clean=is_clean,
+        notes=verdict.notes,
+        counts=mesh_counts(mesh.triangles),
+        problems=find_problems(mesh.points, mesh.triangles),
+    )

@@ -1,0 +1,87 @@
+"""Noise whose width was told: its correlation is known, and its level alone is estimated.
+
+Noise of width w is alike by exp(-r² / w²) at a distance of r edges, as white noise is after
+w² - 1 averages half with the neighbours.
+
+Contrasts that see such noise best are differences between averages that are narrower than it, and
+hinges.  Each is an upper bound of the level, as everywhere (`noise.contrast`): shape, and finer
+noise, only add to it.  Nothing else is asked: what is told to be noise is not judged.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..runtime.arrays import BoolArray, FloatArray
+from .noise.contrast import hinges
+from .noise.noisy_surface import NoisySurface
+from .noise.smooth_noise import band_height
+from .noise_correlation import NoiseCorrelation
+from .noise_verdict import NoiseVerdict
+from .parameters import parameters
+from .stage import Stage
+from .triangle_surface import TriangleSurface
+
+
+def verdict_of_width(stage: Stage, width: float) -> NoiseVerdict:
+    """Take noise of a width, in edges, for all that there is.
+
+    Parameters
+    ----------
+    stage : Stage
+    width : float
+        Distance in edges at which the noise is alike by 1 / e; 1 for white noise.
+    """
+    noisy, counted = stage.noisy, stage.parts.is_counted
+    frame, passes = noisy.frame, passes_of_width(width)
+    noise = frame.spread(noisy.fading.white * frame.spacing, passes) / frame.spacing
+    level = np.zeros(len(counted))
+    deviation = 1.0
+    if counted.any():
+        deviation = float(np.std(noise[counted]))
+        size = _least_size(noisy, noise / deviation, counted, passes)
+        # What is taken off for clean meshes is added first.
+        level[counted] = (size**4 + parameters().clean_roughness ** 4) ** 0.25
+    correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
+    return NoiseVerdict(stage, level, correlation, np.zeros(len(counted)), level, ())
+
+
+def passes_of_width(width: float) -> int:
+    """Averages half with the neighbours that give white noise a width of some edges."""
+    return round(max(width, 1.0) ** 2 - 1)
+
+
+def _least_size(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, passes: int) -> float:
+    """Least standard deviation that the contrasts of a surface allow noise of one shape.
+
+    In local edge lengths, from that noise with a standard deviation of 1, (n,).
+    """
+    frame, quantile = noisy.frame, parameters().quantile_of_hinges
+    raised = frame.raised(noise)
+    bent = noisy.hinges.among(counted).value
+    bent_of_noise = hinges(frame.positions + raised, frame).among(counted).value
+    bands, bands_of_noise = (
+        [np.abs(each)[counted] for each in _bands(positions, frame, passes)]
+        for positions in (noisy.positions, raised)
+    )
+    narrow, wide, of_hinges = (
+        np.quantile(found, quantile) / max(np.quantile(expected, quantile), 1e-12)
+        if len(found)
+        else np.inf
+        for found, expected in zip((*bands, bent), (*bands_of_noise, bent_of_noise), strict=True)
+    )
+    # Both bands have all of the noise, and the narrow one this part of what the wide has of shape.
+    of_shape = parameters().narrow_of_shape ** 2
+    variance = max((narrow**2 - of_shape * wide**2) / (1 - of_shape), 0.0)
+    least = parameters().least_of_narrow * narrow
+    return float(min(max(np.sqrt(variance), least), of_hinges))
+
+
+def _bands(
+    positions: FloatArray, frame: TriangleSurface, passes: int
+) -> tuple[FloatArray, FloatArray]:
+    """Heights of a band narrower than noise of some passes, and of a wider one, (n,) each."""
+    typical = max(passes, 1)
+    bounds = (passes // 4, max(1, passes // 2)), (typical, 2 * typical)
+    narrow, wide = (band_height(positions, frame, low, high) for low, high in bounds)
+    return narrow, wide

@@ -1,0 +1,54 @@
+"""Weights on a part of a mesh: what is filtered and what is judged for it.
+
+The noise is judged from the vertices that may move alone: next to them an earlier run may have
+removed it.  Measured on 41,000 vertices, of which 1 % were denoised after their neighbours: judged
+with 4 rings around them, the noise was found to be 20 to 95 % of what it was; from them alone 99
+to 101 %.
+"""
+
+from __future__ import annotations
+
+from ..problem.problem import Margin, SolverProblem
+from ..problem.region import rings_around
+from ..runtime.arrays import BoolArray
+from .plan import DenoisePlan
+
+# Filters go on around a part so far that its rim does not show in it. On a noisy torus 1.68, 1.32,
+# 1.02 and 1.07 of the error of the whole run were left with 4, 8, 12 and 16 rings.
+FILTERED = Margin(12)
+
+# With the plan of a whole mesh nothing else differs from a run on the whole: 2 to 4 % of what is
+# removed at so many rings, 3 to 7 % at 8, 18 to 24 % at 4.
+FILTERED_AS_PLANNED = Margin(16)
+
+# Of noise whose width was told, so many rings for each edge of it.
+RINGS_OF_WIDTH = 4
+
+# The ring that `rings_around` leaves out is the first one.  Fewer vertices would tell little.
+JUDGED = Margin(1, 300)
+
+
+def filtered(width: str | float, plan: DenoisePlan | None) -> Margin | None:
+    """How far filters go on around a part, for noise of a width; None for the whole mesh.
+
+    A plan that goes by a coarse level needs all of it.
+    """
+    if plan is not None:
+        return FILTERED_AS_PLANNED if plan.level is None else None
+    if width == "auto":
+        return FILTERED
+    return Margin(max(FILTERED.n_rings, round(RINGS_OF_WIDTH * float(width))))
+
+
+def not_judged(problem: SolverProblem) -> BoolArray:
+    """Find the vertices that noise and risk are not judged from, besides those of the boundary.
+
+    Returns
+    -------
+    (n,) bool
+        Those on cuts, and those that weights of 0 keep where they are, but for a few around.
+    """
+    is_cut, moves = problem.frame.surface.is_cut, problem.weights > 0
+    if moves.all():
+        return is_cut
+    return is_cut | ~rings_around(problem.space.topology, moves, *JUDGED)
