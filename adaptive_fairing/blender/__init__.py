@@ -14,6 +14,8 @@ def _modules() -> tuple[ModuleType, ...]:
     from .data import record_properties
     from .operators import (
         animate,
+        brush,
+        check,
         compare,
         fair,
         fair_attribute,
@@ -23,6 +25,7 @@ def _modules() -> tuple[ModuleType, ...]:
         measure,
         mesh_scale,
         modal_run,
+        painting,
         readings,
         results,
         select_problems,
@@ -32,6 +35,7 @@ def _modules() -> tuple[ModuleType, ...]:
     )
     from .ui import (
         attribute_panel,
+        check_panel,
         colors_panel,
         manual,
         menus,
@@ -39,6 +43,7 @@ def _modules() -> tuple[ModuleType, ...]:
         results_panel,
         sequence_panel,
         settings_panel,
+        split_line,
         translations,
     )
 
@@ -53,7 +58,9 @@ def _modules() -> tuple[ModuleType, ...]:
         modal_run,
         readings,
         fair,
+        brush,
         fair_attribute,
+        painting,
         results,
         loop_subdivide,
         select_problems,
@@ -62,13 +69,16 @@ def _modules() -> tuple[ModuleType, ...]:
         material,
         animate,
         compare,
+        check,
         sequence,
         presets,
         settings_panel,
         attribute_panel,
+        check_panel,
         sequence_panel,
         colors_panel,
         results_panel,
+        split_line,
         menus,
         manual,
         command,

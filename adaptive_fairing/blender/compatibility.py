@@ -75,6 +75,21 @@ def weight_paint_settings(context: bpy.types.Context) -> bpy.types.UnifiedPaintS
     )
 
 
+def sculpt_brush_radius(context: bpy.types.Context) -> tuple[float, bool]:
+    """Give the radius of the brush in Sculpt Mode, and whether it is a length, not in pixels.
+
+    Since Blender 5.0 the size is the diameter, and every mode has settings of its own.
+    """
+    tools = context.tool_settings
+    unified = getattr(tools, "unified_paint_settings", None) or tools.sculpt.unified_paint_settings
+    brush = tools.sculpt.brush
+    owner = unified if brush is None or unified.use_unified_size else brush
+    is_diameter = hasattr(owner, "unprojected_size")
+    if owner.use_locked_size == "SCENE":
+        return (owner.unprojected_size / 2 if is_diameter else owner.unprojected_radius), True
+    return owner.size / 2 if is_diameter else owner.size, False
+
+
 def show_scene(scene: bpy.types.Scene) -> None:
     """Make a scene that of the present window, if there is one.
 

@@ -34,21 +34,21 @@ class FairingPreferences(bpy.types.AddonPreferences):
 
     algorithm: EnumProperty(
         name="Algorithm",
-        description="What the panel of a new file is set to, and now that of this one",
+        description="Settings that the panel has in a new file, and from now on in this one",
         items=ALGORITHMS,
         default=DENOISE,
         update=_set_in_all_scenes("algorithm"),
     )
     result: EnumProperty(
         name="Result",
-        description="What Denoise gives an object in a new file, and now in this one",
+        description="Result that Denoise gives in a new file, and from now on in this one",
         items=RESULTS,
         default=LIVE,
         update=_set_in_all_scenes("result"),
     )
     threads: IntProperty(
         name="Threads",
-        description="Processors that a run may use; 0 takes all, but at most 8",
+        description="Number of processor cores that a run may use; 0 uses all, but at most 8",
         default=0,
         min=0,
         soft_max=16,

@@ -42,11 +42,13 @@ class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.Propert
 SOLVER_NAMES = tuple(SolverProperties.__annotations__)
 OUTPUT_NAMES = tuple(OutputProperties.__annotations__)
 
-DENOISE_NAMES = ("strength", "features", "boundary", "clean", "max_deviation")
+DENOISE_NAMES = ("strength", "features", "boundary", "clean", "width", "max_deviation")
 """Settings of `denoise`, by their names in `DenoiseSettings`."""
 
 FAIRING_NAMES = tuple(
-    name for name in SOLVER_NAMES if name not in ("algorithm", "strength", "features", "clean")
+    name
+    for name in SOLVER_NAMES
+    if name not in ("algorithm", "strength", "features", "clean", "width")
 )
 """Settings of `fair`, by their names in `FairingSettings`; there the scheme is the method."""
 
@@ -104,6 +106,11 @@ def uses_tau(properties: SolverProperties) -> bool:
     return properties.use_tau or is_implied
 
 
+def has_width(properties: SolverProperties) -> bool:
+    """Whether the width of the noise was given, and is not to be found by itself."""
+    return properties.width >= 1
+
+
 def in_object_units(
     settings: DenoiseSettings | FairingSettings, obj: bpy.types.Object
 ) -> DenoiseSettings | FairingSettings:
@@ -121,10 +128,12 @@ def _is_given(properties: SolverProperties, name: str) -> bool:
 
 
 def _values(properties: SolverProperties, names: tuple[str, ...]) -> dict[str, object]:
-    """Read settings; 0 is none where 0 has no other meaning."""
+    """Read settings; 0 is none where 0 has no other meaning, and a width below 1 none at all."""
     values = {name: _typed(getattr(properties, name)) for name in names}
     for name in {"max_deviation", "stop_curvature", "stop_rate"} & values.keys():
         values[name] = values[name] or None
+    if "width" in values and not has_width(properties):
+        values["width"] = "auto"
     return values
 
 

@@ -33,7 +33,8 @@ class SolverProperties:
     strength: FloatProperty(
         name="Strength",
         description=(
-            "Factor of the noise that is estimated: more if noise is left, less if details go"
+            "Factor of the estimated noise: raise it if noise is left, lower it if details "
+            "disappear"
         ),
         default=1.0,
         min=0.01,
@@ -48,11 +49,24 @@ class SolverProperties:
         translation_context=CONTEXT,
         description="Whether the smoothing keeps sharp edges",
         items=(
-            ("auto", "Automatic", "Decide in every part of the mesh what fits better"),
+            ("auto", "Automatic", "Decide for every part of the mesh"),
             ("sharp", "Keep Sharp", "The mesh has sharp edges, which stay where they can"),
             ("smooth", "Smooth", "The mesh has no sharp edges: what looks like one is noise"),
         ),
         default="auto",
+    )
+    width: FloatProperty(
+        name="Noise Size",
+        description=(
+            "Distance in edges over which the noise is alike, about half the size of its bumps: 1 "
+            "if it differs from vertex to vertex, up to 16. Below 1 it is found by itself; a size "
+            "that is given is removed, whatever it looks like"
+        ),
+        default=0.0,
+        min=0.0,
+        max=16.0,
+        step=50,
+        precision=1,
     )
     clean: EnumProperty(
         name="Clean Meshes",
@@ -62,9 +76,10 @@ class SolverProperties:
             (
                 "detail",
                 "Keep Fine Detail",
-                "The same, and keep what looks like the smooth noise of a scanner: it is detail",
+                "The same, and keep what looks like the smooth noise of a scanner, because it is "
+                "detail",
             ),
-            ("denoise", "Denoise", "Take all that is rough for noise"),
+            ("denoise", "Denoise", "Treat all roughness as noise"),
         ),
         default="keep",
     )
@@ -84,8 +99,8 @@ class SolverProperties:
     use_tau: BoolProperty(
         name="τ of the Paper",
         description=(
-            "Give the time of a step as the paper does, in place of the radius: what it does to a "
-            "mesh depends on how dense the mesh is"
+            "Give the time of a step, as the paper does, instead of the radius. Its effect depends "
+            "on how dense the mesh is"
         ),
         default=False,
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 pytestmark = pytest.mark.app
@@ -182,6 +183,14 @@ def test_the_mask_brings_the_original_back_in_one_undo_step(app):
     assert seen["masked"]
     assert seen["rest"]
     assert seen["after undo"] == {"mode": "SCULPT", "same": True, "mask": 1.0}
+
+
+def test_in_sculpt_mode_stroke_slider_and_before_are_steps_of_the_history(app):
+    seen = app.play("sculpt_history")
+    assert seen["forward"] == [1, 2, 3, 4]
+    assert seen["back"] == [3, 2, 1]
+    assert seen["again"] == [2, 3, 4]
+    assert seen["mode"] == "SCULPT"
 
 
 def test_without_undo_a_run_is_asked_for(app):
@@ -370,3 +379,46 @@ def test_the_pictures_of_the_manual_can_be_taken_again(app):
     assert len(checksums) == len(different)
     for name in seen["pictures"]:
         assert (app.directory / "manual" / f"manual-{name}.png").is_file()
+
+
+def test_a_comparison_lies_side_by_side_in_the_default_view(app):
+    seen = app.play("comparison")
+    boxes, labels = np.array(seen["boxes"]), np.array(seen["labels"])
+    assert (boxes[1:, 0, 0] > boxes[:-1, 1, 0]).all(), "no copy covers its neighbour"
+    assert (labels[1:, 0, 0] > labels[:-1, 1, 0]).all()
+    assert (labels[:, 1, 1] < boxes[:, 0, 1]).all(), "the labels are below"
+    everything = np.concatenate([boxes, labels])
+    assert (everything >= 0).all()
+    assert (everything <= seen["size"]).all()
+
+
+def test_a_check_changes_nothing_and_shows_what_it_finds(app):
+    seen = app.play("check")
+    assert seen["unchanged"] == [True, True]
+    pictures = [seen["pictures"][f"check-{name}"]["UI"] for name in ("running", "ended", "found")]
+    assert len({each["checksum"] for each in pictures}) == 3
+
+
+def test_the_line_of_a_split_can_be_seen_and_dragged(app):
+    seen = app.play("split_line")
+    assert seen["half"] == pytest.approx(0.5, abs=0.1)
+    assert seen["dragged"] > seen["half"] + 0.1
+    assert seen["dragged"] < 1
+    assert seen["selected"], "the drag has not selected anything else"
+    assert seen["after undo"] == pytest.approx(seen["half"], abs=0.001)
+
+
+def test_painting_back_shows_the_surface_and_a_key_swaps_the_weights(app):
+    seen = app.play("painting")
+    before, painting, after = seen["opacities"]
+    assert painting < 0.5 < before == after
+    assert seen["weights"] == [0.0, 1.0, 0.0]
+    assert seen["mask back"] == [False, True], "only with a mask"
+
+
+def test_a_key_denoises_what_is_under_the_brush_in_sculpt_mode(app):
+    seen = app.play("brush")
+    assert seen["mode"] == "SCULPT"
+    assert 0.001 < seen["moved"] < 0.2
+    assert seen["in front"] > 0.5, "around the pointer, in the middle of the ball of radius 1"
+    assert seen["after undo"] == ["SCULPT", True]

@@ -40,7 +40,8 @@ def state(obj):
         "rendered": mesh.attributes.default_color_name,
         "attribute": mesh.attributes.active_index,
         "names": sorted(name for name in mesh.attributes.keys() if "offset" not in name),
-        "custom": sorted(mesh.keys()),
+        # Before Blender 5.0 the extension's own record is among them.
+        "custom": sorted(set(mesh.keys()) - {"adaptive_fairing"}),
         "slots": [(slot.link, slot.material) for slot in obj.material_slots],
         "of the mesh": list(mesh.materials),
         "materials": sorted(each.name for each in bpy.data.materials),

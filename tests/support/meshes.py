@@ -5,6 +5,8 @@ int32 triangles of shape ``(n_triangles, 3)``, counter-clockwise seen from outsi
 flat ones).
 """
 
+from bisect import insort
+
 import numpy as np
 from scipy.spatial import ConvexHull
 
@@ -296,27 +298,40 @@ def _flip_random_edges(
     faces: np.ndarray, n_vertices: int, n_tries: int, generator: np.random.Generator
 ) -> np.ndarray:
     """Flip random inner edges where the mesh stays simplicial and inner valences in 3 ... 10."""
-    faces = faces.copy()
-    border = set(boundary_vertices(faces).tolist())
+    corners = faces.tolist()
+    faces_of: dict[tuple[int, int], list[int]] = {}
+    for row, side in enumerate(map(tuple, _sides(faces).tolist())):
+        faces_of.setdefault(side, []).append(row % len(faces))
+    valence = np.bincount(np.ravel(list(faces_of)), minlength=n_vertices).tolist()
+    inner = sorted(side for side, pair in faces_of.items() if len(pair) == 2)
+    border = {vertex for side, pair in faces_of.items() if len(pair) == 1 for vertex in side}
     for _ in range(n_tries):
-        edges, edge_of, counts = np.unique(
-            _sides(faces), axis=0, return_inverse=True, return_counts=True
+        chosen = inner[generator.integers(len(inner))]
+        sides = sorted(
+            (k, face)
+            for face in faces_of[chosen]
+            for k in range(3)
+            if corners[face][k - 1] not in chosen
         )
-        edge_of = edge_of.reshape(3, -1)
-        valence = np.bincount(edges.ravel(), minlength=n_vertices)
-        known = {tuple(edge) for edge in edges.tolist()}
-        chosen = generator.choice(np.flatnonzero(counts == 2))
-        sides, pair = np.nonzero(edge_of == chosen)
-        (a, b, c), (_, _, d) = (np.roll(faces[f], -s) for f, s in zip(pair, sides, strict=True))
+        (a, b, c), (_, _, d) = (corners[face][k:] + corners[face][:k] for k, face in sides)
+        across = (min(c, d), max(c, d))
         if (
-            tuple(sorted((c, d))) in known
-            or any(valence[vertex] <= (2 if vertex in border else 3) for vertex in (a, b))
+            across in faces_of
+            or any(valence[vertex] <= (2 if vertex in border else 3) for vertex in chosen)
             or max(valence[c], valence[d]) >= 10
         ):
             continue
-        faces[pair[0]] = (a, d, c)
-        faces[pair[1]] = (d, b, c)
-    return faces
+        (_, first), (_, second) = sides
+        corners[first], corners[second] = [a, d, c], [d, b, c]
+        for side, old, new in (((b, c), first, second), ((a, d), second, first)):
+            pair = faces_of[min(side), max(side)]
+            pair[pair.index(old)] = new
+        faces_of[across] = faces_of.pop(chosen)
+        inner.remove(chosen)
+        insort(inner, across)
+        for vertex, change in ((a, -1), (b, -1), (c, 1), (d, 1)):
+            valence[vertex] += change
+    return np.array(corners, dtype=faces.dtype)
 
 
 def _on_sphere(corners: list[tuple[float, float, float]]) -> np.ndarray:

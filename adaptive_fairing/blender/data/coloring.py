@@ -40,7 +40,7 @@ def color_by_field(
     """
     mesh, record = obj.data, obj.adaptive_fairing
     if mesh.library is not None:
-        raise InputError(rpt_("the mesh is linked from another file: make it local to colour it"))
+        raise InputError(rpt_("the mesh is linked from another file: make it local to color it"))
     found = measure_field(obj, field, settings)
     low, high = field_range(field, found.values)
     anchors = DIVERGING_ANCHORS if field in SIGNED_FIELDS else ANCHORS

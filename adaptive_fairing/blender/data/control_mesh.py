@@ -7,11 +7,10 @@ from contextlib import contextmanager
 
 import bpy
 
+from .display import display_of
 from .key_copies import copy_settings
-from .mesh_arrays import is_shared, write_positions
-from .record_functions import remember_coordinates
-from .shape_keys import mixed_keys, show_time
-from .stored_offsets import forget_weights, has_result, shown_by, write_shown
+from .mesh_arrays import is_shared
+from .paint_group import forget_weights
 from .vertex_groups import read_groups, same_groups, write_groups
 
 CONTROL = "CONTROL"
@@ -19,9 +18,15 @@ LEVELS = {"LIMIT": 0, "REFINED_1": 1, "REFINED_2": 2, "REFINED_3": 3}
 """Steps of refinement by surface; without any the vertices move to their limit points."""
 
 
+def has_control(obj: bpy.types.Object) -> bool:
+    """Whether an object has another mesh than the control mesh of its result."""
+    return obj.adaptive_fairing.control not in (None, obj.data)
+
+
 def is_refined(obj: bpy.types.Object) -> bool:
-    """Whether an object shows its result on another mesh than the control mesh."""
-    return obj.adaptive_fairing.control not in (None, obj.data) and has_result(obj)
+    """Whether an object shows its result on another mesh than the control mesh, as it was made."""
+    display = display_of(obj)
+    return has_control(obj) and display.is_whole and not display.has_strokes
 
 
 @contextmanager
@@ -31,18 +36,19 @@ def control_read(obj: bpy.types.Object) -> Iterator[None]:
     if not is_refined(obj):
         yield
         return
-    refined, checksum = obj.data, record.checksum
+    refined = obj.data
     take_control(obj)
     try:
         yield
     finally:
-        record.control, obj.data, record.checksum = obj.data, refined, checksum
+        record.control, obj.data = obj.data, refined
         forget_weights()
 
 
 def take_control(obj: bpy.types.Object) -> None:
     """Put the control mesh in place of the refined one, which is left as it is."""
-    refined, record = obj.data, obj.adaptive_fairing
+    refined, record, display = obj.data, obj.adaptive_fairing, display_of(obj)
+    place = display.place if display.is_whole else None
     groups = read_groups(obj)
     if is_shared(record.control):  # a copy of the object has the same one
         record.control = record.control.copy()
@@ -58,21 +64,9 @@ def take_control(obj: bpy.types.Object) -> None:
             control.materials.append(material)
     if control.shape_keys is not None and refined.shape_keys is not None:
         copy_settings(refined.shape_keys, control.shape_keys)
-    show_again(obj)
-
-
-def show_again(obj: bpy.types.Object) -> None:
-    """Bring the coordinates of the mesh that an object has now to what its record says."""
     forget_weights()
-    record, keys = obj.adaptive_fairing, obj.data.shape_keys
-    if record.result == "LIVE":
-        write_shown(obj, shown_by(obj))
-    elif record.result == "MODIFIER":
-        remember_coordinates(record)
-    elif not keys.use_relative:
-        show_time(keys, keys.eval_time)
-    else:
-        write_positions(obj.data, mixed_keys(keys))
+    if place is not None:
+        display_of(obj).show(place)
 
 
 def net_fingerprint(mesh: bpy.types.Mesh) -> str:

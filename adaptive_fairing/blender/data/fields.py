@@ -16,9 +16,9 @@ from ...core.runtime.arrays import FloatArray
 from ...core.surface.refined_net import RefinedNet
 from .color_map import CURVATURE_FIELDS
 from .control_mesh import LEVELS, control_read, is_refined
+from .display import display_of
 from .mesh_arrays import read_positions, read_triangles
 from .refined_object import control_surface
-from .results import original_positions, shown_positions
 
 
 class Field(NamedTuple):
@@ -76,7 +76,7 @@ def field_values(
         known, which displacement and what was removed are measured from.
     """
     if field == "DISPLACEMENT":
-        return np.linalg.norm(shown_positions(obj) - _positions_before(obj), axis=1)
+        return np.linalg.norm(display_of(obj).shown() - _positions_before(obj), axis=1)
     shown, triangles = _surface_shown(obj)
     if field == "DENSITY":
         return shown_density(shown, triangles, settings)
@@ -93,12 +93,12 @@ def _surface_shown(obj: bpy.types.Object) -> tuple[FloatArray, NDArray[np.int32]
     triangles = read_triangles(obj.data)
     if not len(triangles):
         raise InputError("the mesh has no faces: there is no surface to look at")
-    return shown_positions(obj).astype(np.float64), triangles
+    return display_of(obj).shown().astype(np.float64), triangles
 
 
 def _positions_before(obj: bpy.types.Object) -> FloatArray:
     """Read the shape before the runs, (n, 3); the mesh's own if there was none."""
-    original = original_positions(obj)
+    original = display_of(obj).original()
     if original is None:
         if obj.adaptive_fairing.shapes:
             raise InputError(rpt_("the shape before the smoothing was not kept"))
@@ -114,7 +114,7 @@ def _curvatures(obj: bpy.types.Object) -> FloatArray:
     levels = LEVELS[obj.adaptive_fairing.surface] if is_refined(obj) else 0
     with control_read(obj):
         cut = control_surface(obj.data)
-        positions = shown_positions(obj).astype(np.float64)[cut.vertex_of]
+        positions = display_of(obj).shown().astype(np.float64)[cut.vertex_of]
     values = LimitSurface.from_levels(cut.levels, positions).refined_curvature(levels)
     return RefinedNet(cut, levels).joined(values.T).T
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zlib
 from dataclasses import dataclass
 
 import bpy
@@ -114,6 +115,11 @@ def write_positions(mesh: bpy.types.Mesh, positions: ArrayLike) -> None:
     """
     mesh.attributes["position"].data.foreach_set("vector", flat_float32(positions, mesh))
     mesh.update()
+
+
+def checksum(positions: NDArray[np.float32]) -> str:
+    """Tell coordinates from any others; text, since properties hold no unsigned numbers."""
+    return f"{len(positions)}-{zlib.crc32(np.ascontiguousarray(positions))}"
 
 
 def flat_float32(positions: ArrayLike, mesh: bpy.types.Mesh) -> NDArray[np.float32]:

@@ -58,14 +58,13 @@ def remove(obj: bpy.types.Object) -> None:
 
 
 def remove_marked(obj: bpy.types.Object, mark: str) -> None:
-    """Remove what `find_marked` finds, and its nodes if nobody else uses them."""
+    """Remove what `find_marked` finds, and nodes of that kind that nobody uses any more."""
     modifier = find_marked(obj, mark)
-    if modifier is None:
-        return
-    nodes = modifier.node_group
-    obj.modifiers.remove(modifier)
-    if nodes.users == 0:
-        bpy.data.node_groups.remove(nodes)
+    if modifier is not None:
+        obj.modifiers.remove(modifier)
+    for nodes in list(bpy.data.node_groups):
+        if mark in nodes and nodes.users == 0:
+            bpy.data.node_groups.remove(nodes)
 
 
 def strength_of(obj: bpy.types.Object) -> float:

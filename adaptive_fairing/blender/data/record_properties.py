@@ -13,10 +13,11 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import modifier
-from .field_attributes import COMPARED_FIELDS
-from .record_functions import N_STRENGTHS, NOT_HELD, evolution_keys
-from .stored_offsets import is_current, shown_by, write_shown
+from .display import display_of
+from .offset_display import N_STRENGTHS
+from .record_functions import NOT_HELD, show_at
+from .sculpt_undo import keep_slide
+from .shape_keys import last_step
 
 LARGEST_STRENGTH = 200.0
 N_SWATCHES = 5
@@ -64,54 +65,41 @@ class FairingSlotBefore(bpy.types.PropertyGroup):
     material: PointerProperty(type=bpy.types.Material, description="Of the slot of the object")
 
 
-def _shown_evolution(record: FairingRecord) -> float:
-    keys = evolution_keys(record.id_data)
-    if keys is None:
+def _evolution(record: FairingRecord) -> float:
+    display = display_of(record.id_data)
+    if display.slider != "evolution" or not display.is_whole:
         return 0.0
-    last = keys.key_blocks[-1].frame
-    return min(max(keys.eval_time / last, 0.0), 1.0) if last > 0 else 0.0
+    return display.place / last_step(record.id_data.data.shape_keys)
 
 
-def _show_evolution(record: FairingRecord, value: float) -> None:
-    keys = evolution_keys(record.id_data)
-    if keys is not None and record.id_data.mode != "EDIT":
-        from .shape_keys import show_time  # needs the core, which enabling the add-on does not load
-
-        record.held = NOT_HELD
-        show_time(keys, value * keys.key_blocks[-1].frame)
-        _color_anew(record)
+def _set_evolution(record: FairingRecord, value: float) -> None:
+    display = display_of(record.id_data)
+    if display.slider == "evolution" and display.is_whole:
+        keep_slide(record.id_data)
+        show_at(record, value * last_step(record.id_data.data.shape_keys))
 
 
 def _strength(record: FairingRecord) -> float:
-    if record.result == "MODIFIER":
-        return modifier.strength_of(record.id_data)
-    return record.stored_strength
+    display = display_of(record.id_data)
+    return display.place if display.slider == "strength" else 0.0
 
 
 def _set_strength(record: FairingRecord, value: float) -> None:
-    if is_current(record.id_data):
-        record.held = NOT_HELD
-        _show_strength(record, value)
+    if display_of(record.id_data).slider == "strength":
+        keep_slide(record.id_data)
+        show_at(record, value)
 
 
-def _show_strength(record: FairingRecord, strength: float) -> None:
-    """Show a stored result at a strength. It must be current."""
-    obj = record.id_data
-    record.stored_strength = strength
-    if record.result == "MODIFIER":
-        modifier.set_strength(obj, strength)
-    else:
-        write_shown(obj, shown_by(obj))
-    _color_anew(record)
+class FairingShown(bpy.types.PropertyGroup):
+    """What the shapes that are written to a mesh are: objects that share it show the same.
 
+    `checksum` is that of the coordinates, or of the shape keys, as they were written.
+    """
 
-def _color_anew(record: FairingRecord) -> None:
-    """Let the colours follow the shape that is shown, where they tell it from the original."""
-    if record.view in COMPARED_FIELDS:
-        from ...core import FairingSettings
-        from .coloring import color_by_field
+    __slots__ = ()
 
-        color_by_field(record.id_data, record.view, FairingSettings())
+    strength: FloatProperty()
+    checksum: StringProperty()
 
 
 # No methods: the bpy module of Blender 4.2 crashes at its end after a group of properties that has
@@ -119,7 +107,7 @@ def _color_anew(record: FairingRecord) -> None:
 class FairingRecord(bpy.types.PropertyGroup):
     """The runs on an object that still count, and the measures of the last one.
 
-    `result` is described in `results`. `shown` is the number of the shape that is the result of
+    `result` is described in `display`. `shown` is the number of the shape that is the result of
     the last run. From `noise` to `is_sharp` all is known of `denoise` only, see `DenoiseResult`.
     """
 
@@ -131,10 +119,10 @@ class FairingRecord(bpy.types.PropertyGroup):
         type=bpy.types.Mesh, description="Control mesh, while the object has a refined one"
     )
     refined_fingerprint: StringProperty(description="Of the refined mesh as it was made")
-    checksum: StringProperty(description="Of the coordinates that belong to the stored result")
+    checksum: StringProperty(description="In earlier files, see `earlier_files`")
+    stored_strength: FloatProperty(description="In earlier files, see `earlier_files`")
     strengths: FloatVectorProperty(size=N_STRENGTHS)
     n_strengths: IntProperty()
-    stored_strength: FloatProperty()
     held: FloatProperty(default=NOT_HELD, description="Of the slider, while the original is shown")
     is_split: BoolProperty(description="Whether one half shows the original")
     split_normal: FloatVectorProperty(size=3)
@@ -183,24 +171,26 @@ class FairingRecord(bpy.types.PropertyGroup):
         min=0.0,
         max=1.0,
         precision=3,
-        get=_shown_evolution,
-        set=_show_evolution,
+        get=_evolution,
+        set=_set_evolution,
         options=set(),
     )
 
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(
-    (FairingShapeMeasures, FairingSlotBefore, FairingRecord)
+    (FairingShapeMeasures, FairingSlotBefore, FairingShown, FairingRecord)
 )
 
 
 def register() -> None:
-    """Give every object a record."""
+    """Give every object a record, and every mesh what it shows."""
     _register_classes()
+    bpy.types.Mesh.adaptive_fairing = bpy.props.PointerProperty(type=FairingShown)
     bpy.types.Object.adaptive_fairing = bpy.props.PointerProperty(type=FairingRecord)
 
 
 def unregister() -> None:
     """Take the records back."""
+    del bpy.types.Mesh.adaptive_fairing
     del bpy.types.Object.adaptive_fairing
     _unregister_classes()

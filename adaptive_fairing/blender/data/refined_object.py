@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from ...core import FairingError
 from ...core.surface.cut_surface import CutSurface
 from ...core.surface.memory_estimate import require_memory
-from ...core.surface.refined_mesh import edge_keys
 from ...core.surface.refined_net import RefinedNet
+from ...core.surface.refined_topology import edge_keys
 from . import mesh_building
 from .attribute_arrays import (
     GEOMETRY,

@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import NDArray
 
 from .attribute_arrays import read_boolean
+from .brush_region import BrushRegion
 from .mesh_building import integers
 from .vertex_groups import group_weights
 
@@ -59,6 +60,7 @@ def vertex_weights(
     vertex_group: str,
     invert: bool,
     hold_sharp: bool = False,
+    brush: BrushRegion | None = None,
 ) -> NDArray[np.float64] | None:
     """Fraction of the smoothing that every vertex gets.
 
@@ -78,6 +80,8 @@ def vertex_weights(
         Take one minus the weights of the group.
     hold_sharp
         Whether the vertices of edges that are marked sharp stay where they are.
+    brush
+        Region that limits the smoothing, if there is one.
 
     Returns
     -------
@@ -92,7 +96,7 @@ def vertex_weights(
     from ...core import InputError
 
     mesh = obj.data
-    factors = []
+    factors = [] if brush is None else [brush.weights(mesh)]
     if use_region and mode == "EDIT":
         selected = np.zeros(len(mesh.vertices), dtype=bool)
         mesh.vertices.foreach_get("select", selected)

@@ -1,11 +1,4 @@
-"""Results on an object: the shown shape, its original, apply and discard.
-
-A run leaves one of these on an object, named by `FairingRecord.result`:
-
-- "LIVE" and "MODIFIER", the result of `denoise`, see `stored_offsets`;
-- "KEYS", the steps of the paper's methods as shape keys, see `shape_keys`;
-- "", nothing that can be changed any more.
-"""
+"""Results on an object: what a run stores, and how it ends. How they are shown is in `display`."""
 
 from __future__ import annotations
 
@@ -17,65 +10,13 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core import InputError
 from ...core.runtime.arrays import SingleArray
-from . import modifier, split
+from .display import display_of, new_display
 from .field_attributes import remove_density
-from .mesh_arrays import read_key, read_mesh_coordinates, write_positions
-from .record_functions import forget, remember_coordinates, set_strengths, split_along
+from .mesh_arrays import write_positions
+from .record_functions import forget as forget_record
 from .rollback import remove_mesh
-from .shape_keys import (
-    animate_evolution,
-    animated_frames,
-    has_foreign_keys,
-    mixed_keys,
-    remove_fairing_keys,
-    write_absolute_keys,
-    write_final_shape,
-    write_relative_keys,
-)
-from .stored_offsets import (
-    ORIGINAL,
-    PAINT_GROUP,
-    StoredResult,
-    has_result,
-    is_current,
-    paint_weights,
-    read_stored,
-    read_vectors,
-    remove_stored,
-    shown_by,
-    write_shown,
-    write_stored,
-    write_vectors,
-)
-
-
-def is_stale(obj: bpy.types.Object) -> bool:
-    """Whether the mesh was changed by somebody else since the last run stored its result."""
-    is_stored = obj.adaptive_fairing.result in ("LIVE", "MODIFIER")
-    return is_stored and obj.mode != "EDIT" and not is_current(obj)
-
-
-def shown_positions(obj: bpy.types.Object) -> SingleArray:
-    """Positions (n, 3) that an object shows, other modifiers aside; not in Edit Mode."""
-    if obj.data.shape_keys is not None:
-        shown = mixed_keys(obj.data.shape_keys)
-    else:
-        shown = read_mesh_coordinates(obj.data)
-    if obj.adaptive_fairing.result == "MODIFIER" and is_current(obj):
-        return shown + (shown_by(obj) - read_mesh_coordinates(obj.data))
-    return shown
-
-
-def original_positions(obj: bpy.types.Object) -> SingleArray | None:
-    """Positions (n, 3) before the first run that still counts; None if no result is left."""
-    if not has_result(obj):
-        return None
-    mesh = obj.data
-    if obj.adaptive_fairing.result == "MODIFIER":
-        return read_mesh_coordinates(mesh)
-    if ORIGINAL in mesh.attributes:
-        return read_vectors(mesh, ORIGINAL)
-    return read_key(mesh.shape_keys.reference_key)
+from .shape_keys import animate_evolution, animated_frames, write_final_shape
+from .stored_path import ORIGINAL, StoredPath, write_vectors
 
 
 def store_strengths(
@@ -91,12 +32,13 @@ def store_strengths(
     """Store the result of `denoise` and show it.
 
     A second run refines the first: strength 0 stays the first original, and what the first run
-    had moved at a strength is added. So runs on two regions add up.
+    had moved at a strength is added. So runs on two regions add up. Where somebody has moved
+    vertices in between, strength 0 is what they have made.
 
     Parameters
     ----------
     obj
-        Object that may be written, see `writable_object`; its record has this run's shapes.
+        Object that may be written, see `writable_object`.
     start
         (n, 3) positions that the run started from.
     shapes, strengths
@@ -108,33 +50,15 @@ def store_strengths(
     from_original
         The run started from the original: earlier ones do not count.
     """
-    relative = [each / strength for each in strengths]
-    earlier, original = read_stored(obj), original_positions(obj)
-    if from_original or original is None:
-        original, carried = start, [np.float32(0)] * len(shapes)
-    elif earlier is not None:
-        weights = paint_weights(obj)
-        shown = obj.adaptive_fairing.strength
-        carried = [earlier.offset(shown * each) for each in relative]
-        if weights is not None:
-            carried = [weights[:, None] * each for each in carried]
-    else:
-        carried = [np.float32(min(each, 1.0)) * (start - original) for each in relative]
-    offsets = tuple(move + (shape - start) for move, shape in zip(carried, shapes, strict=True))
+    earlier = display_of(obj)
+    path = StoredPath.through(start, strengths, shapes)
+    if earlier.is_whole and not from_original:
+        original, moves = earlier.so_far(start, [each / strength for each in strengths])
+        path = StoredPath(
+            original, path.knots, lambda index: moves[index] + (shapes[index] - start)
+        )
     clear(obj)
-    stored = StoredResult(original, tuple(strengths), offsets)
-    write_stored(obj.data, stored, with_original=way == "LIVE")
-    record = obj.adaptive_fairing
-    record.result = way
-    set_strengths(record, strengths, strength)
-    if way == "MODIFIER":
-        if obj.data.shape_keys is None:
-            write_shown(obj, original)
-        else:
-            remember_coordinates(record)
-        modifier.add(obj, stored.strengths, strength)
-    else:
-        write_shown(obj, shown_by(obj))
+    new_display(obj, way).write(path, strength)
 
 
 def store_steps(
@@ -149,18 +73,20 @@ def store_steps(
     output
         Identifier of `OutputProperties.output`.
     """
-    original, frames = original_positions(obj), animated_frames(obj)
+    earlier = display_of(obj)
+    original = earlier.original() if earlier.goes_on else start
+    frames = animated_frames(obj)
     clear(obj)
     write_positions(obj.data, start)
     if output == "FINAL_SHAPE":
         write_final_shape(obj, shapes[-1])
         return
-    write = write_relative_keys if output == "RELATIVE_KEYS" else write_absolute_keys
-    write(obj, shapes)
-    if frames is not None and output != "RELATIVE_KEYS":
+    display = new_display(obj, output)
+    steps = range(1, len(shapes) + 1)
+    display.write(StoredPath.through(start, steps, shapes), steps[-1])
+    if frames is not None and display.slider:
         animate_evolution(obj, *frames)
-    obj.adaptive_fairing.result = "KEYS"
-    if original is not None and not np.array_equal(original, start):
+    if not np.array_equal(original, start):
         write_vectors(obj.data, ORIGINAL, original)
 
 
@@ -170,20 +96,12 @@ def apply(obj: bpy.types.Object) -> None:
     Raises
     ------
     InputError
-        There is no result.
+        There is no result, or a part of it is lost.
     """
-    _required_original(obj)
-    mesh = obj.data
-    if has_foreign_keys(mesh):  # of a "MODIFIER" result: all keys move along
-        offset = shown_by(obj) - read_mesh_coordinates(mesh)
-        clear(obj)
-        for block in mesh.shape_keys.key_blocks:
-            block.points.foreach_set("co", np.ravel(read_key(block) + offset))
-        mesh.update()
-        return
-    shown = shown_positions(obj)
+    if not display_of(obj).is_whole:
+        raise InputError(rpt_("there is no result on this object"))
+    display_of(obj).apply()
     clear(obj)
-    write_positions(mesh, shown)
 
 
 def discard(obj: bpy.types.Object) -> None:
@@ -194,7 +112,9 @@ def discard(obj: bpy.types.Object) -> None:
     InputError
         There is no result.
     """
-    original = _required_original(obj)
+    original = display_of(obj).original()
+    if original is None:
+        raise InputError(rpt_("there is no result on this object"))
     clear(obj)
     if obj.data.shape_keys is None:
         write_positions(obj.data, original)
@@ -208,22 +128,12 @@ def show_split(obj: bpy.types.Object, normal: Sequence[float], point: Sequence[f
     InputError
         There is no result.
     """
-    original = _required_original(obj)
-    record = obj.adaptive_fairing
-    split_along(record, normal, point)
-    if record.result == "LIVE":  # is the mesh itself, which `split_along` has updated
-        return
-    if record.result == "MODIFIER" and obj.data.shape_keys is not None:
-        original = mixed_keys(obj.data.shape_keys)
-    split.add(obj, original, (original - np.float32(point)) @ np.float32(normal) < 0)
-
-
-def _required_original(obj: bpy.types.Object) -> SingleArray:
-    """Positions (n, 3) before the first run that still counts; InputError if no result is left."""
-    original = original_positions(obj)
+    display, record = display_of(obj), obj.adaptive_fairing
+    original = display.original()
     if original is None:
         raise InputError(rpt_("there is no result on this object"))
-    return original
+    record.is_split, record.split_normal, record.split_point = True, normal, point
+    display.add_split(original)
 
 
 def drop_control(obj: bpy.types.Object) -> None:
@@ -237,18 +147,19 @@ def drop_control(obj: bpy.types.Object) -> None:
 def clear(obj: bpy.types.Object) -> None:
     """Remove everything that runs have left on an object; the coordinates stay, or the Basis.
 
+    Objects that share its mesh have the same result, which ends for them, too.
     A colour view must be over, see `coloring.end_view`.
     """
-    record = obj.adaptive_fairing
-    drop_control(obj)
-    modifier.remove(obj)
-    if record.result:
-        group = obj.vertex_groups.get(PAINT_GROUP)
-        if group is not None:
-            obj.vertex_groups.remove(group)
-    remove_stored(obj.data)
-    if not has_foreign_keys(obj.data):
-        remove_fairing_keys(obj)
-    if record.keeps_density:
-        remove_density(obj.data)
-    forget(record)
+    display_of(obj).clear()
+    forget(obj)
+
+
+def forget(obj: bpy.types.Object) -> None:
+    """Remove what runs have left, but for the shape keys; the coordinates stay. As in `clear`."""
+    for each in bpy.data.objects:
+        if each.data == obj.data and each.is_editable:
+            display_of(each).forget()
+            drop_control(each)
+            if each.adaptive_fairing.keeps_density:
+                remove_density(each.data)
+            forget_record(each.adaptive_fairing)

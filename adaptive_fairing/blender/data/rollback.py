@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...files.result_words import FAIRED
+from ...files.output_words import FAIRED
 from . import color_material
 from .targets import writable_object
 

@@ -7,17 +7,19 @@ never touched: the writers refuse a mesh that has them.
 
 from __future__ import annotations
 
+import re
+import zlib
 from collections.abc import Sequence
 
 import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core import FairingError
 from .. import compatibility
 from .mesh_arrays import flat_float32, read_key, read_positions, write_positions
 
 BASIS = "Basis"
+_STEP_NAME = re.compile(r"Fairing (\d+)")
 
 
 def step_key_name(index: int) -> str:
@@ -27,16 +29,54 @@ def step_key_name(index: int) -> str:
 
 def has_foreign_keys(mesh: bpy.types.Mesh) -> bool:
     """Whether the mesh has shape keys other than those that this module writes."""
-    if mesh.shape_keys is None:
-        return False
-    names = [block.name for block in mesh.shape_keys.key_blocks]
-    ours = [BASIS, *(step_key_name(index) for index in range(1, len(names)))]
-    return names != ours
+    keys = mesh.shape_keys
+    return keys is not None and _steps(keys) != list(range(1, len(keys.key_blocks)))
 
 
-def has_fairing_keys(mesh: bpy.types.Mesh) -> bool:
-    """Whether the mesh has the shape keys that this module writes."""
-    return mesh.shape_keys is not None and not has_foreign_keys(mesh)
+def has_step_keys(mesh: bpy.types.Mesh) -> bool:
+    """Whether the mesh has the shape keys that this module writes; some may have been deleted."""
+    return mesh.shape_keys is not None and bool(_steps(mesh.shape_keys))
+
+
+def _steps(keys: bpy.types.Key) -> list[int] | None:
+    """Numbers of the steps that the keys are, without the Basis; None if any key is not ours."""
+    first, *others = (block.name for block in keys.key_blocks)
+    matches = [_STEP_NAME.fullmatch(name) for name in others]
+    if first != BASIS or not all(matches):
+        return None
+    steps = [int(match[1]) for match in matches]
+    return steps if steps == sorted(steps) else None
+
+
+def evolution_keys(obj: bpy.types.Object) -> bpy.types.Key | None:
+    """Return the absolute shape keys of an object, which the Evolution slider moves through."""
+    keys = getattr(obj.data, "shape_keys", None)
+    return keys if keys is not None and not keys.use_relative else None
+
+
+def shown_step(keys: bpy.types.Key) -> float:
+    """Give the number of the step that absolute fairing keys show; 0 is the Basis."""
+    frames = [block.frame for block in keys.key_blocks]
+    return float(np.interp(keys.eval_time, frames, [0, *_steps(keys)]))
+
+
+def last_step(keys: bpy.types.Key) -> int:
+    """Give the number of the last step that fairing keys have."""
+    return _steps(keys)[-1]
+
+
+def show_step(keys: bpy.types.Key, step: float) -> None:
+    """Show absolute fairing keys at the number of a step, as `show_time` does."""
+    frames = [block.frame for block in keys.key_blocks]
+    show_time(keys, float(np.interp(step, [0, *_steps(keys)], frames)))
+
+
+def keys_checksum(keys: bpy.types.Key) -> str:
+    """Tell the shapes of keys from any others."""
+    crc = 0
+    for block in keys.key_blocks:
+        crc = zlib.crc32(read_key(block), zlib.crc32(block.name.encode(), crc))
+    return str(crc)
 
 
 def mixed_keys(keys: bpy.types.Key) -> NDArray[np.float32]:
@@ -157,6 +197,8 @@ def remove_fairing_keys(obj: bpy.types.Object) -> None:
     if mesh.shape_keys is None:
         return
     if has_foreign_keys(mesh):
+        from ...core import FairingError  # enabling the add-on does not load the core
+
         raise FairingError(
             f"mesh {mesh.name!r} has shape keys of its own, which fairing would destroy: "
             "fair a copy of the object without them"
@@ -168,6 +210,21 @@ def remove_fairing_keys(obj: bpy.types.Object) -> None:
     write_positions(mesh, basis)
     if action is not None and action.users == 0:
         bpy.data.actions.remove(action)
+
+
+def remove_step_keys(obj: bpy.types.Object) -> None:
+    """Remove the keys of steps, which may not be all; other keys stay, as relative ones."""
+    keys = obj.data.shape_keys
+    if keys is None:
+        return
+    for block in list(keys.key_blocks):
+        if _STEP_NAME.fullmatch(block.name):
+            obj.shape_key_remove(block)
+    if has_foreign_keys(obj.data):
+        keys.use_relative = True
+        write_positions(obj.data, mixed_keys(keys))
+    else:
+        remove_fairing_keys(obj)
 
 
 def animate_evolution(obj: bpy.types.Object, frame_start: float, frame_end: float) -> None:

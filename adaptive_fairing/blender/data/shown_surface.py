@@ -21,15 +21,13 @@ import bpy
 from ...core import FairingSettings
 from .attribute_arrays import read_attributes
 from .coloring import color_by_field, pause_view
-from .control_mesh import CONTROL, LEVELS, is_refined, net_fingerprint, show_again, take_control
+from .control_mesh import CONTROL, LEVELS, has_control, is_refined, net_fingerprint, take_control
+from .display import display_of
 from .mesh_arrays import is_shared, n_triangles, read_key
+from .paint_group import forget_weights
 from .refined_object import RENEWED, RefineOptions, refine_object
 from .rollback import remove_mesh
-from .stored_offsets import (
-    ORIGINAL,
-    has_result,
-    offset_name,
-)
+from .stored_path import stored_names
 
 LARGEST_EXACT = 500_000
 """Triangles of a refined mesh up to which it gets exact normals.
@@ -79,11 +77,11 @@ def show_control(obj: bpy.types.Object) -> str | None:
     str or None
         Name of the refined mesh, if it stays in the file because something was changed on it.
     """
-    if not is_refined(obj):
+    if not has_control(obj):
         return None
     pause_view(obj)
     refined, record = obj.data, obj.adaptive_fairing
-    is_changed = _fingerprint(obj.data) != record.refined_fingerprint
+    is_changed = not is_refined(obj) or _fingerprint(obj.data) != record.refined_fingerprint
     take_control(obj)
     record.control = None
     name = refined.name
@@ -109,19 +107,21 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
         The refined mesh does not fit into memory; then the control mesh stays.
     """
     record = obj.adaptive_fairing
-    if record.surface not in LEVELS or not has_result(obj):
+    if record.surface not in LEVELS or not display_of(obj).is_whole:
         record.surface = CONTROL
         return ()
     view = pause_view(obj)
     if is_shared(obj.data):
         obj.data = obj.data.copy()
     control = obj.data
-    names = [ORIGINAL, *(offset_name(i + 1) for i in range(record.n_strengths))]
+    display = display_of(obj)
+    place, has_strokes = display.place, display.has_strokes
     levels = LEVELS[record.surface]
     is_exact = n_triangles(control) * 4**levels <= LARGEST_EXACT
     obj.data = control.copy()
     try:
-        notes = refine_object(obj, RefineOptions(levels, exact_normals=is_exact), names)
+        options = RefineOptions(levels, exact_normals=is_exact)
+        notes = refine_object(obj, options, stored_names(control))
     except BaseException:
         copy, obj.data = obj.data, control
         remove_mesh(copy)
@@ -130,7 +130,10 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
     name = control.name
     control.name, obj.data.name = f"{name} control", name
     record.control = control
-    show_again(obj)
+    forget_weights()
+    if not has_strokes:
+        display.note_written()
+    display.show(place)
     record.refined_fingerprint = _fingerprint(obj.data)
     if view:
         color_by_field(obj, view, FairingSettings())
@@ -147,10 +150,11 @@ def control_written(obj: bpy.types.Object) -> Iterator[str | None]:
         As `show_control` returns.
     """
     record = obj.adaptive_fairing
-    if not is_refined(obj):  # it may have been until somebody changed the refined mesh
+    view, kept = record.view, None
+    if is_refined(obj):
+        kept = show_control(obj)
+    else:  # it may have been until somebody changed the refined mesh
         record.surface = CONTROL
-    view = record.view
-    kept = show_control(obj)
     record.view = view  # so that the body of the with statement can colour anew
     try:
         yield kept

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from . import modifier
 from .attribute_arrays import remove_attributes
-from .stored_offsets import write_vectors
+from .stored_path import write_vectors
 
 NAME = "Adaptive Fairing Split"
 SIDE, ORIGINAL = ".fairing_split", ".fairing_split_original"

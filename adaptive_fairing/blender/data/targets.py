@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ...core import FairingError
-from ...files.result_words import FAIRED
+from ...files.output_words import FAIRED
 from .key_copies import clear_keys
 from .mesh_arrays import is_shared, read_positions, write_positions
 from .shape_keys import has_foreign_keys, mixed_keys
@@ -67,7 +67,7 @@ def writable_object(
     in_place
         Whether shape keys of the user are no reason for a copy, because they stay.
     word
-        What a copy is called after, see `files.result_words`.
+        What a copy is called after, see `files.output_words`.
 
     Returns
     -------

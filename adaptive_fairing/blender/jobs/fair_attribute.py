@@ -19,9 +19,9 @@ from numpy.typing import ArrayLike, NDArray
 from ...core import FairingSettings, InputError, fair_values
 from ...core.runtime.arrays import FloatArray
 from ..data.attribute_arrays import STORAGE
+from ..data.display import display_of
 from ..data.mesh_arrays import read_triangles
 from ..data.mesh_building import integers
-from ..data.results import shown_positions
 from ..data.vertex_groups import add_weights, group_weights
 
 COLORS = ("FLOAT_COLOR", "BYTE_COLOR")
@@ -86,7 +86,7 @@ def fair_attribute(
     if not len(triangles):
         raise InputError(rpt_("the mesh has no faces: there is no surface to fair on"))
     if positions is None:
-        positions = shown_positions(obj)
+        positions = display_of(obj).shown()
     positions = np.asarray(positions, dtype=np.float64)
     mean = before if carried.vertex is None else _means(before, carried.vertex, len(positions))
     faired = fair_values(positions, triangles, mean, settings, weights=weights)[-1]

@@ -17,16 +17,18 @@ from ...core import (
     DenoiseSettings,
     FairingError,
     FairingSettings,
+    InputError,
     PreparedMesh,
     SolverError,
 )
 from ...files.atomic_files import remove_drafts, writable_place
 from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
+from ...files.output_words import DENOISED, FAIRED
 from ...files.report import build_report, denoise_record, step_record, write_report
-from ...files.result_words import DENOISED, FAIRED
 from ...version import program_version
 from ..data.field_attributes import write_density
 from ..data.mesh_arrays import MeshData, n_triangles, read_mesh, welded
+from ..data.multires import shown_level
 from ..data.refined_object import RefineOptions, refine_object
 from ..data.shape_keys import animate_evolution, write_absolute_keys, write_final_shape
 from ..data.targets import needs_copy, writable_object
@@ -180,6 +182,11 @@ class _Run:
         self.notes = import_notes(job.input)
         if job.frame is not None:
             obj = object_at_frame(obj, job.frame)
+        elif shown_level(obj) is not None:
+            raise InputError(
+                f"{obj.name!r} has sculpted levels, below which only its base mesh would change: "
+                "apply the multiresolution modifier, or denoise it in Blender's window"
+            )
         if job.refine is not None and splits_vertices(job.input):
             weld(obj.data)
         data = read_mesh(obj.data)

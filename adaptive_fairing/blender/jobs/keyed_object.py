@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...batch.plan import Item
 from ...core import FairingError
 from ...files.formats import keeps_axes
-from ...files.result_words import FAIRED
+from ...files.output_words import FAIRED
 from ..data.mesh_arrays import flat_float32, read_positions
 from ..data.refined_object import RefineOptions, refine_object
 from ..data.shape_keys import keyframe_keys
@@ -74,7 +74,7 @@ def write_keyed_file(
     refine
         As in `FairingJob`; the frames are not refined yet.
     word
-        What the object beside an animated one is called after, see `files.result_words`.
+        What the object beside an animated one is called after, see `files.output_words`.
 
     Raises
     ------

@@ -14,8 +14,8 @@ import bpy
 
 from ...core import FairingError, FairingSettings
 from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
+from ...files.output_words import FAIRED, REFINED
 from ...files.report import settings_record, write_report
-from ...files.result_words import FAIRED, REFINED
 from ..data.mesh_arrays import read_positions
 from ..data.refined_object import RefineOptions, refine_object
 from ..data.shape_keys import mixed_keys

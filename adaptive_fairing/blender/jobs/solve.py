@@ -27,7 +27,8 @@ from ...core import (
     fair_steps,
 )
 from ...core.problem.deviation import limited
-from .region import region_mesh
+from ...core.problem.prepared_mesh import DEFAULT_TOLERANCE
+from .kept_preparation import KeptPreparation
 
 Settings = DenoiseSettings | FairingSettings
 
@@ -45,12 +46,16 @@ class Solve:
     name, session_uid
         Of the Blender object, if it belongs to one. Objects themselves must not be kept: undo and
         deletion invalidate them.
+    is_of_level
+        Whether the mesh is the shown level of a multiresolution sculpture.
     vertices, triangles, weights
         Input of `denoise` and `fair_steps`.
     settings
         Decide the algorithm.
     prepared, plan
         What another frame of the same surface hands on, see `denoise`.
+    preparations
+        Where a preparation is looked for, and kept, if there is no `prepared`.
     on_fraction_done
         Called with the part of `denoise` that is done, 0 to 1.
     denoised
@@ -78,10 +83,12 @@ class Solve:
     settings: Settings
     weights: NDArray[np.float64] | None = None
     prepared: PreparedMesh | None = None
+    preparations: KeptPreparation | None = None
     plan: DenoisePlan | None = None
     on_fraction_done: Callable[[float], None] | None = None
     name: str = ""
     session_uid: int = 0
+    is_of_level: bool = False
     denoised: DenoiseResult | None = None
     steps: list[FairingStep] = field(default_factory=list)
     step_seconds: list[float] = field(default_factory=list)
@@ -196,47 +203,34 @@ class Solve:
             yield from self._denoise() if self.is_denoise else self._fair()
         except (FairingError, MemoryError) as error:
             self.failure = error
+        finally:
+            if self.preparations is not None:
+                self.preparations.release()
+
+    def _preparation(self) -> PreparedMesh | None:
+        if self.prepared is not None or self.preparations is None:
+            return self.prepared
+        is_fair = isinstance(self.settings, FairingSettings)
+        tolerance = self.settings.quadrature_tolerance if is_fair else DEFAULT_TOLERANCE
+        return self.preparations.of(self.vertices, self.triangles, tolerance)
 
     def _denoise(self) -> Iterator[Solve]:
         started = time.perf_counter()
-        result = self._denoise_region() if self._is_region() else self._denoise_all()
+        result = denoise(
+            self.vertices,
+            self.triangles,
+            self.settings,
+            weights=self.weights,
+            prepared=self._preparation(),
+            plan=self.plan,
+            progress=self.note_progress,
+        )
         self.step_seconds = [time.perf_counter() - started]
         # Rounding to what Blender keeps must not exceed the limit, either.
         limit = self.settings.max_deviation
         shapes = [limited(each.astype(np.float32), self.vertices, limit) for each in result.shapes]
         self.denoised = replace(result, shapes=np.stack(shapes))
         yield self
-
-    def _is_region(self) -> bool:
-        is_alone = self.prepared is None and self.plan is None
-        return is_alone and self.weights is not None and not self.weights.all()
-
-    def _denoise_all(self) -> DenoiseResult:
-        return denoise(
-            self.vertices,
-            self.triangles,
-            self.settings,
-            weights=self.weights,
-            prepared=self.prepared,
-            plan=self.plan,
-            progress=self.note_progress,
-        )
-
-    def _denoise_region(self) -> DenoiseResult:
-        """Denoise a part of the mesh; the result has all vertices."""
-        part = region_mesh(self.triangles, self.weights)
-        found = denoise(
-            self.vertices[part.vertex_of],
-            part.triangles,
-            self.settings,
-            weights=self.weights[part.vertex_of],
-            progress=self.note_progress,
-        )
-        shapes = np.repeat(self.vertices[None], len(found.shapes), axis=0)
-        shapes[:, part.vertex_of] = found.shapes
-        noise = np.zeros(len(self.vertices))
-        noise[part.vertex_of] = found.noise
-        return replace(found, shapes=shapes, noise=noise, start=self.vertices)
 
     def _fair(self) -> Iterator[Solve]:
         started = time.perf_counter()
@@ -245,7 +239,7 @@ class Solve:
             self.triangles,
             self.settings,
             weights=self.weights,
-            prepared=self.prepared,
+            prepared=self._preparation(),
         ):
             self.step_seconds.append(time.perf_counter() - started)
             density = step.density.astype(np.float32)

@@ -7,10 +7,11 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ...core import FairingError, FairingSettings
-from ...files.result_words import DENOISED, FAIRED
+from ...files.output_words import DENOISED, FAIRED
 from ..data import results
 from ..data.coloring import color_by_field, pause_view
 from ..data.control_mesh import control_read
+from ..data.display import display_of
 from ..data.field_attributes import COMPARED_FIELDS, write_density
 from ..data.fields import shown_density
 from ..data.rollback import written_or_restored
@@ -90,7 +91,7 @@ def write_result(
     else:
         results.store_steps(obj, start, solve.shapes, output)
     _write_record(obj, solve)
-    if view and not (view in COMPARED_FIELDS and results.original_positions(obj) is None):
+    if view and not (view in COMPARED_FIELDS and display_of(obj).original() is None):
         settings = FairingSettings() if solve.is_denoise else solve.settings
         color_by_field(obj, view, settings)
 
@@ -125,8 +126,9 @@ def start_positions(obj: bpy.types.Object, *, from_original: bool) -> np.ndarray
     Of a refined result those of its control mesh.
     """
     with control_read(obj):
-        original = results.original_positions(obj) if from_original else None
-        return results.shown_positions(obj) if original is None else original
+        display = display_of(obj)
+        original = display.original() if from_original else None
+        return display.shown() if original is None else original
 
 
 def object_of(session_uid: int) -> bpy.types.Object | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..data.record_functions import evolution_keys
+from ..data.shape_keys import evolution_keys
 from .polls import is_allowed
 
 NO_EVOLUTION = "Fair the active object first, with Evolution as its result"
@@ -51,7 +51,7 @@ class OBJECT_OT_adaptive_fairing_play(_OverFrames, bpy.types.Operator):
     bl_label = "Play"
     bl_description = (
         "Play the evolution of the active object from its first frame. The first time it is put on "
-        "the timeline and coloured by the density"
+        "the timeline and colored by the density"
     )
     bl_options = {"REGISTER"}  # what can be undone is pushed; starting and stopping cannot
 

@@ -7,7 +7,7 @@ import math
 import bpy
 from bpy.app.translations import pgettext_data as data_
 from bpy.app.translations import pgettext_rpt as rpt_
-from mathutils import Vector
+from mathutils import Quaternion, Vector
 
 from ..choices import DENOISE
 from ..data.record_functions import end_comparison
@@ -27,6 +27,9 @@ LABEL_GAP = 0.06
 
 LABEL_SIZE = 0.11
 """Height of the labels, as a part of the object's size."""
+
+FRONT = Quaternion((1.0, 0.0, 0.0), math.pi / 2)
+"""How the front view is turned: what scripts get, which have no view."""
 
 
 class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.Operator):
@@ -116,13 +119,20 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
             return {"CANCELLED"}
         with control_read(source):
             made = _lay_out(context, source, solves)
-        for obj in context.selected_objects:
-            obj.select_set(False)
-        for obj in made:
-            obj.select_set(True)
-        context.view_layer.objects.active = made[-1]
+        comparison = comparison_of(context.scene)
+        _select(context, [source, *comparison.objects])
         _frame_selected(context)
+        _select(context, made)
         return {"FINISHED"}
+
+
+def _select(context, objects) -> None:
+    """Select these objects and no others; the last one is active."""
+    for obj in context.selected_objects:
+        obj.select_set(False)
+    for obj in objects:
+        obj.select_set(True)
+    context.view_layer.objects.active = objects[-1]
 
 
 def _frame_selected(context) -> None:
@@ -142,29 +152,33 @@ def comparison_of(scene: bpy.types.Scene) -> bpy.types.Collection | None:
 
 
 def _lay_out(context, source, solves) -> list[bpy.types.Object]:
-    """Put labelled copies to the right of the source, in a collection of their own.
+    """Put labelled copies beside the source, as it is seen now, in a collection of their own.
 
     The source itself stands for the mesh before, unless shape keys make it show something else.
     """
     from ..jobs.write_back import write_result
 
-    low, high = _world_box(source)
-    size = max(high - low)
-    stride = (high.x - low.x) + GAP * size
+    view = _view_rotation(context)
+    to_right, up = view @ Vector((1.0, 0.0, 0.0)), view @ Vector((0.0, 1.0, 0.0))
+    corners = [source.matrix_world @ Vector(corner) for corner in source.bound_box]
+    middle = sum(corners, Vector()) / len(corners)
+    size = max(_extent(corners, Vector(axis)) for axis in ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
+    stride = (_extent(corners, to_right) + GAP * size) * to_right
+    below = (_extent(corners, up) / 2 + LABEL_GAP * size) * up
     collection = bpy.data.collections.new(data_("Fairing Comparison"))
     collection[COMPARISON] = True
     context.scene.collection.children.link(collection)
 
     def add(title, label, place):
         copy = _plain_copy(source, f"{source.name} {title.lower()}", solves[0].vertices)
-        copy.matrix_world.translation.x += place * stride
+        copy.matrix_world.translation += place * stride
         collection.objects.link(copy)
         add_label(label, place)
         return copy
 
     def add_label(text, place):
-        at = Vector(((low.x + high.x) / 2 + place * stride, low.y, low.z - LABEL_GAP * size))
-        collection.objects.link(_label(text, at, LABEL_SIZE * size))
+        label = _label(text, middle + place * stride - below, view, LABEL_SIZE * size)
+        collection.objects.link(label)
 
     before = data_("Before")
     if source.data.shape_keys is None and not source.adaptive_fairing.result:
@@ -180,6 +194,17 @@ def _lay_out(context, source, solves) -> list[bpy.types.Object]:
         write_result(copy, solve)
         made.append(copy)
     return made
+
+
+def _view_rotation(context: bpy.types.Context) -> Quaternion:
+    """How the 3D view that the user is in is turned."""
+    return FRONT if context.region_data is None else context.region_data.view_rotation
+
+
+def _extent(corners, direction) -> float:
+    """Measure a box along a direction of length 1."""
+    heights = [corner.dot(direction) for corner in corners]
+    return max(heights) - min(heights)
 
 
 def _title_and_label(solve) -> tuple[str, str]:
@@ -215,8 +240,8 @@ def _plain_copy(source, name, vertices) -> bpy.types.Object:
     return copy
 
 
-def _label(text, location, size) -> bpy.types.Object:
-    """Make a text that stands upright and faces the front view."""
+def _label(text, location, rotation, size) -> bpy.types.Object:
+    """Make a text that hangs from a point and faces the view."""
     curve = bpy.data.curves.new(text.split("\n")[0], "FONT")
     curve.body = text
     curve.align_x = "CENTER"
@@ -224,16 +249,8 @@ def _label(text, location, size) -> bpy.types.Object:
     curve.size = size
     label = bpy.data.objects.new(curve.name, curve)
     label.location = location
-    label.rotation_euler = (math.pi / 2, 0.0, 0.0)
+    label.rotation_euler = rotation.to_euler()
     return label
-
-
-def _world_box(obj) -> tuple[Vector, Vector]:
-    """Return the lowest and the highest corner of an object's box in the world."""
-    corners = [obj.matrix_world @ Vector(corner) for corner in obj.bound_box]
-    low = Vector(min(corner[axis] for corner in corners) for axis in range(3))
-    high = Vector(max(corner[axis] for corner in corners) for axis in range(3))
-    return low, high
 
 
 register, unregister = bpy.utils.register_classes_factory((OBJECT_OT_adaptive_fairing_compare,))

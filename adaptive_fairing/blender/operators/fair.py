@@ -8,8 +8,12 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 
 from ..choices import DENOISE, FAIR
+from ..data.brush_region import BrushRegion
+from ..data.display import display_of
+from ..data.mesh_arrays import is_shared
 from ..data.record_functions import end_comparison
 from ..data.regions import refusal, target_objects, vertex_weights
+from ..jobs.kept_preparation import KeptPreparation
 from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem
 from ..run_properties import CONTEXT, OutputProperties, SolverProperties
@@ -17,12 +21,14 @@ from .modal_run import ModalRun, progress, stop_run
 from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
 from .questions import Asking, hints
-from .readings import remember
+from .readings import forget, remember
 from .results import discard_result, report_kept
 from .settings_layout import draw_operator
 
 _finished: list = []
 """Solves of the last run: the redo panel may ask for the same again, stored another way."""
+
+_preparations = KeptPreparation()
 
 DESCRIPTIONS = {
     DENOISE: (
@@ -43,6 +49,19 @@ class OBJECT_OT_adaptive_fairing(
     bl_label = "Adaptive Fairing"  # the title of the redo panel, whatever the algorithm
     bl_description = "Remove the noise of the selected meshes, by one of the two algorithms"
     bl_options = {"REGISTER", "UNDO"}
+
+    brush_centre: bpy.props.FloatVectorProperty(
+        name="Centre", description="Middle of the brush on the mesh", options={"HIDDEN"}
+    )
+    brush_radius: bpy.props.FloatProperty(
+        name="Radius",
+        description="Radius of the brush in the units of the mesh; 0 is no brush",
+        min=0.0,
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+    brush_polygon: bpy.props.IntProperty(
+        name="Polygon", description="Polygon that was pointed at", min=0, options={"HIDDEN"}
+    )
 
     @classmethod
     def poll(cls, context):
@@ -66,24 +85,39 @@ class OBJECT_OT_adaptive_fairing(
         mode = objects[0].mode
         with object_mode(context):
             for obj in objects:
+                forget(obj)
                 end_comparison(obj.adaptive_fairing)
             return [self._solve(obj, mode, settings) for obj in objects]
 
     def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
+        from ..data.multires import write_level
         from ..jobs.write_back import object_of
 
         _finished[:] = [solve for solve in solves if solve.is_over and solve.has_result]
         results, problems, unchanged, discarded = [], [], [], []
         prepare_undo(context)
         with object_mode(context):
+            sources = {solve.session_uid: object_of(solve.session_uid) for solve in solves}
+            meshes = {uid: obj.data for uid, obj in sources.items() if obj and obj.type == "MESH"}
+            shared = {uid for uid, mesh in meshes.items() if is_shared(mesh)}
             for solve in solves:
-                source = object_of(solve.session_uid)
+                source = sources[solve.session_uid]
                 try:
                     if source is None:
                         raise FairingError(rpt_("the object was deleted during the run"))
-                    if solve.is_changed:
+                    if solve.is_changed and solve.is_of_level:
+                        write_level(source, solve.vertices, solve.positions)
+                        results.append(source)
+                        text = rpt_("{:s}: denoised the level that is shown, without a slider")
+                        self.report({"INFO"}, text.format(solve.name))
+                    elif solve.is_changed:
                         results.append(self._store(solve, source))
+                        if solve.session_uid in shared and results[-1] == source:
+                            text = rpt_(
+                                "{:s} has a mesh of its own now: other objects keep the old one"
+                            )
+                            self.report({"INFO"}, text.format(solve.name))
                         remember(results[-1], solve)
                         _take_over_selection(context, source, results[-1])
                     elif solve.has_result:
@@ -94,6 +128,7 @@ class OBJECT_OT_adaptive_fairing(
                 except FairingError as error:
                     solve.failure = error
                 if solve.error is not None:
+                    remember(source, solve)
                     problems.append(f"{solve.name}: {solve.error}")
         for problem in problems:
             self.report({"WARNING"} if results else {"ERROR"}, problem)
@@ -109,10 +144,7 @@ class OBJECT_OT_adaptive_fairing(
 
     def _bring_back(self, obj):
         """Show the original, which is the result of this run, where an earlier one is shown."""
-        from ..data.results import is_stale
-        from ..data.stored_offsets import has_result
-
-        if not has_result(obj) or is_stale(obj):
+        if not display_of(obj).is_whole:
             return False
         discard_result(self, obj)
         return True
@@ -122,11 +154,12 @@ class OBJECT_OT_adaptive_fairing(
 
     def _store(self, solve, source):
         """Write a result; say what becomes of anything beside the mesh."""
-        from ..data.results import is_stale
         from ..data.shown_surface import control_written, refine_result
         from ..jobs.write_back import store_solve
 
-        if is_stale(source):
+        display = display_of(source)
+        counts = display.is_whole if solve.is_denoise else display.goes_on
+        if source.adaptive_fairing.result and not counts:
             self.report(
                 {"INFO"},
                 rpt_(
@@ -134,7 +167,6 @@ class OBJECT_OT_adaptive_fairing(
                 ).format(solve.name),
             )
         with control_written(source) as kept:
-            mesh = source.data
             obj = store_solve(
                 solve,
                 way=self.result,
@@ -142,17 +174,9 @@ class OBJECT_OT_adaptive_fairing(
                 store_density=self.store_density or not solve.is_denoise,
                 from_original=self.from_original,
             )
-            has_own_mesh = obj == source and obj.data != mesh
         if obj != source:
             refine_result(obj)
         report_kept(self, kept)
-        if has_own_mesh:
-            self.report(
-                {"INFO"},
-                rpt_("{:s} has a mesh of its own now: other objects keep the old one").format(
-                    solve.name
-                ),
-            )
         for note in solve.notes:
             self.report({"INFO"}, f"{obj.name}: {note}")
         return obj
@@ -161,15 +185,25 @@ class OBJECT_OT_adaptive_fairing(
         from ...core import FairingError, InputError
         from ..data.control_mesh import control_read
         from ..data.mesh_arrays import read_triangles
+        from ..data.multires import shown_level
         from ..data.targets import needs_copy
         from ..jobs.solve import Solve
         from ..jobs.write_back import start_positions
 
+        if mode == "OBJECT" and shown_level(obj) is not None:
+            return self._solve_of_level(obj, settings)
         with control_read(obj):
             start = start_positions(obj, from_original=self.from_original).astype(float)
             triangles = read_triangles(obj.data)
         settings = in_object_units(settings, obj)
-        solve = Solve(start, triangles, settings, name=obj.name, session_uid=obj.session_uid)
+        solve = Solve(
+            start,
+            triangles,
+            settings,
+            preparations=_preparations,
+            name=obj.name,
+            session_uid=obj.session_uid,
+        )
         try:
             if self.existing_keys == "REFUSE" and needs_copy(obj, in_place=self._is_in_place()):
                 raise InputError(
@@ -186,6 +220,7 @@ class OBJECT_OT_adaptive_fairing(
                 vertex_group=self.vertex_group,
                 invert=self.invert_vertex_group,
                 hold_sharp=self.hold_sharp,
+                brush=self._brush(),
             )
         except FairingError as error:
             solve.failure = error
@@ -193,6 +228,49 @@ class OBJECT_OT_adaptive_fairing(
             if solve.failure is None and solve.has_input_of(other):
                 solve.take_result(other)
         return solve
+
+    def _brush(self):
+        """Give the region under the brush, if there is one."""
+        if self.brush_radius == 0:
+            return None
+        return BrushRegion(tuple(self.brush_centre), self.brush_radius, self.brush_polygon)
+
+    def _solve_of_level(self, obj, settings):
+        """Make a solve of the level of a multiresolution sculpture that is shown."""
+        from ...core import FairingError, InputError
+        from ..data.mesh_arrays import read_mesh
+        from ..data.multires import read_level
+        from ..jobs.solve import Solve
+
+        failure, data = None, read_mesh(obj.data)
+        try:
+            if self.algorithm != DENOISE:
+                raise InputError(
+                    rpt_(
+                        "has sculpted levels, which hold no steps as shape keys: choose Denoise, "
+                        "or apply the multiresolution modifier"
+                    )
+                )
+            if self.vertex_group or self.hold_sharp:
+                raise InputError(
+                    rpt_(
+                        "has sculpted levels, which hold no vertex group and no sharp edges: "
+                        "turn these options off, or apply the multiresolution modifier"
+                    )
+                )
+            data = read_level(obj)
+        except FairingError as error:
+            failure = error
+        return Solve(
+            data.vertices,
+            data.triangles,
+            in_object_units(settings, obj),
+            preparations=_preparations,
+            name=obj.name,
+            session_uid=obj.session_uid,
+            is_of_level=True,
+            failure=failure,
+        )
 
 
 class OBJECT_OT_adaptive_fairing_stop(bpy.types.Operator):
@@ -254,4 +332,5 @@ _register_classes, unregister = bpy.utils.register_classes_factory(
 def register() -> None:
     """Register the operators, with nothing remembered."""
     _finished.clear()
+    _preparations.clear()
     _register_classes()

@@ -7,9 +7,9 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..choices import FAIR
 from ..data.field_attributes import own_color
-from ..data.record_functions import end_comparison
+from ..data.paint_group import PAINT_GROUP, forget_weights
+from ..data.record_functions import end_comparison, update_shown
 from ..data.regions import refusal, target_objects, vertex_weights
-from ..data.stored_offsets import PAINT_GROUP, forget_weights, update_shown
 from ..properties import copy_settings, copy_solver, fairing_settings
 from ..requirements import scipy_problem
 from ..run_properties import OutputProperties, SolverProperties
@@ -20,7 +20,7 @@ from .settings_layout import draw_amount, draw_density, draw_region
 SOURCES = (
     ("COLOR", "Active Color", "The active color attribute of every mesh"),
     ("GROUP", "Active Vertex Group", "The weights of the active vertex group of every object"),
-    ("NAMED", "Attribute", "What has the given name, attribute or vertex group"),
+    ("NAMED", "Attribute", "The attribute or vertex group of the given name"),
 )
 
 PAINTING = ("VERTEX_PAINT", "WEIGHT_PAINT")
@@ -41,7 +41,7 @@ class OBJECT_OT_adaptive_fairing_attribute(SolverProperties, OutputProperties, b
         name="Source", description="What is smoothed", items=SOURCES, default="COLOR"
     )
     attribute: bpy.props.StringProperty(
-        name="Attribute", description="Name of what is smoothed, if it is given by its name"
+        name="Attribute", description="Name of the attribute or vertex group to smooth"
     )
 
     @classmethod

@@ -5,7 +5,10 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from ..data import hidden_attributes, stored_offsets
+from ..data import earlier_files
+from ..data.display import display_of
+from ..data.paint_group import forget_weights, paint_weights
+from ..data.record_functions import update_shown
 from . import viewport
 
 _weights_before: dict[int, np.ndarray] = {}  # of the object being painted, by its session_uid
@@ -19,26 +22,26 @@ def _follow_change(scene, graph) -> None:
         if not (update.is_updated_geometry and isinstance(update.id, bpy.types.Object)):
             continue
         obj = update.id.original
-        if obj.mode == "WEIGHT_PAINT" and obj.adaptive_fairing.result == "LIVE":
+        if obj.mode == "WEIGHT_PAINT" and display_of(obj).has_weights:
             follow_weights(obj)
 
 
 def follow_weights(obj: bpy.types.Object) -> None:
     """Bring an object to its painted weights, unless they are those that it shows."""
-    stored_offsets.forget_weights()
-    weights = stored_offsets.paint_weights(obj)
+    forget_weights()
+    weights = paint_weights(obj)
     before = _weights_before.get(obj.session_uid)
     if weights is None or (before is not None and np.array_equal(weights, before)):
         return
     _weights_before.clear()
     _weights_before[obj.session_uid] = weights
-    stored_offsets.update_shown(obj)
+    update_shown(obj)
 
 
 @bpy.app.handlers.persistent
 def _forget(*_arguments) -> None:
     """Forget what was remembered of meshes: undo or another file has replaced them."""
-    stored_offsets.forget_weights()
+    forget_weights()
     _weights_before.clear()
 
 
@@ -58,7 +61,7 @@ def _leave_file(*_arguments) -> None:
 
 @bpy.app.handlers.persistent
 def _enter_file(*_arguments) -> None:
-    hidden_attributes.hide()
+    earlier_files.adopt()
     viewport.adopt()
 
 

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 import bpy
 
-from ..data.mesh_arrays import read_mesh_coordinates
-from ..data.stored_offsets import checksum
+from ..data.mesh_arrays import checksum, read_mesh_coordinates
 from ..properties import FairingSceneSettings as Settings
 from ..properties import fairing_settings
 

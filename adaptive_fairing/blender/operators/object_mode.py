@@ -7,6 +7,8 @@ from contextlib import contextmanager
 
 import bpy
 
+from ..data.sculpt_undo import keep_before
+
 
 @contextmanager
 def object_mode(context: bpy.types.Context) -> Iterator[None]:
@@ -30,11 +32,5 @@ def object_mode(context: bpy.types.Context) -> Iterator[None]:
 
 
 def prepare_undo(context: bpy.types.Context) -> None:
-    """Call before a change in Sculpt Mode, so that one undo step takes it back exactly.
-
-    Strokes are kept as differences, from which Blender cannot undo a change that was not a stroke;
-    a whole state just before the change gives it something to go back to.
-    """
-    active = context.active_object
-    if active is not None and active.mode == "SCULPT" and bpy.ops.ed.undo_push.poll():  # type: ignore[call-arg]  # the stubs want self
-        bpy.ops.ed.undo_push(message="Adaptive Fairing")
+    """Call before a change, so that one undo step takes it back exactly in Sculpt Mode, too."""
+    keep_before(context.active_object)

@@ -18,8 +18,10 @@ def hints(objects: Iterable[bpy.types.Object], settings) -> list[str]:
 
 
 def _hints_of(obj: bpy.types.Object, settings) -> list[str]:
+    # They need the core, which enabling the add-on does not load.
+    from ..data.multires import shown_level
     from ..data.shape_keys import animated_frames
-    from ..data.targets import needs_copy  # needs the core, which enabling the add-on does not load
+    from ..data.targets import needs_copy
 
     mesh = obj.data
     found = []
@@ -30,8 +32,8 @@ def _hints_of(obj: bpy.types.Object, settings) -> list[str]:
         found.append("Other objects share this mesh: they keep the old one")
     if settings.algorithm == DENOISE and not is_modifier and animated_frames(obj) is not None:
         found.append("The animation of the evolution is removed with its shape keys")
-    if any(each.type == "MULTIRES" for each in obj.modifiers):
-        found.append("Multiresolution: the base mesh is smoothed, not the sculpted levels")
+    if obj.mode == "OBJECT" and shown_level(obj) is not None:
+        found.append("Multiresolution: the level that is shown is denoised, without a slider")
     elif any(
         not each.name.startswith(modifier.NAME) and each.show_viewport for each in obj.modifiers
     ):
@@ -87,6 +89,6 @@ class Asking:
                 setattr(answer, name, getattr(given, name))
             answer.is_confirmed = True
 
-        title = iface_("Undo is turned off: this cannot be taken back")
+        title = iface_("Undo is turned off: this cannot be undone")
         context.window_manager.popup_menu(draw, title=title, icon="QUESTION")
         return {"CANCELLED"}

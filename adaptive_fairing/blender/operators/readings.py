@@ -1,8 +1,8 @@
-"""Readings of rough surfaces as noise or detail: the last run's, and the others.
+"""Readings of rough surfaces as noise or detail, and refusals: what the last run said.
 
-The panel offers the other reading beside the note that names it.  A mesh that nothing was done to
-has no record of its own, so this is remembered here, for the session alone: until the next run, and
-as long as the object has the shape, or the result, that was spoken of.
+The panel shows it, and offers the other reading beside the note that names it.  A mesh that nothing
+was done to has no record of its own, so this is remembered here, for the session alone: until the
+next run begins, and as long as the object has the shape, or the result, that was spoken of.
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import bpy
 
-from ..data.mesh_arrays import read_mesh_coordinates
-from ..data.stored_offsets import checksum, has_result
+from ..choices import DENOISE, FAIR
+from ..data.display import display_of
+from ..data.mesh_arrays import checksum, read_mesh_coordinates
 
 if TYPE_CHECKING:  # the solver needs scipy, which may be missing
     from ..jobs.solve import Solve
@@ -25,6 +26,8 @@ class Reading(NamedTuple):
 
     Attributes
     ----------
+    algorithm : str
+        That of the run.
     notes : tuple of str
     others : tuple of str
         Values of the setting `clean` to run with instead, if there are any.
@@ -32,6 +35,7 @@ class Reading(NamedTuple):
         Checksum of the mesh that nothing was done to; empty if there is a result.
     """
 
+    algorithm: str
     notes: tuple[str, ...]
     others: tuple[str, ...]
     shape: str
@@ -39,12 +43,22 @@ class Reading(NamedTuple):
 
 def remember(obj: bpy.types.Object | None, solve: Solve) -> None:
     """Remember what a run said, if it has changed nothing or there is another reading."""
-    if obj is None:
+    if obj is None or obj.type != "MESH":
         return
-    _readings.pop(obj.session_uid, None)
-    if solve.denoised is not None and (solve.denoised.other_readings or not solve.is_changed):
+    notes, others, error = solve.notes, (), solve.error
+    if error is not None:
+        notes = (error,)
+    elif solve.denoised is not None:
+        others = solve.denoised.other_readings
+    if error is not None or others or not solve.is_changed:
+        algorithm = DENOISE if solve.is_denoise else FAIR
         shape = "" if obj.adaptive_fairing.result else checksum(read_mesh_coordinates(obj.data))
-        _readings[obj.session_uid] = Reading(solve.notes, solve.denoised.other_readings, shape)
+        _readings[obj.session_uid] = Reading(algorithm, notes, others, shape)
+
+
+def forget(obj: bpy.types.Object) -> None:
+    """Forget what was said of an object: another run begins."""
+    _readings.pop(obj.session_uid, None)
 
 
 def reading_of(obj: bpy.types.Object | None) -> Reading | None:
@@ -59,22 +73,22 @@ def reading_of(obj: bpy.types.Object | None) -> Reading | None:
     if reading.shape:
         holds = reading.shape == checksum(read_mesh_coordinates(obj.data))
     else:
-        holds = has_result(obj)
+        holds = display_of(obj).is_whole
     return reading if holds else None
 
 
 @bpy.app.handlers.persistent
-def _forget(*_arguments) -> None:
+def _forget_all(*_arguments) -> None:
     """Forget the objects of the file that is being left."""
     _readings.clear()
 
 
 def register() -> None:
     """Watch for files being loaded."""
-    bpy.app.handlers.load_pre.append(_forget)
+    bpy.app.handlers.load_pre.append(_forget_all)
 
 
 def unregister() -> None:
     """Stop watching, and forget."""
-    bpy.app.handlers.load_pre.remove(_forget)
-    _forget()
+    bpy.app.handlers.load_pre.remove(_forget_all)
+    _forget_all()

@@ -8,18 +8,27 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
 from ..compatibility import weight_paint_settings
-from ..data.record_functions import end_before, end_comparison, has_slider, toggle_before
-from ..data.regions import sculpt_mask
-from ..data.stored_offsets import forget_weights, has_result, paint_group, update_shown
+from ..data.control_mesh import has_control
+from ..data.display import display_of
+from ..data.paint_group import forget_weights
+from ..data.record_functions import (
+    end_before,
+    end_comparison,
+    has_slider,
+    toggle_before,
+    update_shown,
+)
+from ..data.regions import SCULPT_MASK, sculpt_mask
 from ..data.vertex_groups import add_weights
 from ..requirements import scipy_problem
 from .object_mode import object_mode, prepare_undo
+from .painting import make_faint
 from .polls import busy_refusal, is_allowed
 from .questions import Asking
 
 SURFACES = (
     ("CONTROL", "Control Mesh", "The mesh itself, as it was denoised"),
-    ("LIMIT", "Limit Points", "Its vertices on the smooth surface that it stands for"),
+    ("LIMIT", "Limit Points", "Its vertices on the smooth surface that it describes"),
     ("REFINED_1", "Refined 1", "Each triangle in 4, with all vertices on the smooth surface"),
     ("REFINED_2", "Refined 2", "Each triangle in 16, with all vertices on the smooth surface"),
     ("REFINED_3", "Refined 3", "Each triangle in 64, with all vertices on the smooth surface"),
@@ -30,16 +39,25 @@ NOT_IN_EDIT_MODE = "Leave Edit Mode to compare with the original"
 NO_SLIDER = "Only a result with a slider can be compared with the original"
 
 
-def result_refusal(context: bpy.types.Context) -> str | None:
-    """Say that the active object has no result; None if it has."""
+def record_refusal(context: bpy.types.Context) -> str | None:
+    """Say that no run has left anything on the active object that may be changed; None if one has.
+
+    Nothing is said of whether it still fits.
+    """
     obj = context.active_object
     if obj is None or obj.type != "MESH" or not obj.adaptive_fairing.result:
         return NO_RESULT
     if obj.library is not None or obj.data.library is not None:
         return "The mesh is linked from another file: it cannot be edited here"
+    return None
+
+
+def result_refusal(context: bpy.types.Context) -> str | None:
+    """Say that the active object has no result; None if it has."""
+    obj, refusal = context.active_object, record_refusal(context)
     # In Edit Mode the attributes cannot be read, so the operators check later.
-    if obj.mode == "EDIT" or has_result(obj):
-        return None
+    if refusal is not None or obj.mode == "EDIT" or display_of(obj).is_whole:
+        return refusal
     return "The mesh was changed since the last run: its stored result does not fit any more"
 
 
@@ -68,6 +86,8 @@ class _OnResult:
         prepare_undo(context)
         with object_mode(context):
             for obj in objects:
+                if not obj.adaptive_fairing.result:  # has ended with that of a shared mesh
+                    continue
                 end_comparison(obj.adaptive_fairing)
                 try:
                     action(obj)
@@ -112,9 +132,40 @@ class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
         "Bring the mesh back to exactly what it was before the runs. Of all selected objects"
     )
 
+    @classmethod
+    def poll(cls, context):
+        refusal, obj = record_refusal(context), context.active_object
+        if refusal is None and obj.mode != "EDIT" and not has_control(obj):
+            if not display_of(obj).has_original:
+                refusal = "The mesh before the runs is not known any more: Forget keeps this one"
+        return is_allowed(cls, refusal, busy_refusal())
+
     def execute(self, context):
         objects = result_objects(context)
         return self.finish(context, lambda obj: discard_result(self, obj), objects)
+
+
+class OBJECT_OT_adaptive_fairing_forget(_EndOfResult, bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_forget"
+    bl_label = "Forget"
+    bl_description = (
+        "Leave the mesh and its shape keys as they are and remove what else the runs have left. Of "
+        "all selected objects"
+    )
+
+    @classmethod
+    def poll(cls, context):
+        return is_allowed(cls, record_refusal(context), busy_refusal())
+
+    def execute(self, context):
+        from ..data.coloring import end_view
+        from ..data.results import forget
+
+        def leave(obj):
+            end_view(obj)
+            forget(obj)
+
+        return self.finish(context, leave, result_objects(context))
 
 
 class OBJECT_OT_adaptive_fairing_surface(_OnResult, bpy.types.Operator):
@@ -179,6 +230,7 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
     bl_description = (
         "Show the original as long as the key is held; the button shows it until the next click"
     )
+    bl_options = {"REGISTER", "UNDO"}
 
     _key: str | None = None
 
@@ -193,6 +245,7 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
         return is_allowed(cls, refusal, busy_refusal())
 
     def execute(self, context):
+        prepare_undo(context)
         toggle_before(context.active_object.adaptive_fairing)
         return {"FINISHED"}
 
@@ -208,7 +261,7 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
         if event.type != self._key or event.value != "RELEASE":
             return {"RUNNING_MODAL"}
         end_before(context.active_object.adaptive_fairing)
-        return {"FINISHED"}
+        return {"CANCELLED"}  # all is as it was: that is no step of the history
 
     def cancel(self, context):
         end_before(context.active_object.adaptive_fairing)
@@ -263,8 +316,10 @@ class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         refusal = result_refusal(context)
-        if refusal is None and context.active_object.adaptive_fairing.result == "KEYS":
+        if refusal is None and not display_of(context.active_object).has_weights:
             refusal = "Shape keys have no weights to paint: use the result Live or Modifier"
+        elif refusal is None and _lacks_mask(context.active_object):
+            refusal = "Mask where the original is to come back"
         return is_allowed(cls, refusal, busy_refusal())
 
     def execute(self, context):
@@ -276,11 +331,12 @@ class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
             return {"FINISHED"}
         if obj.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
-        paint_group(obj)
+        display_of(obj).paint_group()
         bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
         settings = weight_paint_settings(context)
         settings.use_unified_weight, settings.weight = True, 0.0  # of every brush
-        self.report({"INFO"}, rpt_("Paint with weight 0 to bring the original back"))
+        make_faint()
+        self.report({"INFO"}, rpt_("Paint to bring the original back; X swaps the weights 0 and 1"))
         return {"FINISHED"}
 
     def _take_mask(self, context, obj):
@@ -290,10 +346,15 @@ class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
             if mask is None or not mask.any():
                 self.report({"ERROR"}, rpt_("Mask where the original is to come back"))
                 return {"CANCELLED"}
-            add_weights(paint_group(obj), range(len(mask)), 1 - mask)
+            add_weights(display_of(obj).paint_group(), range(len(mask)), 1 - mask)
             forget_weights()
             update_shown(obj)
         return {"FINISHED"}
+
+
+def _lacks_mask(obj: bpy.types.Object) -> bool:
+    """Whether an object in Sculpt Mode has never had a mask."""
+    return obj.mode == "SCULPT" and SCULPT_MASK not in obj.data.attributes
 
 
 _keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
@@ -301,6 +362,7 @@ _keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
 _CLASSES = (
     OBJECT_OT_adaptive_fairing_apply,
     OBJECT_OT_adaptive_fairing_discard,
+    OBJECT_OT_adaptive_fairing_forget,
     OBJECT_OT_adaptive_fairing_surface,
     OBJECT_OT_adaptive_fairing_before,
     OBJECT_OT_adaptive_fairing_split,

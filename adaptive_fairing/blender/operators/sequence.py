@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ...files.result_words import DENOISED, FAIRED
+from ...files.output_words import DENOISED, FAIRED
 from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem
 from ..run_properties import SolverProperties

@@ -5,7 +5,7 @@ from __future__ import annotations
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..choices import DENOISE
-from ..properties import names_of, uses_tau
+from ..properties import has_width, names_of, uses_tau
 
 
 def draw_operator(layout, operator, obj) -> None:
@@ -29,6 +29,10 @@ def draw_main(layout, settings, live_record=None) -> None:
         row = layout.row()
         row.enabled = live_record is None or live_record.id_data.mode != "EDIT"
         row.prop(live_record or settings, "strength", slider=live_record is not None)
+        row = layout.row()
+        row.prop(settings, "width", slider=True)
+        if not has_width(settings):
+            row.label(text="Automatic")
         return
     draw_amount(layout, settings)
     layout.prop(settings, "keep_volume")

@@ -44,14 +44,14 @@ class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_view"
     bl_label = "Show Fairing Field"
     bl_description = (
-        "Colour the selected meshes, as they are shown now, by a field. Its colors are the active "
+        "Color the selected meshes, as they are shown now, by a field. Its colors are the active "
         "ones until it is hidden; then everything is as it was before"
     )
     bl_options = {"REGISTER", "UNDO"}
 
     field: bpy.props.EnumProperty(
         name="Field",
-        description="What the colours mean",
+        description="What the colors mean",
         items=FIELDS,
         default="DENSITY",
     )

@@ -36,7 +36,7 @@ def show(asked: bpy.types.SpaceView3D | None = None) -> None:
     """
     if not _has_fields():
         return
-    for address, space in _views():
+    for address, space in views():
         shading = space.shading
         if shading.type == "SOLID" or space == asked:
             found = {name: getattr(shading, name) for name in SHOWN}
@@ -54,7 +54,7 @@ def end_without_fields() -> None:
 
 def put_back() -> None:
     """Put the shading of all views back, but for what was changed since."""
-    for address, space in _views():
+    for address, space in views():
         for name, value in _before.get(address, {}).items():
             if getattr(space.shading, name) == SHOWN[name]:
                 setattr(space.shading, name, value)
@@ -67,7 +67,7 @@ def adopt() -> None:
     What was there before is not known any more: they will be put back to Blender's own.
     """
     if _has_fields():
-        for address, space in _views():
+        for address, space in views():
             if all(getattr(space.shading, name) == SHOWN[name] for name in SHOWN):
                 _before[address] = SHOWN | BLENDERS
         show()
@@ -78,7 +78,7 @@ def _has_fields() -> bool:
     return any(obj.adaptive_fairing.view for obj in bpy.data.objects if obj.library is None)
 
 
-def _views() -> Iterator[tuple[int, bpy.types.SpaceView3D]]:
+def views() -> Iterator[tuple[int, bpy.types.SpaceView3D]]:
     """Give every 3D view of the file, in all its screens, with its address."""
     for screen in bpy.data.screens:
         for area in screen.areas:

@@ -6,16 +6,19 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..choices import DENOISE
-from ..data.record_functions import has_slider, is_of_strengths, result_measures
-from ..data.stored_offsets import has_result, is_current
+from ..compatibility import weight_paint_settings
+from ..data.display import display_of
+from ..data.record_functions import is_of_strengths, result_measures
 from ..operators.animate import (
     OBJECT_OT_adaptive_fairing_play,
     OBJECT_OT_adaptive_fairing_play_end,
 )
+from ..operators.painting import OBJECT_OT_adaptive_fairing_paint_swap
 from ..operators.results import (
     OBJECT_OT_adaptive_fairing_apply,
     OBJECT_OT_adaptive_fairing_before,
     OBJECT_OT_adaptive_fairing_discard,
+    OBJECT_OT_adaptive_fairing_forget,
     OBJECT_OT_adaptive_fairing_paint,
     OBJECT_OT_adaptive_fairing_split,
     OBJECT_OT_adaptive_fairing_surface,
@@ -31,10 +34,11 @@ from .results_panel import active_record, change_text, draw_energies
 def live_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:
     """Give the record of the active object if its strength is a slider; in Edit Mode it stands."""
     record = active_record(context)
-    if record is None or record.result not in ("LIVE", "MODIFIER"):
+    if record is None:
         return None
-    obj = record.id_data
-    return record if obj.mode == "EDIT" or is_current(obj) else None
+    display = display_of(record.id_data)
+    is_there = display.slider == "strength" and (display.obj.mode == "EDIT" or display.is_whole)
+    return record if is_there else None
 
 
 def draw_result(context: bpy.types.Context, layout) -> None:
@@ -43,33 +47,51 @@ def draw_result(context: bpy.types.Context, layout) -> None:
     if record is None or not record.result:
         return
     obj = record.id_data
+    display = display_of(obj)
     column = layout.column()
-    is_keys = record.result == "KEYS"
     if obj.mode == "EDIT":
         draw_lines(context, column, iface_("Leave Edit Mode to move the slider"), icon="INFO")
-    elif not has_result(obj):
+    elif not display.is_whole:
         text = iface_(
             "The mesh was changed since the last run. The next one starts from what is shown"
         )
         draw_lines(context, column, text, icon="INFO")
+        row = column.row(align=True)
+        row.operator(OBJECT_OT_adaptive_fairing_forget.bl_idname, icon="CHECKMARK")
+        row.operator(OBJECT_OT_adaptive_fairing_discard.bl_idname, icon="X")
         return
-    if is_keys or context.scene.adaptive_fairing.algorithm != DENOISE:
-        _draw_slider(context, column, record)
+    elif not display.goes_on:
+        text = iface_(
+            "The mesh was changed since the last run. The slider moves what was not touched"
+        )
+        draw_lines(context, column, text, icon="INFO")
+    if display.slider != "strength" or context.scene.adaptive_fairing.algorithm != DENOISE:
+        _draw_slider(context, column, display)
     draw_lines(context, column, result_text(context, record), icon="NONE")
     row = column.row(align=True)
     is_before = record.held >= 0
     row.operator(OBJECT_OT_adaptive_fairing_before.bl_idname, depress=is_before)
     row.operator(OBJECT_OT_adaptive_fairing_split.bl_idname, depress=record.is_split)
-    if not is_keys:
+    if display.has_weights:
         text = iface_("Mask Back") if obj.mode == "SCULPT" else iface_("Paint Back")
         is_painting = obj.mode == "WEIGHT_PAINT"
         paint = OBJECT_OT_adaptive_fairing_paint.bl_idname
         row.operator(paint, text=text, depress=is_painting)
+        if is_painting:
+            _draw_painted(context, column)
     split = column.split(factor=0.35)
     split.label(text="Surface")
     name = OBJECT_OT_adaptive_fairing_surface.bl_idname
     split.operator_menu_enum(name, "surface", text=iface_(surface_name(record)))
     _draw_ends(context, column)
+
+
+def _draw_painted(context, column) -> None:
+    """Draw what painting brings back, as a button that swaps it."""
+    brings_result = weight_paint_settings(context).weight > 0.5
+    text = iface_("Painting: Result (1)") if brings_result else iface_("Painting: Original (0)")
+    swap = OBJECT_OT_adaptive_fairing_paint_swap.bl_idname
+    column.operator(swap, text=text, icon="ARROW_LEFTRIGHT")
 
 
 def _draw_ends(context, column) -> None:
@@ -85,22 +107,22 @@ def _draw_ends(context, column) -> None:
             text = iface_("{:s} {:d} Objects").format(text, n_objects)
         buttons.operator(operator.bl_idname, text=text, icon=icon)
     if n_objects > 1:
-        hint = iface_("Alt at a slider moves those of all selected objects")
+        hint = iface_("Hold Alt while you move a slider to move it on all selected objects")
         draw_lines(context, column, hint, icon="INFO")
 
 
-def _draw_slider(context, column, record) -> None:
+def _draw_slider(context, column, display) -> None:
     """Draw the slider where the main one is not that of the result, and what an evolution has."""
-    if not has_slider(record):
+    if not display.slider:
         return
-    is_keys = record.result == "KEYS"
+    record = display.obj.adaptive_fairing
     row = column.row()
     row.scale_y = 1.3
-    row.enabled = record.id_data.mode != "EDIT"
-    row.prop(record, "evolution" if is_keys else "strength", slider=True)
-    if is_keys:
+    row.enabled = display.obj.mode != "EDIT"
+    row.prop(record, display.slider, slider=True)
+    if display.slider == "evolution":
         n_steps = len(record.shapes) - 1
-        shown = iface_("Step {:.1f} of {:d}").format(record.evolution * n_steps, n_steps)
+        shown = iface_("Step {:.1f} of {:d}").format(display.place, n_steps)
         column.label(text=shown, translate=False)
         _draw_evolution(context, column, record)
 

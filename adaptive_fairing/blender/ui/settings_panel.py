@@ -18,7 +18,7 @@ from ..operators.settings_layout import (
     draw_main,
     draw_options,
 )
-from ..properties import OUTPUT_NAMES, copy_settings, copy_solver, uses_tau
+from ..properties import OUTPUT_NAMES, copy_settings, copy_solver, has_width, uses_tau
 from ..requirements import scipy_problem
 from ..run_properties import CONTEXT
 from .layouts import FairingPanel, draw_lines
@@ -50,6 +50,8 @@ class VIEW3D_PT_adaptive_fairing(FairingPanel, bpy.types.Panel):
         draw_main(column, settings, live_record(context))
         if settings.algorithm == FAIR and uses_tau(settings):
             _draw_meaning(context, column, settings)
+        elif settings.algorithm == DENOISE and has_width(settings):
+            _draw_length(context, column, settings)
         if current is not None:
             _draw_progress(layout, current)
             return
@@ -102,6 +104,18 @@ def _draw_meaning(context, layout, settings) -> None:
         column.alignment = "RIGHT"
         text = iface_("Radius on this mesh: {:.2f} edges").format(radius)
         column.label(text=text, translate=False)
+
+
+def _draw_length(context, layout, settings) -> None:
+    """Draw how long the noise's size, which is given in edges, is on the active mesh."""
+    scale = _scale(context, settings)
+    if scale is not None and not isinstance(scale, str):
+        obj, units = context.active_object, context.scene.unit_settings
+        length = settings.width * scale.edge_typical * obj.matrix_world.median_scale
+        shown = bpy.utils.units.to_string(units.system, "LENGTH", length * units.scale_length)
+        column = layout.column()
+        column.alignment = "RIGHT"
+        column.label(text=iface_("On this mesh: {:s}").format(shown), translate=False)
 
 
 def _scale(context, settings):
@@ -166,14 +180,13 @@ def _draw_run(context, layout, settings) -> None:
     layout.separator(factor=0.01)
     for hint in hints(objects, settings):
         draw_lines(context, layout, iface_(hint), icon="INFO")
-    if settings.algorithm == DENOISE:
-        _draw_other_reading(context, layout, settings)
+    _draw_reading(context, layout, settings)
 
 
-def _draw_other_reading(context, layout, settings) -> None:
-    """Draw what the last run took the roughness for, and a button that takes it otherwise."""
+def _draw_reading(context, layout, settings) -> None:
+    """Draw why the last run refused, or what it took for noise, and a button for the other way."""
     reading = reading_of(context.active_object)
-    if reading is None:
+    if reading is None or reading.algorithm != settings.algorithm:
         return
     for note in reading.notes:
         draw_lines(context, layout, note, icon="INFO")

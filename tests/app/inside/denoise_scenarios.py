@@ -2,11 +2,24 @@
 
 from __future__ import annotations
 
+import time
+from collections.abc import Iterator
+
 import bpy
 import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
 from driver import Scenario, Stage, xdotool
+from mathutils import Vector
 from meshes import add_noisy, shown_positions, vertex_positions
-from steps import BUTTON, finished_part, press_fairing, run_to_the_end, shading
+from steps import (
+    BUTTON,
+    finished_part,
+    open_panel,
+    press_fairing,
+    run_to_the_end,
+    shading,
+    take_brush,
+)
 
 
 def automatic(stage: Stage) -> Scenario:
@@ -141,6 +154,55 @@ def mask_back(stage: Stage) -> Scenario:
     }
 
 
+def sculpt_history(stage: Stage) -> Scenario:
+    """In Sculpt Mode: a stroke, the slider and Before are a step of the history each."""
+    seen = stage.results
+    add_noisy("ico_sphere", 0.02, "DENOISE", subdivisions=4)
+    with stage.context():
+        bpy.ops.view3d.view_selected()
+    yield from run_to_the_end(stage, 200)
+    states = []
+
+    def look() -> int:
+        """Number of the state that is shown, counted from 1; a new one gets the next."""
+        obj = bpy.context.view_layer.objects.active
+        record = obj.adaptive_fairing
+        state = vertex_positions(obj).tobytes(), round(record.strength, 4), record.held
+        if state not in states:
+            states.append(state)
+        return states.index(state) + 1
+
+    with stage.context():
+        bpy.ops.object.mode_set("EXEC_DEFAULT", True, mode="SCULPT")
+    yield 1.0
+    seen["forward"] = [look()]
+    take_brush(stage, "SCULPT")
+    yield 1.0
+    yield from stage.drag(*stage.middle("WINDOW"), 60)
+    yield 1.0
+    seen["forward"].append(look())
+    slider = 'objects["Icosphere"].adaptive_fairing.strength'
+    x, y = yield from stage.find_button(slider, "shift+ctrl+alt+c")
+    yield from stage.enter_value(x, y, 0.5)
+    yield 1.0
+    seen["forward"].append(look())
+    yield from stage.click_button("adaptive_fairing_before(", 0.2)
+    yield 1.0
+    seen["forward"].append(look())
+    yield from stage.picture("sculpt-history")
+    for keys, name in (("ctrl+z", "back"), ("shift+ctrl+z", "again")):
+        seen[name] = []
+        for _ in range(8):
+            yield from stage.press_in_view(keys)
+            yield 0.5
+            now = look()
+            if seen[name][-1:] != [now]:
+                seen[name].append(now)
+            if now == (1 if name == "back" else 4):
+                break
+    seen["mode"] = bpy.context.view_layer.objects.active.mode
+
+
 def question(stage: Stage) -> Scenario:
     """With undo turned off a run is asked for, and starts with the answer."""
     seen = stage.results
@@ -256,3 +318,135 @@ def present_state(noisy: np.ndarray) -> dict:
         "mask": None if mask is None else mask.data[0].value,
         "result": obj.adaptive_fairing.result if obj.mode != "EDIT" else "",
     }
+
+
+def check(stage: Stage) -> Scenario:
+    """Check Mesh beside the window; Esc ends it, and another one says what was found."""
+    noisy = vertex_positions(add_noisy("ico_sphere", 0.002, "DENOISE", subdivisions=8))
+    open_panel("VIEW3D_PT_adaptive_fairing_check")
+    yield from stage.open_sidebar("Fairing")
+    yield from stage.click_button("adaptive_fairing_check(")
+    yield stage.until(stage.is_running, 20, "start of the check")
+    yield from stage.picture("check-running")
+    yield from stage.press_in_view("Escape")
+    yield stage.until(lambda: not stage.is_running(), 30, "end after Esc")
+    yield from stage.picture("check-ended")
+    left = vertex_positions(bpy.context.object)
+    obj = add_noisy("ico_sphere", 0.02, "DENOISE", subdivisions=5)
+    noisy = [noisy, vertex_positions(obj)]
+    with stage.context():
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="DESELECT")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        obj.data.polygons[0].select = True
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.delete(type="FACE")
+        bpy.ops.object.mode_set(mode="OBJECT")
+    yield from stage.click_button("adaptive_fairing_check(")
+    yield stage.until(lambda: not stage.is_running(), 60, "end of the check")
+    yield 1.0
+    yield from stage.picture("check-found")
+    after = [left, vertex_positions(obj)]
+    stage.results["unchanged"] = [
+        bool(np.array_equal(*each)) for each in zip(noisy, after, strict=True)
+    ]
+
+
+def split_line(stage: Stage) -> Scenario:
+    """The line of a split: where it is drawn, dragged to the right and back by Ctrl Z."""
+    seen = stage.results
+    obj = add_noisy("ico_sphere", 0.02, "DENOISE", subdivisions=5)
+    noisy = vertex_positions(obj)
+    with stage.context():
+        bpy.ops.view3d.view_selected()
+        bpy.ops.object.adaptive_fairing()
+    yield from stage.open_sidebar("Fairing")
+    yield from stage.picture("split-before")
+    yield from stage.click_button("adaptive_fairing_split(")
+
+    def original() -> float:
+        now = vertex_positions(bpy.context.object)
+        return float((now == noisy).all(axis=1).mean())
+
+    seen["half"] = original()
+    yield from stage.picture("split-half")
+    region, view = stage.region("WINDOW"), stage.view.spaces.active.region_3d
+    middle = location_3d_to_region_2d(region, view, obj.matrix_world.translation)
+    x, y = region.x + int(middle.x), region.y + int(middle.y)
+    yield from stage.drag(x, y, 100)
+    yield 0.5
+    seen["dragged"] = original()
+    seen["selected"] = [each.name for each in bpy.context.selected_objects] == [obj.name]
+    yield from stage.picture("split-dragged")
+    yield from stage.press_in_view("ctrl+z")
+    yield 1.0
+    seen["after undo"] = original()
+
+
+def painting(stage: Stage) -> Scenario:
+    """Paint Back in the window: a faint overlay, the key X, and the end by Tab; then a mask."""
+    seen = stage.results
+    obj = add_noisy("ico_sphere", 0.02, "DENOISE", subdivisions=5)
+    overlay = stage.view.spaces.active.overlay
+    seen["opacities"] = [overlay.weight_paint_mode_opacity]
+    with stage.context():
+        bpy.ops.view3d.view_selected()
+        bpy.ops.object.adaptive_fairing()
+    yield from stage.open_sidebar("Fairing")
+    yield from stage.click_button("adaptive_fairing_paint(", 0.85)
+    seen["opacities"].append(overlay.weight_paint_mode_opacity)
+    weights = weight_paint_weights()
+    seen["weights"] = [next(weights)]
+    for _ in range(2):
+        yield from stage.press_in_view("x")
+        seen["weights"].append(next(weights))
+        yield from stage.picture(f"painting-{len(seen['weights'])}")
+    with stage.context():
+        bpy.ops.object.mode_set(mode="SCULPT")
+        yield 1.0
+        seen["opacities"].append(overlay.weight_paint_mode_opacity)
+        seen["mask back"] = [bpy.ops.object.adaptive_fairing_paint.poll()]
+        bpy.ops.paint.mask_flood_fill(mode="VALUE", value=1.0)
+        seen["mask back"].append(bpy.ops.object.adaptive_fairing_paint.poll())
+        yield 1.0
+        yield from stage.picture("painting-mask")
+        bpy.ops.object.mode_set(mode="OBJECT")
+    seen["kept"] = obj.adaptive_fairing.result
+
+
+def weight_paint_weights() -> Iterator[float]:
+    """Weight of the brush in Weight Paint, each time it is asked for; Blender 5 moved it."""
+    while True:
+        tools = bpy.context.tool_settings
+        unified = getattr(tools, "unified_paint_settings", None)
+        yield (unified or tools.weight_paint.unified_paint_settings).weight
+
+
+def brush(stage: Stage) -> Scenario:
+    """Alt N in Sculpt Mode denoises what is under the pointer; Ctrl Z takes it back."""
+    seen = stage.results
+    obj = add_noisy("ico_sphere", 0.01, "DENOISE", subdivisions=6)
+    noisy = vertex_positions(obj)
+    with stage.context():
+        bpy.ops.view3d.view_selected()
+        bpy.ops.object.mode_set(mode="SCULPT")
+    tools = bpy.context.tool_settings
+    shared = getattr(tools, "unified_paint_settings", None) or tools.sculpt.unified_paint_settings
+    shared.use_unified_size, shared.size = True, 100
+    yield 1.0
+    began = time.monotonic()
+    yield from stage.press_in_view("alt+n")
+    yield stage.until(lambda: not stage.is_running(), 60, "end of the run")
+    seen["seconds"] = time.monotonic() - began
+    yield 1.0
+    yield from stage.picture("brush-after")
+    seen["mode"] = obj.mode
+    moved = (vertex_positions(obj) != noisy).any(axis=1)
+    seen["moved"] = float(moved.mean())
+    view = stage.view.spaces.active.region_3d
+    to_viewer = view.view_rotation @ Vector((0.0, 0.0, 1.0))
+    seen["in front"] = float((noisy[moved] @ np.array(to_viewer)).min())
+    yield from stage.press_in_view("ctrl+z")
+    yield 1.0
+    obj = bpy.context.object
+    seen["after undo"] = [obj.mode, bool(np.array_equal(vertex_positions(obj), noisy))]

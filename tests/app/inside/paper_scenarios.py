@@ -7,6 +7,7 @@ from collections.abc import Callable, Generator
 
 import bpy
 import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
 from driver import Scenario, Stage
 from meshes import (
     add_noisy,
@@ -343,3 +344,34 @@ def draws_while(
         "draws": len(stage.draws),
         "longest gap": float(np.diff(times).max()),
     }
+
+
+def comparison(stage: Stage) -> Scenario:
+    """Copies side by side in the view of a new file, from the button: where they are drawn."""
+    add_noisy("ico_sphere", 0.02, subdivisions=4)
+    open_panel("VIEW3D_PT_adaptive_fairing_compare")
+    yield from stage.open_sidebar("Fairing")
+    stage.scroll_down("UI")
+    yield 0.5
+    yield from stage.click_button("adaptive_fairing_compare(")
+    yield stage.until(lambda: not stage.is_running(), 100, "end of the comparison")
+    yield 1.0
+    yield from stage.picture("comparison")
+    names = ["Icosphere", "Icosphere uniform", "Icosphere adaptive"]
+    labels = ["Before", "Uniform", "Adaptive"]
+    stage.results["boxes"] = [drawn_box(stage, name) for name in names]
+    stage.results["labels"] = [drawn_box(stage, name) for name in labels]
+    region = stage.region("WINDOW")
+    stage.results["size"] = [region.width, region.height]
+
+
+def drawn_box(stage: Stage, name: str) -> list[list[float]]:
+    """Lower left and upper right pixel of an object's vertices in the 3D view."""
+    graph = bpy.context.evaluated_depsgraph_get()
+    evaluated = bpy.data.objects[name].evaluated_get(graph)
+    points = np.array([evaluated.matrix_world @ v.co for v in evaluated.to_mesh().vertices])
+    drawn = [
+        location_3d_to_region_2d(stage.region("WINDOW"), stage.view.spaces.active.region_3d, each)
+        for each in points
+    ]
+    return [np.min(drawn, axis=0).tolist(), np.max(drawn, axis=0).tolist()]

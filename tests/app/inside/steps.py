@@ -38,9 +38,9 @@ def shading(stage: Stage) -> list[str]:
     return [shown.type, shown.color_type, shown.light]
 
 
-def take_brush(stage: Stage) -> None:
-    """Take a brush with a hard edge in Weight Paint: Debian's Blender 4.3 comes without brushes."""
-    brush = bpy.data.brushes.new("Hard", mode="WEIGHT_PAINT")
+def take_brush(stage: Stage, mode: str = "WEIGHT_PAINT") -> None:
+    """Take a brush with a hard edge in a mode: Debian's Blender 4.3 comes without brushes."""
+    brush = bpy.data.brushes.new("Hard", mode=mode)
     names = ("curve_distance_falloff_preset", "curve_preset")  # since Blender 5.0, before
     setattr(brush, next(name for name in names if hasattr(brush, name)), "CONSTANT")
     brush.asset_mark()

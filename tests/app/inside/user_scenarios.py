@@ -76,7 +76,16 @@ def walk(stage: Stage) -> Scenario:
 def languages(stage: Stage) -> Scenario:
     """Show every panel in other languages, before and after runs of both kinds."""
     view = bpy.context.preferences.view
-    for panel in ("options", "advanced", "animation", "view", "statistics", "compare", "sequence"):
+    for panel in (
+        "options",
+        "advanced",
+        "animation",
+        "check",
+        "view",
+        "statistics",
+        "compare",
+        "sequence",
+    ):
         open_panel(f"VIEW3D_PT_adaptive_fairing_{panel}")
     for language in ("de_DE", "es"):
         view.language = language
@@ -165,10 +174,8 @@ def manual(stage: Stage) -> Scenario:
     space.overlay.show_overlays = space.show_gizmo = False
     with stage.context():
         bpy.ops.object.adaptive_fairing_discard()
-        bpy.ops.object.adaptive_fairing_compare(algorithm="FAIR", tau=0.016)
-        bpy.ops.object.select_all(action="SELECT")
         bpy.ops.view3d.view_axis(type="FRONT")
-        bpy.ops.view3d.view_selected()
+        bpy.ops.object.adaptive_fairing_compare(algorithm="FAIR", tau=0.016)
     yield 1.0
     yield from stage.picture("comparison")
     parts = {

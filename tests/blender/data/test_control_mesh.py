@@ -7,6 +7,7 @@ from support.objects import add_object, everything
 
 from adaptive_fairing.blender.data import results, shown_surface
 from adaptive_fairing.blender.data.control_mesh import control_read, is_refined, net_fingerprint
+from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -34,7 +35,7 @@ def test_inside_the_object_has_its_control_mesh_at_the_strength_of_now(obj):
     assert obj.data == refined
     assert everything(obj) == before
     assert is_refined(obj)
-    assert results.has_result(obj)
+    assert display_of(obj).is_whole
 
 
 def test_an_error_inside_brings_the_refined_mesh_back_too(obj):

@@ -6,6 +6,7 @@ from support.meshes import icosphere
 from support.objects import add_object
 
 from adaptive_fairing.blender.data import results, shown_surface
+from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.fields import field_values
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
 from adaptive_fairing.core import FairingSettings, InputError
@@ -28,13 +29,13 @@ def obj():
 
 
 def test_displacement_is_the_way_from_the_original(obj):
-    is_upper = results.original_positions(obj)[:, 2] > 0
+    is_upper = display_of(obj).original()[:, 2] > 0
     found = field_values(obj, "DISPLACEMENT", SETTINGS)
     np.testing.assert_allclose(found, np.where(is_upper, 0.1 * RADIUS, 0.0), atol=1e-6)
 
 
 def test_removed_is_positive_where_a_bump_was_taken_off(obj):
-    height = results.original_positions(obj)[:, 2]
+    height = display_of(obj).original()[:, 2]
     found = field_values(obj, "REMOVED", SETTINGS)
     inner = np.abs(height) > 0.3 * RADIUS  # where the normals are those of a ball
     expected = np.where(height > 0, 0.1 * RADIUS, 0.0)

@@ -8,7 +8,7 @@ from support.objects import add_object, shown_positions
 
 from adaptive_fairing.blender.data import modifier
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
-from adaptive_fairing.blender.data.stored_offsets import offset_name, write_vectors
+from adaptive_fairing.blender.data.stored_path import offset_name, write_vectors
 from adaptive_fairing.blender.data.vertex_groups import add_weights
 
 KNOTS = (0.5, 1.0, 2.0)

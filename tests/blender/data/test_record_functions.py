@@ -6,6 +6,7 @@ from support.meshes import icosphere
 from support.objects import add_object
 
 from adaptive_fairing.blender.data import record_functions, results
+from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
 from adaptive_fairing.blender.data.record_functions import NOT_HELD
 
@@ -27,14 +28,6 @@ def record():
     return obj.adaptive_fairing
 
 
-def test_strengths_fit_into_the_property_and_come_back(record):
-    assert list(record.strengths)[: len(STRENGTHS)] == STRENGTHS
-    assert record.n_strengths == len(STRENGTHS)
-    record_functions.set_strengths(record, [1.0], 1.0)
-    assert record.n_strengths == 1
-    assert list(record.strengths) == [1.0] + [0.0] * (record_functions.N_STRENGTHS - 1)
-
-
 @pytest.mark.parametrize("strength", [0.0, 0.3, 1.0, 1.6, 2.0])
 def test_measures_are_those_of_the_strength_that_is_shown(record, strength):
     record.strength = strength
@@ -52,7 +45,7 @@ def test_the_original_is_shown_and_the_result_again(record):
     record.strength = 1.5
     result = read_mesh_coordinates(obj.data)
     record_functions.toggle_before(record)
-    np.testing.assert_array_equal(read_mesh_coordinates(obj.data), results.original_positions(obj))
+    np.testing.assert_array_equal(read_mesh_coordinates(obj.data), display_of(obj).original())
     assert record.held == 1.5
     record_functions.toggle_before(record)
     np.testing.assert_array_equal(read_mesh_coordinates(obj.data), result)
@@ -70,7 +63,7 @@ def test_who_moves_the_slider_ends_the_look_at_the_original(record):
 def test_the_end_of_a_comparison_shows_the_whole_result(record):
     obj = record.id_data
     result = read_mesh_coordinates(obj.data)
-    record_functions.split_along(record, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+    results.show_split(obj, (1.0, 0.0, 0.0), (0.0, 0.0, 0.0))
     assert not np.array_equal(read_mesh_coordinates(obj.data), result)
     record_functions.end_comparison(record)
     assert not record.is_split

@@ -7,6 +7,7 @@ from support.objects import add_object
 
 from adaptive_fairing.blender.data import results
 from adaptive_fairing.blender.data.color_map import ANCHORS, colors_srgb
+from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
 from adaptive_fairing.blender.data.record_properties import (
     N_SWATCHES,
@@ -32,12 +33,12 @@ def test_the_strength_is_what_was_set_and_shows_at_once(obj, way):
     start = store(obj, way)
     obj.adaptive_fairing.strength = 0.25
     assert obj.adaptive_fairing.strength == 0.25
-    np.testing.assert_allclose(results.shown_positions(obj), 0.95 * start, atol=1e-6)
+    np.testing.assert_allclose(display_of(obj).shown(), 0.95 * start, atol=1e-6)
 
 
-def test_the_strength_of_a_stale_result_writes_nothing(obj):
+def test_the_strength_of_a_lost_result_writes_nothing(obj):
     store(obj, "LIVE")
-    obj.data.vertices[1].co.z = 5.0
+    obj.data.attributes.remove(obj.data.attributes[".fairing_offset_1"])
     before = read_mesh_coordinates(obj.data)
     obj.adaptive_fairing.strength = 0.0
     np.testing.assert_array_equal(read_mesh_coordinates(obj.data), before)
@@ -54,7 +55,7 @@ def test_the_evolution_goes_through_the_steps(obj):
         assert record.evolution == pytest.approx(time, abs=1e-6)
         below = min(int(3 * time), 2)
         expected = path[below] + (3 * time - below) * (path[below + 1] - path[below])
-        np.testing.assert_allclose(results.shown_positions(obj), expected, atol=1e-5)
+        np.testing.assert_allclose(display_of(obj).shown(), expected, atol=1e-5)
 
 
 def test_the_legend_has_the_colours_of_the_map_and_keeps_them(obj):

@@ -13,7 +13,7 @@ from adaptive_fairing.blender.data.refined_object import (
     control_surface,
     refine_object,
 )
-from adaptive_fairing.blender.data.stored_offsets import read_vectors, write_vectors
+from adaptive_fairing.blender.data.stored_path import read_vectors, write_vectors
 from adaptive_fairing.core import FairingError, LimitSurface, TriangleTopology
 
 ROUNDING = 1e-6

@@ -8,7 +8,9 @@ from support.objects import add_object, everything, key_positions
 from support.objects import shown_positions as evaluated
 
 from adaptive_fairing.blender.data import results
+from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
+from adaptive_fairing.blender.data.stored_path import stored_names
 from adaptive_fairing.core import InputError
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -30,7 +32,7 @@ def moves(obj, seed=0):
 
 def store(obj, way, strength=1.0, seed=0, **options):
     """Store displacements of what the object shows; give the start and the shapes."""
-    start = results.shown_positions(obj)
+    start = display_of(obj).shown()
     shapes = list(start + moves(obj, seed))
     results.store_strengths(obj, start, shapes, STRENGTHS, strength, way, **options)
     return start, shapes
@@ -42,32 +44,32 @@ class TestStrengths:
         start, shapes = store(obj, way)
         for strength, shape in zip(STRENGTHS, shapes, strict=True):
             obj.adaptive_fairing.strength = strength
-            np.testing.assert_allclose(results.shown_positions(obj), shape, atol=ROUNDING)
+            np.testing.assert_allclose(display_of(obj).shown(), shape, atol=ROUNDING)
             np.testing.assert_allclose(evaluated(obj), shape, atol=ROUNDING)
-        np.testing.assert_array_equal(results.original_positions(obj), start)
+        np.testing.assert_array_equal(display_of(obj).original(), start)
 
     def test_a_second_run_adds_to_the_first_and_0_stays_the_first_original(self, obj, way):
         start, first = store(obj, way)
         second_start, second = store(obj, way, seed=1)
         np.testing.assert_allclose(second_start, first[1], atol=ROUNDING)
-        np.testing.assert_allclose(results.shown_positions(obj), second[1], atol=ROUNDING)
+        np.testing.assert_allclose(display_of(obj).shown(), second[1], atol=ROUNDING)
         obj.adaptive_fairing.strength = 0.0
-        np.testing.assert_allclose(results.shown_positions(obj), start, atol=ROUNDING)
+        np.testing.assert_allclose(display_of(obj).shown(), start, atol=ROUNDING)
         obj.adaptive_fairing.strength = 0.5  # half of each run
         expected = first[0] + (second[0] - second_start)
-        np.testing.assert_allclose(results.shown_positions(obj), expected, atol=ROUNDING)
+        np.testing.assert_allclose(display_of(obj).shown(), expected, atol=ROUNDING)
 
     def test_from_the_original_an_earlier_run_does_not_count(self, obj, way):
         start, _ = store(obj, way)
         shapes = list(start + moves(obj, 1))
         results.store_strengths(obj, start, shapes, STRENGTHS, 1.0, way, from_original=True)
-        np.testing.assert_allclose(results.shown_positions(obj), shapes[1], atol=ROUNDING)
+        np.testing.assert_allclose(display_of(obj).shown(), shapes[1], atol=ROUNDING)
 
     def test_kept_only_the_shape_is_left(self, obj, way):
         plain = everything(obj)
         _, shapes = store(obj, way)
         results.apply(obj)
-        assert not results.has_result(obj)
+        assert not display_of(obj).is_whole
         np.testing.assert_allclose(read_mesh_coordinates(obj.data), shapes[1], atol=ROUNDING)
         assert {**everything(obj), "coordinates": plain["coordinates"]} == plain
         assert len(obj.modifiers) == len(bpy.data.node_groups) == 0
@@ -80,13 +82,18 @@ class TestStrengths:
         assert everything(obj) == before
         assert obj.adaptive_fairing.result == ""
 
-    def test_somebody_else_s_edit_makes_it_stale(self, obj, way):
+    def test_where_its_shapes_are_lost_it_can_only_be_forgotten(self, obj, way):
+        before = everything(obj)
         store(obj, way)
-        assert results.has_result(obj) and not results.is_stale(obj)
-        obj.data.vertices[0].co.x += 1.0
-        assert results.is_stale(obj) and not results.has_result(obj)
+        for name in stored_names(obj.data):
+            obj.data.attributes.remove(obj.data.attributes[name])
         with pytest.raises(InputError, match="no result"):
-            results.discard(obj)
+            results.apply(obj)
+        shown = read_mesh_coordinates(obj.data)
+        results.forget(obj)
+        assert {**everything(obj), "coordinates": None} == {**before, "coordinates": None}
+        np.testing.assert_array_equal(read_mesh_coordinates(obj.data), shown)
+        assert (obj.adaptive_fairing.result, len(obj.modifiers)) == ("", 0)
 
     def test_a_plane_shows_the_original_behind_it(self, obj, way):
         start, shapes = store(obj, way)
@@ -104,8 +111,8 @@ class TestSteps:
         results.store_steps(obj, start, shapes, output)
         for number, shape in enumerate(shapes, start=1):
             np.testing.assert_array_equal(key_positions(obj, f"Fairing {number}"), shape)
-        np.testing.assert_array_equal(results.original_positions(obj), start)
-        np.testing.assert_allclose(results.shown_positions(obj), shapes[-1], atol=ROUNDING)
+        np.testing.assert_array_equal(display_of(obj).original(), start)
+        np.testing.assert_allclose(display_of(obj).shown(), shapes[-1], atol=ROUNDING)
         results.discard(obj)
         assert everything(obj) == before
 
@@ -114,14 +121,14 @@ class TestSteps:
         shapes = list(start + moves(obj))
         results.store_steps(obj, start, shapes, "FINAL_SHAPE")
         np.testing.assert_array_equal(read_mesh_coordinates(obj.data), shapes[-1])
-        assert not results.has_result(obj)
-        assert results.original_positions(obj) is None
+        assert not display_of(obj).is_whole
+        assert display_of(obj).original() is None
 
     def test_of_a_shape_that_was_denoised_before_the_first_original_is_kept(self, obj):
         original = read_mesh_coordinates(obj.data)
         _, denoised = store(obj, "LIVE")
         results.store_steps(obj, denoised[1], list(denoised[1] + moves(obj, 2)), "ABSOLUTE_KEYS")
-        np.testing.assert_array_equal(results.original_positions(obj), original)
+        np.testing.assert_array_equal(display_of(obj).original(), original)
         results.discard(obj)
         np.testing.assert_array_equal(read_mesh_coordinates(obj.data), original)
 

@@ -7,6 +7,7 @@ from support.meshes import icosphere
 from support.objects import add_object, everything
 
 from adaptive_fairing.blender.data import results
+from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
 from adaptive_fairing.blender.data.shown_surface import (
     control_written,
@@ -60,7 +61,7 @@ def test_another_result_is_refined_after_it_was_written(obj):
     show_surface(obj, "REFINED_1")
     n = len(obj.data.vertices)
     with control_written(obj):
-        start = results.shown_positions(obj)
+        start = display_of(obj).shown()
         assert len(start) == len(icosphere(1)[0])
         results.store_strengths(obj, start, [0.5 * start], [1.0], 1.0, "LIVE")
     assert len(obj.data.vertices) == n

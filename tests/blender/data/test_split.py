@@ -7,7 +7,7 @@ from support.meshes import icosphere
 from support.objects import add_object, everything, shown_positions
 
 from adaptive_fairing.blender.data import modifier, split
-from adaptive_fairing.blender.data.stored_offsets import offset_name, write_vectors
+from adaptive_fairing.blender.data.stored_path import offset_name, write_vectors
 
 
 @pytest.fixture

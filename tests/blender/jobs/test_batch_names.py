@@ -62,21 +62,37 @@ def test_files_may_have_any_name(tmp_path, locale):
     assert sorted(outputs(out)) == sorted(NAMES.values())
 
 
+# It leaves before the bpy module is taken down, where some versions hang.
+ONE_BY_ONE = """
+import os
+import sys
+from adaptive_fairing.cli import main
+given, *outputs = sys.argv[1:]
+for output in outputs:
+    report = ["--quiet", "--report", output + ".json"]
+    assert main.main(["denoise", given, "-o", output, *report]) == 0, ascii(output)
+os._exit(0)
+"""
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="names of POSIX")
 @pytest.mark.parametrize("locale", LOCALES.values(), ids=LOCALES)
-@pytest.mark.parametrize("suffix", [".blend", ".obj", ".stl", ".ply", ".usda", ".fbx"])
-def test_a_single_file_may_have_any_name(tmp_path, locale, suffix):
+def test_a_single_file_may_have_any_name(tmp_path, locale):
     given = tmp_path / NAMES["not UTF-8"]
     given.write_bytes(ply_bytes(*random_closed(seed=1)))
-    out = tmp_path / os.fsdecode(f"Ü{suffix}".encode("latin-1"))
+    outs = [
+        tmp_path / os.fsdecode(f"Ü{suffix}".encode("latin-1"))
+        for suffix in (".blend", ".obj", ".stl", ".ply", ".usda", ".fbx")
+    ]
     result = subprocess.run(
-        [sys.executable, "-m", "adaptive_fairing", "denoise", given, "-o", out, "--quiet",
-         "--report", tmp_path / "r.json"],
+        [sys.executable, "-c", ONE_BY_ONE, given, *outs],
         cwd=ROOT, env={**os.environ, "LC_ALL": locale}, capture_output=True, check=False,
     )  # fmt: skip
     assert (result.returncode, result.stderr) == (0, b"")
-    assert out.stat().st_size > 0
-    assert json.loads((tmp_path / "r.json").read_text())["output"] == str(out)
+    for out in outs:
+        assert out.stat().st_size > 0
+        report = out.with_name(out.name + ".json").read_text()
+        assert json.loads(report)["output"] == str(out)
 
 
 def test_a_name_that_a_format_cannot_have_is_told_in_one_line(tmp_path, capsys):

@@ -5,15 +5,22 @@ import json
 import os
 from pathlib import Path
 
+import bpy
 import pytest
 from support.meshes import random_closed
 from support.objects import (
     write_ply,
 )
 
-from adaptive_fairing.blender.files.mesh_files import import_mesh
+from adaptive_fairing.blender.files.mesh_files import import_mesh, save_blend
 from adaptive_fairing.blender.jobs.file_job import FairingJob, run_job
-from adaptive_fairing.core import FairingError, FairingSettings, SolverError, TopologyError
+from adaptive_fairing.core import (
+    DenoiseSettings,
+    FairingError,
+    FairingSettings,
+    SolverError,
+    TopologyError,
+)
 
 HOPELESS = FairingSettings(cg_max_iterations=1, cg_tolerance=1e-12)
 
@@ -34,6 +41,18 @@ def test_a_solve_that_fails_at_once_writes_nothing_but_the_report(noisy, tmp_pat
     assert written["stop_reason"] == "not_converged"
     assert written["steps"][0]["converged"] is False
     assert written["error"].startswith("step 1 did not converge")
+
+
+def test_sculpted_levels_are_not_left_above_a_changed_base(noisy, tmp_path):
+    obj = import_mesh(noisy)
+    bpy.context.view_layer.objects.active = obj
+    modifier = obj.modifiers.new("Levels", "MULTIRES")
+    bpy.ops.object.multires_subdivide(modifier=modifier.name)
+    save_blend(tmp_path / "sculpture.blend")
+    job = FairingJob(tmp_path / "sculpture.blend", tmp_path / "out.blend", DenoiseSettings())
+    with pytest.raises(FairingError, match=r"has sculpted levels.*apply the multiresolution"):
+        run_job(job)
+    assert not job.output.exists()
 
 
 def failing_at(step_number, monkeypatch, kind):

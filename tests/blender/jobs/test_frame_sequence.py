@@ -181,7 +181,7 @@ def test_it_does_not_matter_where_a_frame_is_faired(sources, tmp_path, algorithm
 
     fair_into("one")
     fair_into("two", "--jobs", 2)
-    for shard in ("2/3", "3/3", "1/3"):
+    for shard in ("2/2", "1/2"):
         fair_into("shards", "--shard", shard)
     fair_into("shards", "--merge")
     names = [f"bean_{frame:04d}.ply" for frame in FRAMES]

@@ -1,11 +1,15 @@
 """The comparison: uniform and adaptive copies, side by side, with labels."""
 
+from itertools import pairwise
+
 import bpy
 import numpy as np
 import pytest
+from mathutils import Euler, Vector
 from support.meshes import graded_sphere
 from support.objects import add_object, key_positions
 
+from adaptive_fairing.blender import operators
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
 from adaptive_fairing.core import FairingSettings, fair
 from adaptive_fairing.core.diffusion.smoothing_radius import equivalent_uniform_tau
@@ -76,6 +80,30 @@ def test_each_has_a_label_below_it(obj):
         target = bpy.data.objects[other]
         assert labels[name].location.x == pytest.approx(target.matrix_world.translation.x, abs=0.01)
         assert labels[name].location.z < target.matrix_world.translation.z - 0.9
+
+
+def test_they_lie_side_by_side_in_the_view_that_the_user_is_in(obj, monkeypatch):
+    default = Euler((1.1, 0.0, 0.8)).to_quaternion()  # about that of a new file
+    monkeypatch.setattr(operators.compare, "_view_rotation", lambda context: default)
+    compare(steps=1)
+    bpy.context.view_layer.update()
+    row = [obj, bpy.data.objects["Ball uniform"], bpy.data.objects["Ball adaptive"]]
+    seen = [on_screen(each, default) for each in row]
+    for left, right in pairwise(seen):
+        assert right[:, 0].min() > left[:, 0].max()
+    for name, shape in zip(("Before", "Uniform", "Adaptive"), seen, strict=True):
+        label = bpy.data.objects[name]
+        text = on_screen(label, default)
+        assert text[:, 1].max() < shape[:, 1].min()
+        middles = [(each[:, 0].min() + each[:, 0].max()) / 2 for each in (text, shape)]
+        assert middles[0] == pytest.approx(middles[1], abs=0.05)
+        assert np.ptp(text[:, 2]) == pytest.approx(0.0, abs=1e-5), "it faces the view"
+
+
+def on_screen(obj, view):
+    """Corners of an object's box to the right, upwards and towards the viewer, (8, 3)."""
+    world = [obj.matrix_world @ Vector(corner) for corner in obj.bound_box]
+    return np.array([view.inverted() @ corner for corner in world])
 
 
 def test_an_object_with_an_evolution_gets_a_copy_of_its_undeformed_shape(obj):

@@ -8,8 +8,8 @@ import pytest
 from support.meshes import graded_sphere, icosphere
 from support.objects import add_object, key_positions, numbers
 
+from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
-from adaptive_fairing.blender.data.results import shown_positions
 from adaptive_fairing.blender.jobs.solve import run_solves
 from adaptive_fairing.blender.operators.modal_run import ModalRun
 from adaptive_fairing.blender.properties import (
@@ -366,7 +366,7 @@ def test_no_vertex_moves_further_than_it_may_in_the_world(algorithm):
     bpy.context.view_layer.update()
 
     def largest_move():
-        shown = shown_positions(obj)
+        shown = display_of(obj).shown()
         return 0.1 * np.linalg.norm(shown - before, axis=1).max()
 
     bpy.ops.object.adaptive_fairing(algorithm=algorithm)
@@ -381,7 +381,7 @@ def test_the_volume_is_kept_on_request():
     triangles = read_mesh(obj.data).triangles
 
     def volume():
-        a, b, c = np.moveaxis(shown_positions(obj).astype(float)[triangles], 1, 0)
+        a, b, c = np.moveaxis(display_of(obj).shown().astype(float)[triangles], 1, 0)
         return np.einsum("fi,fi->", a, np.cross(b, c)) / 6
 
     before, changes = volume(), []

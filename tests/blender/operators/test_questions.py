@@ -69,7 +69,7 @@ class TestWithoutUndo:
         context = Window(has_undo=False)
         assert stand_in(operator).invoke(context, None) == {"CANCELLED"}
         drawn = context.menu.layout.drawn
-        assert drawn.texts == ["Undo is turned off: this cannot be taken back"]
+        assert drawn.texts == ["Undo is turned off: this cannot be undone"]
         (answer,) = drawn.operators
         assert answer["name"] == operator.bl_idname
         assert answer["is_confirmed"]

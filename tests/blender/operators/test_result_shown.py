@@ -7,8 +7,8 @@ from support.objects import key_positions, shown_positions
 from support.results import coordinates, core_result, fairing_attributes, near, paper, run
 
 from adaptive_fairing.blender.compatibility import set_modifier_input, weight_paint_settings
+from adaptive_fairing.blender.data.paint_group import PAINT_GROUP
 from adaptive_fairing.blender.data.record_functions import end_comparison
-from adaptive_fairing.blender.data.stored_offsets import PAINT_GROUP
 from adaptive_fairing.blender.operators import following
 
 pytestmark = pytest.mark.usefixtures("addon")

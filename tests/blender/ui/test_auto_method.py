@@ -69,7 +69,7 @@ class TestResult:
 class TestPanel:
     def test_it_asks_for_the_strength_and_for_nothing_that_is_not_used(self, noisy):
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-        assert drawn.properties == ["algorithm", "strength"]
+        assert drawn.properties == ["algorithm", "strength", "width"]
         assert draw(settings_panel.VIEW3D_PT_adaptive_fairing_advanced) is None
         options = draw(settings_panel.VIEW3D_PT_adaptive_fairing_options)
         assert {"features", "boundary", "result"} <= set(options.properties)
@@ -96,7 +96,7 @@ class TestPanel:
         run()
         record = noisy.adaptive_fairing
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-        assert drawn.properties == ["algorithm", "strength"]
+        assert drawn.properties == ["algorithm", "strength", "width"]
         noise = f"{float(f'{2 * 100 * record.noise_length:.3g}'):g} cm"
         first, last = record.shapes[0], record.shapes[record.shown]
         volume = 100 * (last.volume / first.volume - 1)
@@ -133,12 +133,21 @@ class TestPanel:
         bpy.ops.object.mode_set(mode="OBJECT")
         assert draw(settings_panel.VIEW3D_PT_adaptive_fairing).disabled == []
 
-    def test_a_mesh_that_was_changed_is_told_and_has_no_slider(self, noisy):
+    def test_of_a_mesh_that_was_changed_the_slider_is_told_to_move_the_rest(self, noisy):
         run()
         noisy.data.vertices[0].co.x += 1.0
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
-        assert "The mesh was changed since the last run" in " ".join(drawn.texts)
-        assert drawn.properties == ["algorithm", "strength"]
+        assert "The slider moves what was not touched" in " ".join(drawn.texts)
+        assert "object.adaptive_fairing_forget" not in [each["name"] for each in drawn.operators]
+
+    def test_a_result_that_is_lost_has_no_slider_and_can_be_forgotten(self, noisy):
+        run()
+        noisy.data.attributes.remove(noisy.data.attributes[".fairing_offset_1"])
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert "The next one starts from what is shown" in " ".join(drawn.texts)
+        assert drawn.properties == ["algorithm", "strength", "width"]
+        ends = [each["name"] for each in drawn.operators][-2:]
+        assert ends == ["object.adaptive_fairing_forget", "object.adaptive_fairing_discard"]
 
     def test_statistics_of_denoise_and_of_the_paper(self, noisy):
         run()
@@ -164,12 +173,12 @@ class TestPanel:
         ]
         assert hints([twin, noisy, noisy], settings) == found, "each is said once"
         twin.data = bpy.data.meshes.new("Other")
-        noisy.modifiers.new("Levels", "MULTIRES")
+        noisy.modifiers.new("Bevel", "BEVEL")
         noisy.shape_key_add(name="Basis")
         noisy.shape_key_add(name="Smile")
         found = hints([noisy], settings)
         assert found[0] == "The result goes to a copy; this object is hidden"
-        assert found[1].startswith("Multiresolution")
+        assert found[1].startswith("Modifiers stay above")
         settings.result = "MODIFIER"
         assert found[0] not in hints([noisy], settings)
 

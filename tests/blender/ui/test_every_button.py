@@ -13,6 +13,7 @@ from adaptive_fairing.blender.jobs.solve import Solve
 from adaptive_fairing.blender.operators import modal_run
 from adaptive_fairing.blender.ui import (
     attribute_panel,
+    check_panel,
     colors_panel,
     results_panel,
     sequence_panel,
@@ -25,7 +26,14 @@ pytestmark = pytest.mark.usefixtures("addon")
 TESTS = Path(__file__).resolve().parents[2]
 PANELS = [
     panel
-    for module in (settings_panel, attribute_panel, sequence_panel, colors_panel, results_panel)
+    for module in (
+        settings_panel,
+        check_panel,
+        attribute_panel,
+        sequence_panel,
+        colors_panel,
+        results_panel,
+    )
     for name, panel in vars(module).items()
     if name.startswith("VIEW3D_PT_adaptive") and panel.__module__ == module.__name__
 ]

@@ -114,6 +114,36 @@ def test_another_algorithm_and_another_object_show_nothing():
     assert offered()[1] == []
 
 
+@pytest.mark.parametrize("algorithm", ["DENOISE", "FAIR"])
+def test_a_refusal_stays_to_be_read_until_the_next_run_begins(algorithm):
+    selected(*meshes.noisy_ball(3, 0.02))
+    bpy.context.scene.adaptive_fairing.algorithm = algorithm
+    with pytest.raises(RuntimeError, match="no vertex group 'skin'"):
+        bpy.ops.object.adaptive_fairing(algorithm=algorithm, vertex_group="skin")
+    assert "there is no vertex group 'skin'" in " ".join(offered()[0].texts)
+    bpy.ops.object.adaptive_fairing(algorithm=algorithm)
+    assert "vertex group" not in " ".join(offered()[0].texts)
+
+
+def test_a_later_refusal_takes_the_place_of_an_earlier_note():
+    model()
+    bpy.ops.object.adaptive_fairing()
+    with pytest.raises(RuntimeError, match="skin"):
+        bpy.ops.object.adaptive_fairing(vertex_group="skin")
+    drawn, buttons = offered()
+    assert "there is no vertex group" in " ".join(drawn.texts)
+    assert not any("noise" in text for text in drawn.texts)
+    assert buttons == []
+
+
+def test_a_run_of_the_other_algorithm_ends_an_earlier_note():
+    model()
+    bpy.ops.object.adaptive_fairing()
+    bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
+    bpy.ops.object.adaptive_fairing_discard()
+    assert offered()[1] == []
+
+
 def test_what_was_said_of_another_shape_is_not_shown():
     obj = model()
     bpy.ops.object.adaptive_fairing()

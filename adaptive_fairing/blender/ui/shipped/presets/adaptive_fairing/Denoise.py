@@ -8,3 +8,4 @@ settings.algorithm = "DENOISE"
 settings.strength = 1.0
 settings.features = "auto"
 settings.clean = "keep"
+settings.width = 0.0

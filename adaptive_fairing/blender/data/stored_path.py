@@ -1,0 +1,109 @@
+"""The path of a result: from the original through the shape at each knot, straight in between.
+
+Of `denoise` the knots are strengths, of `fair` the numbers of the steps. Where a result is no shape
+keys, its path is kept in point attributes of the mesh, so it is saved, copied and undone with it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import bpy
+import numpy as np
+
+from .attribute_arrays import remove_attributes
+
+if TYPE_CHECKING:  # enabling the add-on does not load the core
+    from numpy.typing import NDArray
+
+    from ...core.runtime.arrays import SingleArray
+
+ORIGINAL = ".fairing_original"
+"""Vector point attribute: coordinates before the first run."""
+
+
+def offset_name(index: int) -> str:
+    """Name of the attribute with the offset at a knot, counted from 1."""
+    return f".fairing_offset_{index}"
+
+
+@dataclass(frozen=True)
+class StoredPath:
+    """A result.
+
+    Attributes
+    ----------
+    original
+        (n, 3) positions at 0.
+    knots
+        (k,) ascending, above 0.
+    offset_at
+        Gives the offset (n, 3) from the original at the knot of an index, counted from 0.
+    """
+
+    original: SingleArray
+    knots: tuple[float, ...]
+    offset_at: Callable[[int], NDArray[np.floating]]
+
+    @classmethod
+    def through(cls, original: SingleArray, knots: Sequence[float], shapes: list) -> StoredPath:
+        """Take the path through shapes (n, 3); their offsets are exact."""
+        start = original.astype(np.float64)
+        return cls(original, tuple(knots), lambda index: shapes[index] - start)
+
+    def offset(self, place: float) -> NDArray[np.floating]:
+        """Interpolate the offset between the knots; beyond the last it stays. A new array."""
+        ends = (0.0, *self.knots)
+        number = float(np.interp(place, ends, range(len(ends))))
+        below = min(int(number), len(self.knots) - 1)
+        part = np.float32(number - below)
+        high = self.offset_at(below)
+        if below == 0:
+            return part * high
+        low = self.offset_at(below - 1)
+        return low + part * (high - low)
+
+
+def write_path(mesh: bpy.types.Mesh, path: StoredPath, *, with_original: bool = True) -> None:
+    """Keep a path on a mesh that is not in Edit Mode and has none."""
+    if with_original:
+        write_vectors(mesh, ORIGINAL, path.original)
+    for index in range(len(path.knots)):
+        write_vectors(mesh, offset_name(index + 1), path.offset_at(index))
+
+
+def read_path(mesh: bpy.types.Mesh, original: SingleArray, knots: tuple[float, ...]) -> StoredPath:
+    """Read the path that a mesh has; offsets are read when they are asked for."""
+    return StoredPath(original, knots, lambda index: read_vectors(mesh, offset_name(index + 1)))
+
+
+def has_offsets(mesh: bpy.types.Mesh, n_knots: int) -> bool:
+    """Whether a mesh has an offset for every knot, and at least one."""
+    names = [offset_name(index) for index in range(1, n_knots + 1)]
+    return bool(names) and all(name in mesh.attributes for name in names)
+
+
+def stored_names(mesh: bpy.types.Mesh) -> list[str]:
+    """Names of the attributes that a path, or what is left of one, has on a mesh."""
+    starts = (ORIGINAL, offset_name(0)[:-1])
+    return [name for name in mesh.attributes.keys() if name.startswith(starts)]
+
+
+def remove_path(mesh: bpy.types.Mesh) -> None:
+    """Remove the attributes of a path; the coordinates stay."""
+    remove_attributes(mesh, stored_names(mesh))
+
+
+def read_vectors(mesh: bpy.types.Mesh, name: str) -> SingleArray:
+    """Read a vector attribute of the points, (n, 3)."""
+    buffer = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.attributes[name].data.foreach_get("vector", buffer)
+    return buffer.reshape(-1, 3)
+
+
+def write_vectors(mesh: bpy.types.Mesh, name: str, vectors: NDArray[np.floating]) -> None:
+    """Write (n, 3) vectors as a new attribute of the points."""
+    attribute = mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
+    attribute.data.foreach_set("vector", np.ascontiguousarray(vectors, dtype=np.float32).ravel())

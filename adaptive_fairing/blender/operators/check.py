@@ -1,0 +1,131 @@
+"""The operator that examines a mesh before a run, and what it has found.
+
+What was found is remembered for the session, as long as the object has the shape that was examined.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..data.mesh_arrays import checksum, read_mesh_coordinates
+from ..requirements import scipy_problem
+from .modal_run import ModalRun
+from .object_mode import object_mode
+from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
+
+if TYPE_CHECKING:  # the solver needs scipy, which may be missing
+    from ...core.denoising.examination import Examination
+
+
+class Check(NamedTuple):
+    """What was found in an object.
+
+    Attributes
+    ----------
+    shape : str
+        Checksum of the mesh that was examined.
+    found : Examination
+    """
+
+    shape: str
+    found: Examination
+
+
+_checks: dict[int, Check] = {}  # by the object's session_uid
+
+
+class OBJECT_OT_adaptive_fairing_check(ModalRun, bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_check"
+    bl_label = "Check Mesh"
+    bl_description = (
+        "Find out how much noise the active mesh has, of how many parts it is, and what is wrong "
+        "with it. Nothing is changed"
+    )
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, context):
+        reasons = busy_refusal(), scipy_problem(), no_active_mesh_refusal(context)
+        return is_allowed(cls, *reasons)
+
+    def prepare(self, context):
+        from ...core import DenoiseSettings
+        from ..data.control_mesh import control_read
+        from ..data.mesh_arrays import MeshData, read_triangles
+        from ..data.multires import read_level, shown_level
+        from ..jobs.examination import ExaminationJob
+        from ..jobs.write_back import start_positions
+
+        obj = context.active_object
+        is_level = obj.mode != "EDIT" and shown_level(obj) is not None
+        with object_mode(context):
+            if is_level:
+                data = read_level(obj)
+            else:
+                with control_read(obj):
+                    start = start_positions(obj, from_original=False).astype(float)
+                    data = MeshData(start, read_triangles(obj.data))
+        return [
+            ExaminationJob(
+                data.vertices,
+                data.triangles,
+                DenoiseSettings(),
+                name=obj.name,
+                session_uid=obj.session_uid,
+            )
+        ]
+
+    def conclude(self, context, solves, *, is_stopped):
+        from ..jobs.write_back import object_of
+
+        (job,) = solves
+        obj = object_of(job.session_uid)
+        if job.error is not None:
+            self.report({"ERROR"}, f"{job.name}: {job.error}")
+        if job.found is None or obj is None or obj.type != "MESH":
+            return {"CANCELLED"}
+        with object_mode(context):
+            _checks[job.session_uid] = Check(checksum(read_mesh_coordinates(obj.data)), job.found)
+        if job.found.is_clean:
+            text = rpt_("{:s}: looks clean")
+        else:
+            text = rpt_("{:s}: noise of {:.2g} edges")
+        self.report({"INFO"}, text.format(job.name, job.found.noise_level))
+        return {"FINISHED"}
+
+
+def check_of(obj: bpy.types.Object | None) -> Examination | None:
+    """Return what was found in an object, if it still has that shape."""
+    check = None if obj is None or obj.type != "MESH" else _checks.get(obj.session_uid)
+    if check is None:
+        return None
+    # In Edit Mode the coordinates cannot be read.
+    holds = obj.mode == "EDIT" or check.shape == checksum(read_mesh_coordinates(obj.data))
+    return check.found if holds else None
+
+
+@bpy.app.handlers.persistent
+def _forget_all(*_arguments) -> None:
+    """Forget the objects of the file that is being left."""
+    _checks.clear()
+
+
+_register_class, _unregister_class = bpy.utils.register_classes_factory(
+    (OBJECT_OT_adaptive_fairing_check,)
+)
+
+
+def register() -> None:
+    """Register the operator, and watch for files being loaded."""
+    _register_class()
+    bpy.app.handlers.load_pre.append(_forget_all)
+
+
+def unregister() -> None:
+    """Take it back, and forget."""
+    bpy.app.handlers.load_pre.remove(_forget_all)
+    _forget_all()
+    _unregister_class()

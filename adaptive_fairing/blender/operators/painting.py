@@ -1,0 +1,113 @@
+"""Painting the original back: a faint overlay, and a key that swaps the weights 0 and 1.
+
+The overlay of weights is solid in Blender and would hide the surface that is judged.  It is faint
+as long as somebody paints.  Then what was there before comes back, but for views that were changed.
+"""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..compatibility import weight_paint_settings
+from ..data.paint_group import PAINT_GROUP
+from . import viewport
+from .polls import is_allowed
+
+FAINT = 0.25
+"""Opacity of the overlay while somebody paints back."""
+
+_before: dict[int, float] = {}  # opacity by the address of a view
+
+
+class OBJECT_OT_adaptive_fairing_paint_swap(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_paint_swap"
+    bl_label = "Swap 0 and 1"
+    bl_description = (
+        "Change between painting the original back, with weight 0, and the result, with weight 1"
+    )
+
+    @classmethod
+    def poll(cls, context):
+        reason = None if is_painting(context) else "Only while the vertex group Fairing is painted"
+        return is_allowed(cls, reason)
+
+    def execute(self, context):
+        settings = weight_paint_settings(context)
+        settings.use_unified_weight = True
+        settings.weight = 0.0 if settings.weight > 0.5 else 1.0
+        brings_result = settings.weight > 0.5
+        self.report(
+            {"INFO"},
+            rpt_("Painting brings the result back")
+            if brings_result
+            else rpt_("Painting brings the original back"),
+        )
+        return {"FINISHED"}
+
+
+def is_painting(context: bpy.types.Context) -> bool:
+    """Whether the original of a result is being painted back."""
+    obj = context.view_layer.objects.active
+    if obj is None or obj.mode != "WEIGHT_PAINT" or not obj.adaptive_fairing.result:
+        return False
+    active = obj.vertex_groups.active
+    return active is not None and active.name == PAINT_GROUP
+
+
+def make_faint() -> None:
+    """Let the surface show through the weights."""
+    for address, space in viewport.views():
+        _before.setdefault(address, space.overlay.weight_paint_mode_opacity)
+        space.overlay.weight_paint_mode_opacity = FAINT
+
+
+def put_back() -> None:
+    """Make the overlay what it was, where nobody has changed it."""
+    for address, space in viewport.views():
+        is_ours = abs(space.overlay.weight_paint_mode_opacity - FAINT) < 1e-6
+        if address in _before and is_ours:
+            space.overlay.weight_paint_mode_opacity = _before[address]
+    _before.clear()
+
+
+@bpy.app.handlers.persistent
+def _follow_mode(*_arguments) -> None:
+    """Put the overlay back once nobody paints, whichever way the mode was left."""
+    if _before and not is_painting(bpy.context):
+        put_back()
+
+
+@bpy.app.handlers.persistent
+def _leave_file(*_arguments) -> None:
+    put_back()
+
+
+_keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
+
+_register_class, _unregister_class = bpy.utils.register_classes_factory(
+    (OBJECT_OT_adaptive_fairing_paint_swap,)
+)
+
+
+def register() -> None:
+    """Register the operator and its key, and watch for the end of painting."""
+    _register_class()
+    bpy.app.handlers.depsgraph_update_post.append(_follow_mode)
+    bpy.app.handlers.load_pre.append(_leave_file)
+    configuration = bpy.context.window_manager.keyconfigs.addon
+    if configuration is not None:  # none without a window
+        keymap = configuration.keymaps.new("Weight Paint")
+        idname = OBJECT_OT_adaptive_fairing_paint_swap.bl_idname
+        _keymaps.append((keymap, keymap.keymap_items.new(idname, "X", "PRESS")))
+
+
+def unregister() -> None:
+    """Take them back, and leave the views as they were."""
+    while _keymaps:
+        keymap, item = _keymaps.pop()
+        keymap.keymap_items.remove(item)
+    bpy.app.handlers.load_pre.remove(_leave_file)
+    bpy.app.handlers.depsgraph_update_post.remove(_follow_mode)
+    put_back()
+    _unregister_class()

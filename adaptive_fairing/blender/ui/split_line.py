@@ -1,0 +1,184 @@
+"""Line of a split view in the 3D view: where original and result meet, to be dragged."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import bpy
+from bpy_extras.view3d_utils import location_3d_to_region_2d, region_2d_to_location_3d
+from mathutils import Vector
+from mathutils.geometry import intersect_point_line
+
+from ..operators.results import result_refusal
+
+if TYPE_CHECKING:
+    from gpu.types import GPUBatch
+
+OVERHANG = 0.1
+"""How far the line goes beyond the object's box at either end, as a part of its length."""
+
+REACH = 8
+"""Pixels around the line, at the interface's scale 1, where it is taken hold of."""
+
+LEAST_SINE = 1e-3
+"""Of the angle between a line of sight and the normal of a plane that has a line."""
+
+WIDTH = 2
+"""Pixels of the line, at the interface's scale 1."""
+
+
+class SplitPlane(NamedTuple):
+    """Plane of a split in the world, and the corners of the object's box."""
+
+    point: Vector
+    normal: Vector
+    corners: list[Vector]
+
+    @classmethod
+    def of(cls, obj: bpy.types.Object) -> SplitPlane:
+        """Take it from an object that shows a split."""
+        record, matrix = obj.adaptive_fairing, obj.matrix_world
+        # A plane's normal goes into the world by the inverse transposed matrix.
+        normal = matrix.to_3x3().inverted_safe().transposed() @ Vector(record.split_normal)
+        corners = [matrix @ Vector(corner) for corner in obj.bound_box]
+        return cls(matrix @ Vector(record.split_point), normal.normalized(), corners)
+
+    def along(self, sight: Vector) -> Vector | None:
+        """Give the direction in the plane across a line of sight; None if that looks at it."""
+        found = self.normal.cross(sight.normalized())
+        return None if found.length < LEAST_SINE else found.normalized()
+
+    def line(self, sight: Vector) -> tuple[Vector, Vector] | None:
+        """Give the ends of the line across a line of sight, if there is one."""
+        along = self.along(sight)
+        if along is None:
+            return None
+        heights = [(corner - self.point).dot(along) for corner in self.corners]
+        low, high = min(heights), max(heights)
+        margin = OVERHANG * (high - low)
+        return self.point + (low - margin) * along, self.point + (high + margin) * along
+
+    def moved(self, way: Vector) -> SplitPlane:
+        """Move it as far as a way goes along its normal, within the box."""
+        offsets = [(corner - self.point).dot(self.normal) for corner in self.corners]
+        offset = min(max(way.dot(self.normal), min(offsets)), max(offsets))
+        return self._replace(point=self.point + offset * self.normal)
+
+    def turned(self, along: Vector, sight: Vector) -> SplitPlane:
+        """Turn it about a line in it, so that the eye looks along it and sees a straight border."""
+        normal = along.cross(sight).normalized()
+        return self._replace(normal=normal if normal.dot(self.normal) > 0 else -normal)
+
+
+class VIEW3D_GT_adaptive_fairing_split(bpy.types.Gizmo):
+    """The line, in pixels of the region."""
+
+    bl_idname = "VIEW3D_GT_adaptive_fairing_split"
+
+    def setup(self):
+        self.use_draw_modal = True
+
+    def draw(self, context):
+        import gpu  # there is none without a window
+
+        ends = _ends(context)
+        if ends is None:
+            return
+        scale = context.preferences.system.ui_scale
+        shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
+        shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+        shader.uniform_float("lineWidth", (1 + self.is_highlight) * WIDTH * scale)
+        shader.uniform_float("color", (1.0, 1.0, 1.0, 0.9 if self.is_highlight else 0.6))
+        gpu.state.blend_set("ALPHA")
+        _batch(shader, ends).draw(shader)
+        gpu.state.blend_set("NONE")
+
+    def test_select(self, context, location):
+        ends = _ends(context)
+        if ends is None:
+            return -1
+        nearest, part = intersect_point_line(Vector(location), *ends)
+        reach = REACH * context.preferences.system.ui_scale
+        is_near = 0 <= part <= 1 and (nearest.xy - Vector(location)).length < reach
+        return 0 if is_near else -1
+
+    def invoke(self, context, event):
+        plane = SplitPlane.of(context.active_object)
+        self._plane, self._began = plane, _in_depth(context, event, plane.point)
+        self._along = plane.along(_sight(context, plane.point))
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event, _tweak):
+        way = _in_depth(context, event, self._plane.point) - self._began
+        plane = self._plane.moved(way)
+        split_at(context.active_object, plane.turned(self._along, _sight(context, plane.point)))
+        context.area.tag_redraw()
+        return {"RUNNING_MODAL"}
+
+    def exit(self, context, cancel):
+        if cancel:
+            split_at(context.active_object, self._plane)
+        elif bpy.ops.ed.undo_push.poll():  # type: ignore[call-arg]  # the stubs want self
+            bpy.ops.ed.undo_push(message="Split")
+
+
+class VIEW3D_GGT_adaptive_fairing_split(bpy.types.GizmoGroup):
+    bl_idname = "VIEW3D_GGT_adaptive_fairing_split"
+    bl_label = "Split"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "WINDOW"
+    bl_options = {"PERSISTENT", "SHOW_MODAL_ALL"}
+
+    @classmethod
+    def poll(cls, context):
+        if result_refusal(context) is not None:
+            return False
+        obj = context.active_object
+        return obj.adaptive_fairing.is_split and obj.mode == "OBJECT" and obj.visible_get()
+
+    def setup(self, context):
+        self.gizmos.new(VIEW3D_GT_adaptive_fairing_split.bl_idname)
+
+
+def split_at(obj: bpy.types.Object, plane: SplitPlane) -> None:
+    """Show the original behind a plane of the world."""
+    from ..data.results import show_split
+
+    matrix = obj.matrix_world
+    normal = (matrix.to_3x3().transposed() @ plane.normal).normalized()
+    show_split(obj, normal, matrix.inverted_safe() @ plane.point)
+
+
+def _sight(context: bpy.types.Context, point: Vector) -> Vector:
+    """Give the direction in which a point is seen."""
+    view = context.region_data
+    if view.is_perspective:
+        return point - view.view_matrix.inverted().translation
+    return view.view_rotation @ Vector((0.0, 0.0, -1.0))
+
+
+def _ends(context: bpy.types.Context) -> tuple[Vector, Vector] | None:
+    """Find the ends of the line in pixels of the region, if it can be seen."""
+    plane = SplitPlane.of(context.active_object)
+    line = plane.line(_sight(context, plane.point))
+    if line is None:
+        return None
+    ends = [location_3d_to_region_2d(context.region, context.region_data, end) for end in line]
+    return None if None in ends else (ends[0], ends[1])
+
+
+def _in_depth(context: bpy.types.Context, event: bpy.types.Event, point: Vector) -> Vector:
+    """Find the place of the pointer in the world, as deep as a point."""
+    pointer = event.mouse_region_x, event.mouse_region_y
+    return region_2d_to_location_3d(context.region, context.region_data, pointer, point)
+
+
+def _batch(shader, ends: tuple[Vector, Vector]) -> GPUBatch:
+    from gpu_extras.batch import batch_for_shader
+
+    return batch_for_shader(shader, "LINES", {"pos": [(*end, 0.0) for end in ends]})
+
+
+register, unregister = bpy.utils.register_classes_factory(
+    (VIEW3D_GT_adaptive_fairing_split, VIEW3D_GGT_adaptive_fairing_split)
+)
