@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 MOST_STEPS = 100_000
 """More would not end in a lifetime; each is a shape of its own in a .blend file."""
 
-OF_DENOISE = ("strength", "features", "clean", "boundary", "max_deviation")
+OF_DENOISE = ("strength", "features", "clean", "width", "boundary", "max_deviation")
 OF_FAIR = (
     "scheme",
     "radius",

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from ..files.formats import SUFFIXES
-from ..files.result_words import DENOISED, FAIRED, REFINED
+from ..files.output_words import DENOISED, FAIRED, REFINED
 from ..version import program_version
 from .messages import PROGRAM
 from .parser import Parser, did_you_mean, one_of
@@ -162,8 +162,24 @@ def _add_denoise(parser: Parser, common: Any) -> None:
         "looks like the smooth noise of a scanner; or take all that is rough for noise "
         "(default: keep)",
     )
+    common.add_argument(
+        "--noise-width",
+        dest="width",
+        type=_auto_or_number,
+        metavar="auto|EDGES",
+        help="distance in edges, 1 to 16, over which the noise is alike: about half the size of "
+        "its bumps; noise of that width is removed, whatever it looks like (default: auto)",
+    )
     _add_max_deviation(common)
     _add_boundary(common)
+
+
+def _auto_or_number(text: str) -> str | float:
+    """Read the word auto, or a number."""
+    try:
+        return text if text == "auto" else float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is neither auto nor a number") from None
 
 
 def _add_fair(parser: Parser, common: Any) -> None:

@@ -42,6 +42,8 @@ def test_defaults_are_those_of_the_core():
         *((["--features", name], "features", name) for name in FEATURES),
         *((["--clean", name], "clean", name) for name in CLEAN),
         *((["--boundary", name], "boundary", name) for name in BOUNDARIES),
+        (["--noise-width", "auto"], "width", "auto"),
+        (["--noise-width", "8"], "width", 8.0),
         (["--max-deviation", "0.01"], "max_deviation", 0.01),
     ],
 )

@@ -28,7 +28,7 @@ PAGES = (
 SOURCES = "\n".join(
     path.read_text("utf-8") for path in (ROOT / "adaptive_fairing" / "blender").rglob("*.py")
 )
-KEYS = {"N", "Tab", "Esc", "Space", "Alt B"}
+KEYS = {"N", "X", "Tab", "Esc", "Space", "Alt B", "Alt N"}
 
 
 @pytest.mark.parametrize("page", PAGES)

@@ -41,7 +41,7 @@ def test_the_zip_without_wheels_holds_the_add_on_and_nothing_else(plain_zip):
     manifest = tomllib.loads((ROOT / "blender_manifest.toml").read_text("utf-8"))
     assert plain_zip.name == f"adaptive_fairing-{manifest['version']}-without_scipy.zip"
     assert packaged_files(plain_zip) == expected_files()
-    assert plain_zip.stat().st_size < 500_000
+    assert plain_zip.stat().st_size < 600_000
 
 
 def test_building_the_repository_directly_gives_the_same_files(tmp_path, plain_zip):
