@@ -83,8 +83,7 @@ def examine(
     noise = verdict.level
     is_clean = not (verdict.impulsive.any() or beyond_clean(settings.strength * noise).any())
     if not is_clean:
-        correlation = verdict.correlation
-        noise = noise / correlation.seen * correlation.deviation
+        noise = verdict.whole(noise)
     found, spacing = noise > 0, verdict.stage.frame.spacing
     level, length = (
         float(np.median(each[found])) if found.any() else 0.0 for each in (noise, noise * spacing)

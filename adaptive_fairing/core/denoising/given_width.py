@@ -14,6 +14,7 @@ import numpy as np
 
 from ..runtime.arrays import BoolArray, FloatArray
 from .noise.contrast import hinges
+from .noise.level import with_clean
 from .noise.noisy_surface import NoisySurface
 from .noise.smooth_noise import band_height
 from .noise_correlation import NoiseCorrelation
@@ -41,7 +42,7 @@ def verdict_of_width(stage: Stage, width: float) -> NoiseVerdict:
         deviation = float(np.std(noise[counted]))
         size = _least_size(noisy, noise / deviation, counted, passes)
         # What is taken off for clean meshes is added first.
-        level[counted] = (size**4 + parameters().clean_roughness ** 4) ** 0.25
+        level[counted] = with_clean(np.array(size))
     correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
     return NoiseVerdict(stage, level, correlation, np.zeros(len(counted)), level, ())
 

@@ -11,7 +11,7 @@ from scipy.sparse import csgraph
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
 from .mixture import Mixture
 from .noise.clean_detail import CleanDetail
-from .noise.level import beyond_clean, noise_model, scan_level
+from .noise.level import beyond_clean, noise_model, scan_level, with_clean
 from .noise.noisy_surface import NoisySurface
 from .noise.spikes import impulsive_certainty
 from .noise.voxel_contour import is_voxel_contour
@@ -122,7 +122,7 @@ class MeshParts:
                 impulsive[members] = certainty * self.may_move[members]
             if not keeps_clean:
                 # What is taken off for clean meshes is added first.
-                noise[counted] = (level[counted] ** 4 + clean**4) ** 0.25
+                noise[counted] = with_clean(level[counted])
                 continue
             triangles = surface.topology.triangles
             around = triangles[counted[triangles].any(axis=1)]
@@ -181,15 +181,6 @@ class MeshParts:
             f"no noise found: the surface is rough by {typical:.2g} of the local edge length, as "
             f"{what}; nothing was changed"
         )
-
-    def of_many(self, is_one: BoolArray) -> BoolArray:
-        """Which vertices belong to parts that have many of some vertices, (n,) bool, counted."""
-        tuned = parameters()
-        found = np.bincount(self._part, is_one & self.is_counted)
-        counted = np.bincount(self._part, self.is_counted)
-        is_many = found >= np.maximum(tuned.fewest_spikes, tuned.least_spikes * counted)
-        of_vertices: BoolArray = is_many[self._part]
-        return of_vertices
 
     def best_mixtures(
         self,
@@ -252,14 +243,10 @@ class MeshParts:
         spread = covariance(size, size) * covariance(beside, beside)
         return covariance(size, beside) / np.sqrt(np.maximum(spread, np.finfo(float).tiny))
 
-    def of_parts(self, is_one: BoolArray) -> FloatArray:
-        """Which part of the counted vertices of every part are some, (n,) bool: (p,), 0 to 1."""
-        n_parts = len(self._members)
-        found, counted = (
-            np.bincount(self._part, each, n_parts)
-            for each in (is_one & self.is_counted, self.is_counted)
-        )
-        return found / np.maximum(counted, 1)
+    def counts(self, is_one: BoolArray | None = None) -> FloatArray:
+        """How many counted vertices every part has, (p,): all, or those that are some, (n,) bool."""
+        some = self.is_counted if is_one is None else is_one & self.is_counted
+        return np.bincount(self._part, some, len(self._members))
 
     def at_vertices(self, of_parts: BoolArray) -> BoolArray:
         """Tell for every vertex what holds for its part, (n,) bool from (p,) bool."""

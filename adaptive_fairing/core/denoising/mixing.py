@@ -156,9 +156,7 @@ def _planned(
     tuned, stage, correlation = parameters(), verdict.stage, verdict.correlation
     track, frame, parts = stage.track, stage.frame, stage.parts
     seen = verdict.level
-    noise = seen / correlation.seen * correlation.deviation
-    # What differences of second order see is less than the noise where neighbours are alike.
-    reach = verdict.reach / correlation.seen * correlation.deviation
+    noise = verdict.whole(seen)
     stage.bank.know_noise(noise)
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
     probe = tuned.probe_size * correlation.applied(stage.noisy.own.probe(), frame)
@@ -192,7 +190,7 @@ def _planned(
     _filter_both(track, shadow, first)
     for number, families in enumerate(others, start=2):
         progress.begin("filter", number)
-        # The last round sharpens creases and takes a quarter of the time.
+        # The last round makes flat faces flat, which round shapes have none of.
         if number > len(others):
             saw_creases = track.surface.has_creases()
             if not saw_creases:
@@ -233,7 +231,7 @@ def _planned(
         tuple(mixtures),
         kept,
         verdict.impulsive,
-        reach,
+        verdict.whole(verdict.reach),
         saw_creases,
         correlation,
     )

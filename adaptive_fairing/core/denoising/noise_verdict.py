@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -27,7 +28,8 @@ SMOOTH_REMOVED = (
 IMPULSIVE = "the noise is impulsive: single vertices that stand out were put back first"
 
 
-class NoiseVerdict(NamedTuple):
+@dataclass(frozen=True)
+class NoiseVerdict:
     """The noise of a surface.
 
     Attributes
@@ -57,13 +59,20 @@ class NoiseVerdict(NamedTuple):
     notes: tuple[str, ...]
     other_readings: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def correlation(self) -> NoiseCorrelation:
         """Of the noise at neighbours."""
         if self.smooth is not None:
             return self.smooth
         judged = self.stage.parts.is_counted & (self.level > 0)
         return noise_correlation(self.stage.noisy, judged)
+
+    def whole(self, seen: FloatArray) -> FloatArray:
+        """Standard deviation of all noise from what differences of second order see of it, (n,).
+
+        They see less of noise that is alike at neighbours.
+        """
+        return seen / self.correlation.seen * self.correlation.deviation
 
 
 def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
@@ -87,13 +96,15 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
         tuned = parameters()
         most = tuned.most_unexplained * np.maximum(after.level, tuned.clean_roughness)
         was_moved = (calm.noisy.positions != stage.noisy.positions).any(axis=1)
-        is_sure = stage.parts.of_many(was_moved) | (after.level > tuned.clean_roughness)
+        parts, is_rough = stage.parts, after.level > tuned.clean_roughness
+        n_moved, n_judged = parts.counts(was_moved), parts.counts()
+        are_many = n_moved >= np.maximum(tuned.fewest_spikes, tuned.least_spikes * n_judged)
         # Spikes may be anywhere, corners of a shape are beside others.
         least = np.maximum(found.roughness, tuned.clean_roughness)
-        clustering = stage.parts.clustering(stage.track.start, calm.noisy.positions, least)
-        by_chance = stage.parts.of_parts(was_moved) + tuned.most_clustered_spikes
-        is_sure &= stage.parts.at_vertices(clustering <= by_chance)
-        is_noise = is_sure & (after.roughness <= most)
+        clustering = parts.clustering(stage.track.start, calm.noisy.positions, least)
+        are_anywhere = clustering <= n_moved / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
+        is_noise = (parts.at_vertices(are_many) | is_rough) & parts.at_vertices(are_anywhere)
+        is_noise &= after.roughness <= most
         kept = np.where(is_noise, impulsive, 0)
         reach = np.maximum(after.level, np.where(kept > 0, found.roughness, 0))
         if np.array_equal(kept, impulsive):

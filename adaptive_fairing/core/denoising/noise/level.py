@@ -171,3 +171,8 @@ def _quantile_fit(terms: FloatArray, variance: FloatArray) -> FloatArray:
 def beyond_clean(level: FloatArray) -> FloatArray:
     """Take off what clean meshes have: what remains is to be removed."""
     return np.maximum(level**4 - parameters().clean_roughness ** 4, 0) ** 0.25
+
+
+def with_clean(level: FloatArray) -> FloatArray:
+    """Add what `beyond_clean` takes off."""
+    return (level**4 + parameters().clean_roughness ** 4) ** 0.25
