@@ -244,9 +244,9 @@ class MeshParts:
         return covariance(size, beside) / np.sqrt(np.maximum(spread, np.finfo(float).tiny))
 
     def counts(self, is_one: BoolArray | None = None) -> FloatArray:
-        """How many counted vertices every part has, (p,): all, or those that are some, (n,) bool."""
+        """Count the counted vertices of every part, (p,); only those that are some, (n,) bool."""
         some = self.is_counted if is_one is None else is_one & self.is_counted
-        return np.bincount(self._part, some, len(self._members))
+        return np.bincount(self._part, some, len(self._members)).astype(np.float64, copy=False)
 
     def at_vertices(self, of_parts: BoolArray) -> BoolArray:
         """Tell for every vertex what holds for its part, (n,) bool from (p,) bool."""

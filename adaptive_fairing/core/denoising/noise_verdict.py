@@ -68,7 +68,7 @@ class NoiseVerdict:
         return noise_correlation(self.stage.noisy, judged)
 
     def whole(self, seen: FloatArray) -> FloatArray:
-        """Standard deviation of all noise from what differences of second order see of it, (n,).
+        """Return the size of all noise from what differences of second order see of it, (n,).
 
         They see less of noise that is alike at neighbours.
         """
