@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from ..runtime.arrays import FloatArray
+from .mesh_parts import NoiseFound
 from .noise.contrast import hinges
 from .noise.correlation import noise_correlation
 from .noise.face_noise import FaceNoise
@@ -88,53 +89,70 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     """
     keeps_clean = clean != "denoise"
     found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
-    impulsive, notes, reach = found.impulsive, found.notes, found.level
+    impulsive, reach = found.impulsive, found.level
     if impulsive.any():
-        calm = stage.calmed(impulsive)
-        after = calm.parts.noise(calm.noisy, strength, keeps_clean=keeps_clean)
-        # Without spikes their roughness is gone; that of corners and creases stays.
-        tuned = parameters()
-        most = tuned.most_unexplained * np.maximum(after.level, tuned.clean_roughness)
-        was_moved = (calm.noisy.positions != stage.noisy.positions).any(axis=1)
-        parts, is_rough = stage.parts, after.level > tuned.clean_roughness
-        n_moved, n_judged = parts.counts(was_moved), parts.counts()
-        are_many = n_moved >= np.maximum(tuned.fewest_spikes, tuned.least_spikes * n_judged)
-        # Spikes may be anywhere, corners of a shape are beside others.
-        least = np.maximum(found.roughness, tuned.clean_roughness)
-        clustering = parts.clustering(stage.track.start, calm.noisy.positions, least)
-        are_anywhere = clustering <= n_moved / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
-        is_noise = (parts.at_vertices(are_many) | is_rough) & parts.at_vertices(are_anywhere)
-        is_noise &= after.roughness <= most
-        kept = np.where(is_noise, impulsive, 0)
-        reach = np.maximum(after.level, np.where(kept > 0, found.roughness, 0))
-        if np.array_equal(kept, impulsive):
-            stage, found = calm, after
-        elif kept.any():
-            stage = stage.calmed(kept)
-            found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
-        impulsive = kept
-        notes = (IMPULSIVE,) if impulsive.any() else found.notes
-    level, counted, correlation = found.level, stage.parts.is_counted, None
-    was_kept = bool(found.notes) and keeps_clean and not impulsive.any()
+        stage, found, impulsive, reach = _spikes_put_back(stage, found, strength, keeps_clean)
+    had_spikes = bool(impulsive.any())
+    notes = (IMPULSIVE,) if had_spikes else found.notes
+    was_kept = bool(found.notes) and keeps_clean and not had_spikes
     others = ("denoise",) if was_kept and found.roughness.any() else ()
+    verdict = NoiseVerdict(stage, found.level, None, impulsive, reach, notes, others)
     # White noise that is stronger hides the smooth kind; a handful of vertices shows neither.
+    counted = stage.parts.is_counted
     enough = np.count_nonzero(counted) >= parameters().fewest_vertices
     if enough and np.median(found.roughness[counted]) < parameters().least_roughness:
-        seen = stage.noisy.along_sight()
-        on_faces = stage.face_noise(seen)
-        anywhere = smooth_noise(seen, counted)
-        smooth = next(
-            (each for each in (on_faces, anywhere) if _is_removed(each, stage, clean)), None
-        )
-        if smooth is not None:
+        return _with_smooth_noise(verdict, strength, clean)
+    return verdict
+
+
+def _spikes_put_back(
+    stage: Stage, found: NoiseFound, strength: float, keeps_clean: bool
+) -> tuple[Stage, NoiseFound, FloatArray, FloatArray]:
+    """Put spikes back where they are noise: the stage, its noise, how surely, and all noise."""
+    tuned, parts = parameters(), stage.parts
+    calm = stage.calmed(found.impulsive)
+    after = calm.parts.noise(calm.noisy, strength, keeps_clean=keeps_clean)
+    # Without spikes their roughness is gone; that of corners and creases stays.
+    most = tuned.most_unexplained * np.maximum(after.level, tuned.clean_roughness)
+    was_moved = (calm.noisy.positions != stage.noisy.positions).any(axis=1)
+    n_moved, n_judged = parts.counts(was_moved), parts.counts()
+    are_many = n_moved >= np.maximum(tuned.fewest_spikes, tuned.least_spikes * n_judged)
+    # Spikes may be anywhere, corners of a shape are beside others.
+    least = np.maximum(found.roughness, tuned.clean_roughness)
+    clustering = parts.clustering(stage.track.start, calm.noisy.positions, least)
+    are_anywhere = clustering <= n_moved / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
+    is_noise = parts.at_vertices(are_many) | (after.level > tuned.clean_roughness)
+    is_noise &= parts.at_vertices(are_anywhere) & (after.roughness <= most)
+    kept = np.where(is_noise, found.impulsive, 0)
+    reach = np.maximum(after.level, np.where(kept > 0, found.roughness, 0))
+    if np.array_equal(kept, found.impulsive):
+        return calm, after, kept, reach
+    if kept.any():
+        stage = stage.calmed(kept)
+        found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
+    return stage, found, kept, reach
+
+
+def _with_smooth_noise(verdict: NoiseVerdict, strength: float, clean: str) -> NoiseVerdict:
+    """Look for noise that is alike over several edges, on flat faces and anywhere."""
+    stage, counted = verdict.stage, verdict.stage.parts.is_counted
+    seen = stage.noisy.along_sight()
+    anywhere = smooth_noise(seen, counted)
+    for smooth in (stage.face_noise(seen), anywhere):
+        if _is_removed(smooth, stage, clean):
             per_edge = seen.frame.spacing / stage.noisy.frame.spacing
-            level, correlation = np.where(counted, smooth.level * per_edge, 0), smooth.correlation
-            reach = level
-            notes = (SMOOTH_REMOVED.format(smooth.level),)
-            others = ("detail",) if clean == "keep" else ()
-        elif anywhere.is_likely and not beyond_clean(strength * level).any():
-            notes = (SMOOTH.format(anywhere.level), *notes)
-    return NoiseVerdict(stage, level, correlation, impulsive, reach, notes, others)
+            level = np.where(counted, smooth.level * per_edge, 0)
+            return replace(
+                verdict,
+                level=level,
+                reach=level,
+                smooth=smooth.correlation,
+                notes=(SMOOTH_REMOVED.format(smooth.level),),
+                other_readings=("detail",) if clean == "keep" else (),
+            )
+    if anywhere.is_likely and not beyond_clean(strength * verdict.level).any():
+        return replace(verdict, notes=(SMOOTH.format(anywhere.level), *verdict.notes))
+    return verdict
 
 
 def _is_removed(smooth: SmoothNoise | FaceNoise, stage: Stage, clean: str) -> bool:

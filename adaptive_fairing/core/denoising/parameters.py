@@ -419,13 +419,6 @@ class DenoiseParameters:
     ratio_range: float = 0.1
     # The ratio of n values may be larger by this over √n. By hand.
     ratio_chance: float = 4.0
-    # Where the mesh is calm, detail raises the ratio less: to 1.20 on the three shapes. With heavy
-    # tails it is 1.15 to 1.52 there.
-    calm_ratio: float = 1.1
-    # This fraction of the vertices is calm. By hand.
-    calm_fraction: float = 0.6
-    # Passes of averaging that tell the calm places. By hand.
-    calm_passes: int = 12
     # A spike stands out by this many times the median. By hand.
     spike_factor: float = 3.0
     # Rounds that take off one spike beside another, at most. By hand.

@@ -25,7 +25,7 @@ def impulsive_certainty(surface: NoisySurface, level: FloatArray, is_counted: Bo
 
     The largest of the deviations from the smoothest lines are compared with their median, and that
     with the same for normal noise on this mesh.  Neighbours hardly see a spike in this measure,
-    and creases do not raise it.  Fine detail here and there does, but not where the mesh is calm.
+    and creases do not raise it.
 
     Parameters
     ----------
@@ -35,28 +35,13 @@ def impulsive_certainty(surface: NoisySurface, level: FloatArray, is_counted: Bo
     is_counted : (n,) bool
         Vertices to judge from.
     """
-    tuned = parameters()
+    tuned, lines = parameters(), surface.lines
     if not is_counted.any():
         return 0.0
-    frame = surface.frame
-    normal = surface.lines.least_of_noise[is_counted]
-    size = surface.lines.least / np.maximum(level, 1e-9)
-    root = frame.spread(np.where(is_counted, np.sqrt(size), 0), tuned.calm_passes)
-    around = root / np.maximum(frame.spread(is_counted.astype(float), tuned.calm_passes), 1e-9)
-    size, around = size[is_counted], around[is_counted]
-    calm = size[around <= np.quantile(around, tuned.calm_fraction)]
-    everywhere, where_calm = (_tail(some) / max(_tail(normal), 1e-9) for some in (size, calm))
+    size = (lines.least / np.maximum(level, 1e-9))[is_counted]
+    ratio = _tail(size) / max(_tail(lines.least_of_noise[is_counted]), 1e-9)
     chance = tuned.ratio_chance / np.sqrt(len(size))
-    return float(
-        np.clip(
-            min(
-                (everywhere - tuned.normal_ratio - chance) / tuned.ratio_range,
-                (where_calm - tuned.calm_ratio) / tuned.ratio_range,
-            ),
-            0,
-            1,
-        )
-    )
+    return float(np.clip((ratio - tuned.normal_ratio - chance) / tuned.ratio_range, 0, 1))
 
 
 def _tail(size: FloatArray) -> float:
