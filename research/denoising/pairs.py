@@ -6,6 +6,7 @@ import hashlib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +15,16 @@ from tools.geometry.triangles import Faces, FloatArray
 
 from .noise import KINDS, add_noise
 
-STAIRCASE, CAMERA, SCANNER = "staircase", "camera", "scanner"
-CLEAN = "none"
+STAIRCASE, CLEAN = "staircase", "none"
+
+SCANS = {
+    "camera": ("scans", "depth_camera"),
+    "scanner": ("scans", "range_scanner"),
+    "light": ("devices", "structured_light"),
+    "photos": ("devices", "photogrammetry"),
+    "volume": ("devices", "fused_volume"),
+}
+"""Kinds that make a mesh of their own: module and function."""
 
 AMPLITUDES = {
     "normal": (0.05, 0.1, 0.2, 0.4),
@@ -26,12 +35,16 @@ AMPLITUDES = {
     "correlated-2": (0.2,),
     "correlated-4": (0.3,),
     "correlated-6": (0.4,),
-    CAMERA: (2.0,),
-    SCANNER: (0.3,),
+    "camera": (2.0,),
+    "scanner": (0.3,),
+    "light": (1.5,),
+    "photos": (0.2,),
+    "volume": (0.3,),
     STAIRCASE: (0.0,),
     CLEAN: (0.0,),
 }
-"""Strengths of every kind of noise, in edges (see `noise`) or distances of rays (see `scans`)."""
+"""Strengths of every kind of noise, in edges (see `noise`) or distances of rays (see `scans` and
+`devices`)."""
 
 ALL_NOISE = tuple(
     f"{kind}:{amplitude:g}" if amplitude else kind
@@ -129,10 +142,11 @@ def _made(name: str, noise: str) -> Pair | None:
     clean, faces = _shape(name)
     noisy = clean
     seed = int.from_bytes(hashlib.sha256(f"{name} {noise}".encode()).digest()[:4], "big")
-    if kind in (CAMERA, SCANNER):
-        from . import scans
-
-        scan = scans.depth_camera if kind == CAMERA else scans.range_scanner
+    if kind == "volume" and not shape.voxels:
+        return None
+    if kind in SCANS:
+        module, function = SCANS[kind]
+        scan = getattr(import_module(f".{module}", __package__), function)
         found = scan(clean, faces, float(amplitude), np.random.default_rng(seed))
         return Pair(name, shape.kind, group, noise, *found)
     if kind != CLEAN:
@@ -159,6 +173,6 @@ def noise_name(text: str) -> str:
     kind, _, amplitude = text.partition(":")
     if kind in (STAIRCASE, CLEAN) and not amplitude:
         return text
-    if kind in (*KINDS, CAMERA, SCANNER) and float(amplitude) > 0:
+    if kind in (*KINDS, *SCANS) and float(amplitude) > 0:
         return text
     raise ValueError(f"{text}: not one of {', '.join(ALL_NOISE)}")

@@ -54,7 +54,7 @@ def depth_camera(
         Of the random numbers.
     """
     pixel = PIXEL * local_edge_lengths(vertices, faces).mean()
-    image = _Image(vertices, faces, pixel, pixel)
+    image = DepthImage(vertices, faces, pixel, pixel)
     step = amplitude * pixel
     # Camera and surface are not aligned: where the steps fall is random.
     offset = generator.uniform(0, step)
@@ -81,7 +81,7 @@ def range_scanner(
         Of the random numbers.
     """
     pixel = PIXEL * local_edge_lengths(vertices, faces).mean()
-    image = _Image(vertices, faces, pixel, LINES * pixel)
+    image = DepthImage(vertices, faces, pixel, LINES * pixel)
     shape = image.depth.shape
     along = gaussian_filter(generator.normal(size=shape), (0, 1.0))
     lines = generator.normal(size=(shape[0], 1))
@@ -90,11 +90,37 @@ def range_scanner(
     return image.mesh(image.depth + amplitude * pixel * error / np.maximum(image.cosine, 0.3))
 
 
-class _Image:
-    """Depths of a surface seen along parallel rays."""
+class DepthImage:
+    """Depths of a surface seen along parallel rays.
 
-    def __init__(self, vertices: FloatArray, faces: Faces, width: float, height: float) -> None:
-        toward = VIEW / np.linalg.norm(VIEW)
+    Parameters
+    ----------
+    vertices, faces
+        The surface, (n, 3) and (m, 3).
+    width, height
+        Distances of the rays.
+    view
+        From the surface to the camera, (3,), of any length; not upright.
+
+    Attributes
+    ----------
+    frame
+        Axes of the image, right, up and towards the camera, in rows (3, 3).
+    x, y, depth, cosine
+        Of every ray: where it is, where the surface is along it, and how steeply it is seen.
+    seen
+        Where it meets the surface.
+    """
+
+    def __init__(
+        self,
+        vertices: FloatArray,
+        faces: Faces,
+        width: float,
+        height: float,
+        view: FloatArray = VIEW,
+    ) -> None:
+        toward = view / np.linalg.norm(view)
         right = np.cross([0.0, 0.0, 1.0], toward)
         right /= np.linalg.norm(right)
         self.frame = np.stack([right, np.cross(toward, right), toward])
