@@ -3,11 +3,12 @@
 The Blenders are the bpy modules of the supported versions (tools/bpy_environments.py), and real
 programs when some are named: a Blender on this machine, or one of a Debian release in a chroot
 (tools/real_blender.py, needs root). In each of them tests/extension/check_installed.py runs in
-fresh processes; under the bpy modules the fast tests run as well. If a module that may crash does,
-its tests run once more, and the table is followed by where it crashed.
+fresh processes; under the bpy modules the fast tests run as well, but for those that have been run
+there already. If a module that may crash does, its tests run once more, and the table is followed
+by where it crashed.
 
 Usage: python tools/compatibility_matrix.py [--only [VERSION ...]] [--blender COMMAND ...]
-       [--debian RELEASE ...] [--cache DIR] [--no-tests]
+       [--debian RELEASE ...] [--cache DIR] [--tested [VERSION ...]]
 
 The exit status is 1 if anything failed. A Blender whose Python is not on this machine has a row
 that says so.
@@ -168,8 +169,10 @@ def check_blender(
         row.fail("without scipy", f"{bare['failed']['check']}\n{bare['failed']['error']}")
 
 
-def check_module(module: BlenderModule, archives: dict[str, Path], cache: Path, tests: bool) -> Row:
-    """Return the row of a bpy module."""
+def check_module(
+    module: BlenderModule, archives: dict[str, Path], cache: Path, is_tested: bool
+) -> Row:
+    """Return the row of a bpy module; its tests run unless they have been run before."""
     row = Row(f"bpy {module.version}")
     try:
         python = make_environment(module, cache)
@@ -191,7 +194,9 @@ def check_module(module: BlenderModule, archives: dict[str, Path], cache: Path, 
             plain=archives[build_extension.NO_WHEELS],
             PYTHONPATH=os.pathsep.join([str(ROOT), str(packages)]),
         )
-        if tests:
+        if is_tested:
+            row.cells["tests"] = "run before"
+        else:
             try:
                 _run_tests(row, module, python, make_test_packages(module, cache), work)
             except InstallError as error:
@@ -287,9 +292,11 @@ def main(arguments: list[str] | None = None) -> int:
         "--debian", nargs="+", default=[], metavar="RELEASE", help="the Blender of this Debian"
     )
     parser.add_argument("--cache", type=Path, default=DEFAULT_CACHE)
-    parser.add_argument("--no-tests", action="store_true", help="leave the test suite out")
+    parser.add_argument(
+        "--tested", nargs="*", default=[], metavar="VERSION", help="where the tests have been run"
+    )
     options = parser.parse_args(arguments)
-    if unknown := set(options.only) - set(versions):
+    if unknown := {*options.only, *options.tested} - set(versions):
         parser.error(f"unknown version {', '.join(sorted(unknown))}; known: {', '.join(versions)}")
 
     rows: list[Row] = []
@@ -305,7 +312,8 @@ def main(arguments: list[str] | None = None) -> int:
         }
         for module in BLENDERS:
             if module.version in options.only:
-                add(check_module(module, archives, options.cache, not options.no_tests))
+                is_tested = module.version in options.tested
+                add(check_module(module, archives, options.cache, is_tested))
         plain = archives[build_extension.NO_WHEELS]
         for command in options.blender:
             work = Path(tempfile.mkdtemp(dir=scratch))
