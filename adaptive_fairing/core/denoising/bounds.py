@@ -42,7 +42,7 @@ class Bounds:
     def kept(self, positions: FloatArray, strength: float) -> FloatArray:
         """Shorten the ways to positions (n, 3) that are too long for the noise times `strength`."""
         frame, noise = self._frame, beyond_clean(strength * self._reach)
-        # Rims and cuts, where nothing is judged, may go as far as their neighbours.
+        # Boundaries and cuts, where nothing is judged, may go as far as their neighbours.
         judged = (self._reach > 0).astype(float)
         part = frame.mean @ judged
         beside = (frame.mean @ (judged * noise)) / np.where(part > 0, part, 1)

@@ -25,7 +25,7 @@ from ..runtime.precision import SINGLE, Precision
 from .filter_family import Filter, FlatFamily, NormalFamily
 from .filter_rounds import Round, mesh_family
 from .flat_faces import FlatFaces, flattened
-from .lifted_metric import LiftedMetric, linear_elements, rim_flux
+from .lifted_metric import LiftedMetric, boundary_flux, linear_elements
 from .noise_correlation import WHITE, NoiseCorrelation
 from .normal_filter import (
     TurningLoads,
@@ -111,7 +111,7 @@ class FilterBank:
                 results = self._fitted(noisy if family.is_of_noisy else surface, surface, family)
             else:
                 results = self._diffused(
-                    noisy, surface, family.metric, family.diffusions, tuned.rim_fraction
+                    noisy, surface, family.metric, family.diffusions, tuned.boundary_flux_fraction
                 )
             yield from zip(family.filters, results, strict=True)
 
@@ -174,17 +174,17 @@ class FilterBank:
         surface: TriangleSurface,
         metric: LiftedMetric,
         diffusions: Sequence[Diffusion],
-        rim_fraction: float = 0.0,
+        flux_fraction: float = 0.0,
     ) -> Iterator[FloatArray]:
         """Diffuse the noisy positions in a metric of a surface.
 
-        Without a fraction of the pull that is there only because the surface has rims.
+        Without a fraction of the pull that is there only because the surface has a boundary.
         """
         squares = metric.lengths(surface)
         mass, stiffness = self._matrices(squares)
         bending = stiffness.product(noisy.positions.T).T
-        if rim_fraction:
-            bending -= rim_fraction * rim_flux(surface, squares)
+        if flux_fraction:
+            bending -= flux_fraction * boundary_flux(surface, squares)
         del squares  # among the largest arrays
         removed = removed_by(
             diffusions,

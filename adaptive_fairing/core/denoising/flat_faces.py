@@ -171,10 +171,10 @@ class FlatFaces:
         """Give triangles beside faces to the one that they turn away from least, if they fit."""
         tuned, planes = parameters(), self.planes
         outside, inside = self._beside
-        is_rim = (self.face[outside] < 0) & (self.face[inside] >= 0)
-        triangle, face = outside[is_rim], self.face[inside[is_rim]]
+        is_border = (self.face[outside] < 0) & (self.face[inside] >= 0)
+        triangle, face = outside[is_border], self.face[inside[is_border]]
         cosine = np.abs(dots(self._normals[triangle], planes.normals[face]))
-        fits = cosine > np.cos(tuned.face_angle_at_rim)
+        fits = cosine > np.cos(tuned.face_angle_at_border)
         # Less noise leaves a surface that is nearer to its planes.
         part = np.clip(planes.deviations / tuned.coarse_noise, tuned.least_face_height, 1)[face]
         for vertex in self._triangles[triangle].T:

@@ -87,10 +87,10 @@ def linear_elements(pattern: EdgePattern, squares: FloatArray) -> tuple[EdgeMatr
     return mass.with_diagonal(on_diagonal), stiffness.with_diagonal(-stiffness.row_sums())
 
 
-def rim_flux(surface: TriangleSurface, squares: FloatArray) -> FloatArray:
-    """Integrate ∂x/∂ν φ over the rims, (n, 3): what L x has there because the surface ends.
+def boundary_flux(surface: TriangleSurface, squares: FloatArray) -> FloatArray:
+    """Integrate ∂x/∂ν φ over the boundary, (n, 3): what L x has there because the surface ends.
 
-    L x less that is 0 for a plane, at its rims as inside.
+    L x less that is 0 for a plane, on its boundary as inside.
 
     Parameters
     ----------
@@ -107,7 +107,7 @@ def rim_flux(surface: TriangleSurface, squares: FloatArray) -> FloatArray:
     second, third, each = (first + 1) % 3, (first + 2) % 3, np.arange(len(first))
     ends = topology.triangles[triangle, first], topology.triangles[triangle, second]
     inner = positions[topology.triangles[triangle, third]]
-    # φ of the corner opposite to a rim's edge falls at a constant rate towards it: the flux is
+    # φ of the corner opposite to a boundary edge falls at a constant rate towards it: the flux is
     # what ∫ ∇x · ∇φ says for that corner.  Half of it belongs to each end.
     towards = cotangents[third, each][:, None] * (positions[ends[0]] - inner)
     towards += cotangents[second, each][:, None] * (positions[ends[1]] - inner)

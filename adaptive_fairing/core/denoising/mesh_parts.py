@@ -56,7 +56,7 @@ class MeshParts:
     is_counted : (n,) bool
         Vertices to judge from.
     may_move : (n,) bool
-        These and those of the rims.
+        These and those on boundaries.
     """
 
     def __init__(self, frame: TriangleSurface, is_still: BoolArray) -> None:

@@ -131,8 +131,8 @@ def mixed_surfaces(
         results = [start.positions]
     else:
         progress.begin("mix")
-        rims_move = settings.boundary == "free"
-        sliding = Sliding(start, stage.frame, plan.has_creases, plan.noise, rims_move)
+        boundary_moves = settings.boundary == "free"
+        sliding = Sliding(start, stage.frame, plan.has_creases, plan.noise, boundary_moves)
         results = [
             sliding.limited(stage.track.mixed(mixture), factor * settings.strength)
             for factor, mixture in zip(STRENGTHS, plan.mixtures, strict=True)

@@ -52,7 +52,7 @@ class DenoiseParameters:
     # Rings of triangles by which a face may grow.
     face_rings: int = 8
     # Triangles that turn away from the plane by more than this are not taken.
-    face_angle_at_rim: float = math.radians(25)
+    face_angle_at_border: float = math.radians(25)
     # Triangles with a vertex further from the plane than this are not taken.
     face_height: float = 0.35
     # With noise of less than `coarse_noise` the height is smaller in proportion, by this factor at
@@ -103,10 +103,10 @@ class DenoiseParameters:
     fit_time: float = 4.0
     # Relative residual of that step's solve. By hand.
     fit_tolerance: float = 1e-2
-    # Fraction of the flux through the rims that is not taken for bending. With 0 rims are drawn
-    # inwards, with 1 their noise stays. Found on an open mesh with slivers at its rims, where 0
-    # had an error larger by half.
-    rim_fraction: float = 0.5
+    # Fraction of the flux through the boundary that is not taken for bending. With 0 boundaries are
+    # drawn inwards, with 1 their noise stays. Found on an open mesh with slivers on its boundary,
+    # where 0 had an error larger by half.
+    boundary_flux_fraction: float = 0.5
     # A vertex counts for at most this many times the others around it, and at least for one over
     # this. By hand.
     largest_weight: float = 8.0
@@ -150,7 +150,7 @@ class DenoiseParameters:
 
     # lifted_metric
     # Fraction of the mass of linear elements that is moved to the diagonal. With 0 filters are
-    # unstable at rims of slivers; with 1 the error was 4 % larger.
+    # unstable at boundaries of slivers; with 1 the error was 4 % larger.
     lumped_fraction: float = 0.3
 
     # mesh_parts
@@ -180,14 +180,14 @@ class DenoiseParameters:
     # shortest way. By hand.
     least_opening: float = 0.1
 
-    # rims. On seven open tuning shapes with six kinds of noise.
-    # Passes of averaging along a rim, ascending. By hand.
-    rim_passes: tuple[int, ...] = (1, 2, 4, 8, 16, 32)
+    # boundary_curves. On seven open tuning shapes with six kinds of noise.
+    # Passes of averaging along a curve, ascending. By hand.
+    curve_passes: tuple[int, ...] = (1, 2, 4, 8, 16, 32)
     # Half the width of confidence intervals in standard deviations. With 1 or 2 the distance to
-    # the clean rims changed by 1 %.
-    rim_certainty: float = 1.5
-    # Rims of fewer vertices do not move sideways. By hand.
-    fewest_on_rim: int = 16
+    # the clean boundaries changed by 1 %.
+    curve_certainty: float = 1.5
+    # Curves of fewer vertices do not move sideways. By hand.
+    fewest_on_curve: int = 16
 
     # tangential_limit
     # Vertices go this fraction of their way along the surface. Found on meshes with known noise: it
@@ -274,7 +274,7 @@ class DenoiseParameters:
     # Least number of vertices in a bin of density. By hand.
     vertices_per_bin: int = 400
     # The noise is taken to be above this fraction of the bins: features raise the level of some,
-    # a flat part or a rim may lower one. By hand.
+    # a flat part or a boundary may lower one. By hand.
     fraction_below: float = 0.3
     # This many vertices say as much as one would alone, because differences of neighbours have
     # noise in common. By hand.

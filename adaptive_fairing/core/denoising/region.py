@@ -13,8 +13,8 @@ from ..problem.region import rings_around
 from ..runtime.arrays import BoolArray
 from .plan import DenoisePlan
 
-# Filters go on around a part so far that its rim does not show in it. On a noisy torus 1.68, 1.32,
-# 1.02 and 1.07 of the error of the whole run were left with 4, 8, 12 and 16 rings.
+# Filters go on around a part so far that its border does not show in it. On a noisy torus 1.68,
+# 1.32, 1.02 and 1.07 of the error of the whole run were left with 4, 8, 12 and 16 rings.
 FILTERED = Margin(12)
 
 # With the plan of a whole mesh nothing else differs from a run on the whole: 2 to 4 % of what is

@@ -1,7 +1,7 @@
 """Limit of the motion of vertices along the surface.
 
 Filters also move vertices along the surface: towards the middle of their neighbours, and inwards at
-a rim.  A large part of that is no noise, and small triangles between larger ones may be turned
+a boundary.  A large part of that is no noise, and small triangles between larger ones may be turned
 over.  So vertices go only a fraction of their way along the surface, no further than one standard
 deviation of the noise, and less where a triangle would be turned over.  They go all of their way
 along the normal.
@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 
 from ..mesh.normals import dots, triangle_normals, unit_vectors, vertex_normals
 from ..runtime.arrays import BoolArray, FloatArray
+from .boundary_curves import BoundaryCurves
 from .noise.line_of_sight import lines_of_sight, on_rays
 from .parameters import parameters
-from .rims import Rims
 from .triangle_surface import TriangleSurface
 
 
@@ -37,11 +37,11 @@ class Sliding:
     has_creases : bool
         Whether the faired surface has creases.  Then it tells best what is along it: a vertex on a
         flat face near a crease must not leave the face.  Otherwise the smoothed normals of the
-        noisy one do, which slivers and rims do not disturb.
+        noisy one do, which slivers and boundaries do not disturb.
     noise : (n,)
         Standard deviation in local edge lengths.
-    rims_move : bool
-        Whether rims are denoised as curves.
+    boundary_moves : bool
+        Whether boundaries are denoised as curves.
     """
 
     def __init__(
@@ -50,7 +50,7 @@ class Sliding:
         frame: TriangleSurface,
         has_creases: bool,
         noise: FloatArray,
-        rims_move: bool = False,
+        boundary_moves: bool = False,
     ) -> None:
         tuned = parameters()
         self._topology, self._triangles = start.topology, start.topology.triangles
@@ -60,7 +60,8 @@ class Sliding:
             normals = unit_vectors(frame.spread(normals, 1))
         self._normals = normals
         self._rays = lines_of_sight(start.topology, start.positions)
-        self._rims = Rims(start, noise) if rims_move and start.topology.on_boundary.any() else None
+        moves = boundary_moves and start.topology.on_boundary.any()
+        self._curves = BoundaryCurves(start, noise) if moves else None
         self._upwards = unit_vectors(normals[self._triangles].sum(axis=1))
         self._before = unit_vectors(start.triangle_normals())
         cosines = dots(self._before, self._upwards)
@@ -73,7 +74,7 @@ class Sliding:
     def limited(self, faired: FloatArray, strength: float = 1.0) -> FloatArray:
         """Return faired positions (n, 3) with less sliding, and no triangle turned if possible.
 
-        Rims are denoised from the noise times `strength`.
+        Boundaries are denoised from the noise times `strength`.
         """
         tuned = parameters()
         move = faired - self._positions
@@ -84,11 +85,11 @@ class Sliding:
         beyond = along * too_far[:, None]
         move, along = move - beyond, along - beyond
         along_kept, kept = np.full(len(faired), tuned.sliding_fraction), np.ones(len(faired))
-        if self._rims is not None:
-            rim = self._rims.vertices
-            way = self._rims.moves(move[rim], normals[rim], strength)
-            along[rim] = way - dots(way, normals[rim])[:, None] * normals[rim]
-            move[rim], along_kept[rim] = way, 1
+        if self._curves is not None:
+            boundary = self._curves.vertices
+            way = self._curves.moves(move[boundary], normals[boundary], strength)
+            along[boundary] = way - dots(way, normals[boundary])[:, None] * normals[boundary]
+            move[boundary], along_kept[boundary] = way, 1
         judged = np.flatnonzero(self._may_turn)
         for done in range(tuned.most_sliding_rounds):
             slower = move - (1 - along_kept)[:, None] * along

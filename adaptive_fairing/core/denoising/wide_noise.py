@@ -59,7 +59,7 @@ def denoised_surfaces(
     moves = np.concatenate([each - start for each in outcome.positions], axis=1)
     field = level.carried_back(moves, fine)
     if settings.boundary == "fixed":
-        field *= _away_from_rims(topology, 2 * level.ratio)[:, None]
+        field *= _away_from_boundary(topology, 2 * level.ratio)[:, None]
     counted = ~(topology.on_boundary | topology.is_loose | is_still)
     of_level = outcome.plan.noise
     typical = np.median(of_level[of_level > 0], keepdims=True) if of_level.any() else np.zeros(1)
@@ -87,13 +87,13 @@ def _level(fine: TriangleSurface, width: float | None) -> CoarseLevel | None:
     return None
 
 
-def _away_from_rims(topology: TriangleTopology, far: float) -> FloatArray:
-    """How far vertices are from rims, which stay: from 0 there to 1 at `far` edges, (n,)."""
-    rim = topology.boundary_vertices
-    if not len(rim):
+def _away_from_boundary(topology: TriangleTopology, far: float) -> FloatArray:
+    """How far vertices are from boundaries, which stay: from 0 there to 1 at `far` edges, (n,)."""
+    boundary = topology.boundary_vertices
+    if not len(boundary):
         return np.ones(topology.n_vertices)
     edges = csgraph.dijkstra(
-        topology.adjacency(), indices=rim, min_only=True, unweighted=True, limit=far
+        topology.adjacency(), indices=boundary, min_only=True, unweighted=True, limit=far
     )
     part = np.minimum(edges / far, 1)
     smooth: FloatArray = part**2 * (3 - 2 * part)

@@ -37,7 +37,7 @@ def next_density(
     """Measure the density of the vertices that are solved on, (k,).
 
     In a part of the surface those of weight 0 keep the `last` one: the next ones would be wrong at
-    the rim, and a density plays no part where nothing may move.
+    its border, and a density plays no part where nothing may move.
     """
     topology = problem.space.topology
     density = mesh_density(topology, current, settings.density, settings.density_passes)

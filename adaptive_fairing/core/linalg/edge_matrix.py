@@ -29,7 +29,7 @@ class EdgePattern:
     def __init__(self, topology: TriangleTopology) -> None:
         self.topology = topology
         place = topology.ring_start[topology.origins] + topology.ring_position
-        # The way back is the twin's; at a rim there is none, and the last place of the ring is its.
+        # The way back is the twin's; on the boundary there is none: the last place of the ring.
         targets = topology.triangles[:, [1, 2, 0]].reshape(-1)
         last = topology.ring_start[targets + 1] - 1
         back = np.where(topology.twin >= 0, place[topology.twin], last)

@@ -104,7 +104,7 @@ def part_around(
         return None
     triangles = topology.triangles[is_in_part]
     used, corners = np.unique(triangles, return_inverse=True)
-    # Where the rim touches itself in a vertex, that vertex is cut apart. It is held, as all there.
+    # A vertex where the border touches itself is cut apart. It is held, as all there.
     part = solvable_surface(points[used], corners.reshape(-1, 3).astype(np.int32))
     inner_of = used[part.vertex_of].astype(np.intp)
     surface = SolverSurface(

@@ -7,8 +7,8 @@ from support import meshes
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoising.lifted_metric import (
     LiftedMetric,
+    boundary_flux,
     linear_elements,
-    rim_flux,
     squared_edges,
 )
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
@@ -112,16 +112,16 @@ def test_along_a_cylinder_distances_stay_and_around_it_they_grow():
     x, _, z = vertices.T
     assert mass.sum() == pytest.approx(factor * flat_mass.sum(), rel=0.01)
     assert z @ (lifted @ z) == pytest.approx(factor * (z @ (flat @ z)), rel=0.01)
-    # The normals at the rims are those of one side: an error of the first order.
+    # The normals on the boundary are those of one side: an error of the first order.
     assert x @ (lifted @ x) == pytest.approx((x @ (flat @ x)) / factor, rel=0.015)
 
 
-def test_less_the_flux_through_its_rim_a_plane_has_no_bending():
+def test_less_the_flux_through_its_boundary_a_plane_has_no_bending():
     vertices, faces = meshes.flat_grid(7, 5)
     vertices[:, :2] += np.random.default_rng(0).uniform(-0.2, 0.2, (len(vertices), 2))
     surface = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
     squares = squared_edges(faces, vertices)
     _, stiffness = linear_elements(EdgePattern(surface.topology), squares)
-    bending, flux = stiffness.product(vertices.T).T, rim_flux(surface, squares)
+    bending, flux = stiffness.product(vertices.T).T, boundary_flux(surface, squares)
     assert abs(bending).max() > 0.1
     assert abs(bending - flux).max() < 1e-13

@@ -125,7 +125,7 @@ def test_normals_count_by_the_noise_of_their_corners():
     vertices, faces = meshes.flat_grid(4, 4)
     topology = TriangleTopology(faces, len(vertices))
     assert weights_of_normals(topology, np.zeros(len(vertices))) is None
-    noise = np.where(topology.on_boundary, 0, 0.3)  # not judged at the rim
+    noise = np.where(topology.on_boundary, 0, 0.3)  # not judged on the boundary
     assert weights_of_normals(topology, noise) is None
     loud = np.argmax(noise > 0)
     noise[loud] = 0.9

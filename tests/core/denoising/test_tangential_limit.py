@@ -100,7 +100,7 @@ def test_where_the_noise_is_as_large_as_the_edges_vertices_go_all_of_their_way()
     np.testing.assert_allclose(result[~is_loud], 0.98 * vertices[~is_loud], atol=3e-4)
 
 
-def test_no_triangle_of_an_uneven_rim_is_turned_over():
+def test_no_triangle_of_an_uneven_boundary_is_turned_over():
     vertices, faces = uneven_sheet()
     # Where a part is clean, the others have features, if nobody says that they have noise.
     settings = DenoiseSettings(boundary="free", clean="denoise")
@@ -110,7 +110,7 @@ def test_no_triangle_of_an_uneven_rim_is_turned_over():
 
 
 def uneven_sheet(n=24, amplitude=0.2):
-    """A noisy sheet whose rows at one rim are ever narrower."""
+    """A noisy sheet whose rows at one side are ever narrower."""
     x, y = np.meshgrid(np.arange(n, dtype=float), np.arange(n, dtype=float), indexing="ij")
     x[-4:] = x[-5, 0] + np.array([0.4, 0.6, 0.7, 0.75])[:, None]
     height = np.sin(x / 6) * np.cos(y / 6)

@@ -74,14 +74,14 @@ def test_what_is_finer_than_the_level_stays():
     assert error(clean, result) < error(clean, x)
 
 
-def test_rims_that_are_fixed_stay_and_the_surface_does_not_leap_beside_them():
+def test_fixed_boundaries_stay_and_the_surface_does_not_leap_beside_them():
     x, faces, clean = with_noise(flat_grid(100, 100), 8, 0.4)
     result = denoise(x, faces, DenoiseSettings(width=8))
-    rim = clean.topology.on_boundary
+    edge = clean.topology.on_boundary
     move = result.positions - x
-    assert not move[rim].any()
+    assert not move[edge].any()
     ends = clean.topology.triangles[:, :2]
-    leaps = np.abs(clean.along_normal(move)[ends]).max(axis=1)[rim[ends].any(axis=1)]
+    leaps = np.abs(clean.along_normal(move)[ends]).max(axis=1)[edge[ends].any(axis=1)]
     assert leaps.max() < 0.25 * np.abs(clean.along_normal(move)).max()
 
 

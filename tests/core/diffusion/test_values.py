@@ -114,15 +114,15 @@ def test_loose_and_held_vertices_keep_their_values_and_the_surface_decides_for_t
 
 def test_a_fixed_boundary_keeps_its_values_and_a_free_one_does_not():
     vertices, faces = meshes.bumpy_disc(0)
-    rim = TriangleTopology(faces, len(vertices)).on_boundary
+    edge = TriangleTopology(faces, len(vertices)).on_boundary
     given = random_values(len(vertices))
     fixed, free = (
         fair_values(vertices, faces, given, FairingSettings(boundary=boundary))[-1]
         for boundary in ("fixed", "free")
     )
-    assert np.array_equal(fixed[rim], given[rim])
-    assert np.abs(free[rim] - given[rim]).min() > 0
-    assert fixed[~rim].std() < given[~rim].std()
+    assert np.array_equal(fixed[edge], given[edge])
+    assert np.abs(free[edge] - given[edge]).min() > 0
+    assert fixed[~edge].std() < given[~edge].std()
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -264,8 +264,8 @@ def test_vertices_at_cuts_stay_bit_by_bit(mesh, boundary):
     positions = run((vertices, faces), boundary=boundary).positions
     np.testing.assert_array_equal(positions[problems.held], vertices[problems.held])
     moves = (positions != vertices).any(axis=1)
-    is_rim = np.isin(np.arange(len(vertices)), boundary_vertices(faces))
-    assert moves.any() == (boundary == "free" or not is_rim.all())
+    is_on_boundary = np.isin(np.arange(len(vertices)), boundary_vertices(faces))
+    assert moves.any() == (boundary == "free" or not is_on_boundary.all())
 
 
 def test_problems_of_a_good_mesh_are_none():

@@ -47,7 +47,7 @@ def test_rings_are_added_until_there_are_vertices_enough():
     assert rings_around(topology, is_start, 2, len(vertices) + 1).all()
 
 
-def test_a_whole_piece_has_no_rim_and_others_are_not_reached():
+def test_a_whole_piece_has_no_border_and_others_are_not_reached():
     parts = [meshes.noisy_ball(2, 0.03), meshes.noisy_ball(3, 0.03)]
     vertices, faces = meshes.merged(*parts)
     topology = TriangleTopology(faces, len(vertices))
@@ -59,7 +59,7 @@ def test_a_whole_piece_has_no_rim_and_others_are_not_reached():
     assert region.surface.topology.n_triangles == len(parts[0][1])
 
 
-def test_a_rim_that_touches_itself_is_cut_and_held():
+def test_a_border_that_touches_itself_is_cut_and_held():
     """Triangles around two vertices that have a neighbour in common, and nothing else."""
     vertices, faces = meshes.flat_grid(24, 20)
     prepared = PreparedMesh(vertices, faces)

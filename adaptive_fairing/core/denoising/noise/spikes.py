@@ -58,7 +58,7 @@ def without_spikes(surface: NoisySurface, is_counted: BoolArray, may_move: BoolA
     is_counted : (n,) bool
         Vertices that tell how far others stand out.
     may_move : (n,) bool
-        Vertices that may be spikes: rims too.
+        Vertices that may be spikes: on boundaries too.
     """
     tuned = parameters()
     topology, frame = surface.topology, surface.frame

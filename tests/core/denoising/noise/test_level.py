@@ -138,7 +138,7 @@ def test_the_noise_of_a_scan_follows_the_angle_or_the_amplitude(power):
     amplitude = 0.2 * cosines**power
     heights = amplitude / cosines * np.random.default_rng(0).normal(size=len(grid))
     rough = roughness(roof + heights[:, None] * [0, 0, 1], frame)
-    # The bends at the crease and at the rims are no noise.
+    # The bends at the crease and on the boundary are no noise.
     is_flat = (np.abs(grid[:, 0] - 35) > 3) & ~topology.on_boundary
     found = scan_level(rough, frame, is_flat, cosines)
     expected = amplitude / frame.spacing

@@ -97,7 +97,7 @@ def plane(points):
 
 
 def test_points_go_along_their_rays_onto_the_triangles_around():
-    """However far these were moved along the surface, and beyond its rims."""
+    """However far these were moved along the surface, and beyond its boundary."""
     across = GRID[:, :2] + 0.3 * np.random.default_rng(0).uniform(-1, 1, (len(GRID), 2))
     faired = np.column_stack([across, plane(across)]) @ TURN
     surface = TriangleSurface(TOPOLOGY, faired)

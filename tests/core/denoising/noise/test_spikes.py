@@ -85,15 +85,15 @@ def test_no_spike_survives(shape, below):
     assert np.sqrt(np.mean(left**2)) < 0.1
 
 
-def test_spikes_of_a_rim_come_off_too():
+def test_spikes_of_a_boundary_come_off_too():
     vertices, faces = meshes.flat_grid(40, 40)
     topology = TriangleTopology(faces, len(vertices))
     generator = np.random.default_rng(0)
     heights = np.where(generator.random(len(vertices)) < 0.2, 0.45, 0.01)
     points = vertices + np.outer(heights * generator.normal(size=len(vertices)), [0, 0, 1])
     result = denoise(points, faces, DenoiseSettings(boundary="free"))
-    rim = topology.on_boundary
-    left, before = (np.sqrt(np.mean(each[rim, 2] ** 2)) for each in (result.positions, points))
+    edge = topology.on_boundary
+    left, before = (np.sqrt(np.mean(each[edge, 2] ** 2)) for each in (result.positions, points))
     assert left < 0.4 * before
 
 

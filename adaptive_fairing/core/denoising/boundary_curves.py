@@ -1,10 +1,10 @@
-"""Rims, the closed curves of a free boundary, and their denoising.
+"""Denoising of the boundary as closed curves, where it is free to move.
 
-Filters draw rims inwards, because nothing outside holds them.  So a rim's vertices go where the
-filters take them only along the rim, and no further than their noise.  Across the surface and
-sideways every rim is denoised by itself, as a closed curve: a vertex goes to an average over the
-rim around it.  The average is as wide as the rim allows: it may leave no narrower one's confidence
-interval.  At a corner that happens at once, so corners stay.
+Filters draw a boundary inwards, because nothing outside holds it.  So its vertices go where the
+filters take them only along the boundary, and no further than their noise.  Across the surface and
+sideways every closed curve of the boundary is denoised by itself: a vertex goes to an average over
+the curve around it.  The average is as wide as the curve allows: it may leave no narrower one's
+confidence interval.  At a corner that happens at once, so corners stay.
 
 Source: intersection of confidence intervals, A. Goldenshluger and A. Nemirovski, On spatially
 adaptive estimation of nonparametric regression, 1997.
@@ -27,8 +27,8 @@ from .triangle_surface import TriangleSurface
 DIFFERENCE_OF_WHITE = 70**0.5 / 4
 
 
-class Rims:
-    """The rims of a surface, of r vertices.
+class BoundaryCurves:
+    """The boundary of a surface as closed curves, of r vertices in all.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ class Rims:
         Before denoising.
     noise : (n,)
         Standard deviation across the surface in local edge lengths; 0 where it was not judged, as
-        at rims.
+        on the boundary.
 
     Attributes
     ----------
@@ -55,7 +55,7 @@ class Rims:
         self._part_judged = self._beside @ (noise > 0).astype(float)
 
     def moves(self, filtered: FloatArray, normals: FloatArray, strength: float) -> FloatArray:
-        """Return how far the rims' vertices go, (r, 3).
+        """Return how far the vertices go, (r, 3).
 
         Parameters
         ----------
@@ -66,7 +66,7 @@ class Rims:
         strength : float
             Factor of the noise.
         """
-        noise = self._beside_rims(beyond_clean(strength * self._noise))
+        noise = self._beside_curves(beyond_clean(strength * self._noise))
         noise[~filtered.any(axis=1)] = 0
         sideways = unit_vectors(
             np.cross(normals, self._points[self._next] - self._points[self._previous])
@@ -81,7 +81,7 @@ class Rims:
         )
         return sum((way[:, None] * axis for way, axis in parts), np.zeros((len(noise), 3)))
 
-    def _beside_rims(self, noise: FloatArray) -> FloatArray:
+    def _beside_curves(self, noise: FloatArray) -> FloatArray:
         """Average noise (n,) of the neighbours judged, or else take a typical one; lengths (r,)."""
         judged = self._part_judged > 0
         typical = float(np.median(noise[self._noise > 0])) if self._noise.any() else 0.0
@@ -91,27 +91,27 @@ class Rims:
     def _part_sideways(self, sideways: FloatArray) -> FloatArray:
         """Measure the noise sideways as a part of that across, at most 1, (r,).
 
-        From fourth differences along each rim, of which medians do not see the corners.
+        From fourth differences along each curve, of which medians do not see the corners.
         """
         r = len(self.vertices)
         links = sparse.coo_array((np.ones(r), (np.arange(r), self._next)), shape=(r, r))
-        n_rims, rim = csgraph.connected_components(links, directed=False)
+        n_curves, curve = csgraph.connected_components(links, directed=False)
         bend = self._mean(self._points) - self._points
         rough = np.abs(dots(bend - self._mean(bend), sideways)) / DIFFERENCE_OF_WHITE
-        noise = self._beside_rims(self._noise)
+        noise = self._beside_curves(self._noise)
         ratio = rough / np.where(noise > 0, noise, np.inf)
-        part = np.minimum(ndimage.median(ratio, rim, np.arange(n_rims)) / NORMAL_MEDIAN, 1)
-        part[np.bincount(rim) < parameters().fewest_on_rim] = 0
-        of_vertex: FloatArray = part[rim]
+        part = np.minimum(ndimage.median(ratio, curve, np.arange(n_curves)) / NORMAL_MEDIAN, 1)
+        part[np.bincount(curve) < parameters().fewest_on_curve] = 0
+        of_vertex: FloatArray = part[curve]
         return of_vertex
 
     def _across(self, filtered: FloatArray, noise: FloatArray) -> FloatArray:
-        """Let the filters take the rim across the surface, (r,), less what they do along it all.
+        """Let the filters take a curve across the surface, (r,), less what they do along it all.
 
         They are right about its shape, but wrong about its place, as they have drawn it inwards.
         """
         smooth, done, ways = filtered, 0, []
-        for passes in parameters().rim_passes:
+        for passes in parameters().curve_passes:
             for _ in range(passes - done):
                 smooth = self._smoothed(smooth)
             done = passes
@@ -119,9 +119,9 @@ class Rims:
         return widest(ways, noise)
 
     def _sideways(self, direction: FloatArray, noise: FloatArray) -> FloatArray:
-        """Move the rim sideways to averages 2 Kᵖ - K²ᵖ, which keep a bend, (r,)."""
+        """Move the curves sideways to averages 2 Kᵖ - K²ᵖ, which keep a bend, (r,)."""
         smooth, ways = [self._points], []
-        for passes in parameters().rim_passes:
+        for passes in parameters().curve_passes:
             while len(smooth) <= 2 * passes:
                 smooth.append(self._smoothed(smooth[-1]))
             average = 2 * smooth[passes] - smooth[2 * passes]
@@ -147,7 +147,7 @@ def widest(ways: list[tuple[FloatArray, float]], noise: FloatArray) -> FloatArra
     noise : (r,)
         Standard deviation.
     """
-    reach = parameters().rim_certainty * noise
+    reach = parameters().curve_certainty * noise
     low, high, chosen = -reach, reach, np.zeros(len(noise))
     goes_on = noise > 0
     for way, kept in ways:

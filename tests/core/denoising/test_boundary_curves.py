@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
-from adaptive_fairing.core.denoising.rims import Rims, middle, widest
+from adaptive_fairing.core.denoising.boundary_curves import BoundaryCurves, middle, widest
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
 FREE = DenoiseSettings(boundary="free")
@@ -35,11 +35,11 @@ def area(vertices, faces):
     return np.linalg.norm(crosses, axis=1).sum() / 2
 
 
-def rim_errors(points, clean, rim):
-    """Distance of the rim's vertices to their sides of the sheet, in space."""
-    at_side = (clean[rim, :2] == 0) | (clean[rim, :2] == SIDE)
-    off = np.where(at_side, (points - clean)[rim, :2], 0)
-    return np.linalg.norm(np.column_stack([off, points[rim, 2]]), axis=1)
+def boundary_errors(points, clean, edge):
+    """Distance of the boundary's vertices to their sides of the sheet, in space."""
+    at_side = (clean[edge, :2] == 0) | (clean[edge, :2] == SIDE)
+    off = np.where(at_side, (points - clean)[edge, :2], 0)
+    return np.linalg.norm(np.column_stack([off, points[edge, 2]]), axis=1)
 
 
 def boundary(faces, n):
@@ -58,11 +58,11 @@ def noisy_sheets():
 
 
 @pytest.mark.parametrize(("directions", "most"), [("across", 0.6), ("all", 0.7)])
-def test_a_rim_loses_noise_and_the_area_is_kept(noisy_sheets, directions, most):
+def test_a_boundary_loses_noise_and_the_area_is_kept(noisy_sheets, directions, most):
     clean, faces = sheet()
     noisy, result = noisy_sheets[directions]
-    rim = boundary(faces, len(clean))
-    before, after = (rim_errors(each, clean, rim) for each in (noisy, result))
+    edge = boundary(faces, len(clean))
+    before, after = (boundary_errors(each, clean, edge) for each in (noisy, result))
     assert np.sqrt(np.mean(after**2)) < most * np.sqrt(np.mean(before**2))
     # Drawn inwards by half an edge it would be 5 % less.
     assert area(result, faces) == pytest.approx(area(clean, faces), rel=0.01)
@@ -77,11 +77,11 @@ def test_corners_are_not_rounded_more_than_the_noise(noisy_sheets):
         assert np.abs(into).max() < 2 * NOISE
 
 
-def test_a_rim_without_noise_sideways_does_not_move_sideways(noisy_sheets):
+def test_a_boundary_without_noise_sideways_does_not_move_sideways(noisy_sheets):
     clean, faces = sheet()
     noisy, result = noisy_sheets["across"]
-    rim = boundary(faces, len(clean))
-    moved = rim_errors((result - noisy) * [1, 1, 0] + clean, clean, rim)
+    edge = boundary(faces, len(clean))
+    moved = boundary_errors((result - noisy) * [1, 1, 0] + clean, clean, edge)
     assert np.sqrt(np.mean(moved**2)) < 0.1 * NOISE
 
 
@@ -91,26 +91,26 @@ def test_a_clean_open_mesh_comes_back_bit_by_bit():
     assert np.array_equal(denoise(vertices, faces, FREE).positions, vertices)
 
 
-def test_a_closed_mesh_has_no_rims_and_a_small_hole_does_not_move_sideways():
+def test_a_closed_mesh_has_no_boundary_and_a_small_hole_does_not_move_sideways():
     vertices, faces = sheet(hole=2)
     noise = NOISE * np.random.default_rng(0).normal(size=vertices.shape)
     start = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices + noise)
-    rims = Rims(start, np.where(start.topology.on_boundary, 0, NOISE))
-    normals = np.tile([0.0, 0, 1], (len(rims.vertices), 1))
-    moves = rims.moves(0.01 * normals, normals, 1.0)
-    is_hole = np.abs(vertices[rims.vertices, :2] - SIDE / 2).max(axis=1) < 2
+    curves = BoundaryCurves(start, np.where(start.topology.on_boundary, 0, NOISE))
+    normals = np.tile([0.0, 0, 1], (len(curves.vertices), 1))
+    moves = curves.moves(0.01 * normals, normals, 1.0)
+    is_hole = np.abs(vertices[curves.vertices, :2] - SIDE / 2).max(axis=1) < 2
     assert np.count_nonzero(is_hole) == 8
     assert np.abs(moves[is_hole, :2]).max() == 0
     assert np.abs(moves[~is_hole, :2]).max() > 0.1
 
 
-def test_where_the_filters_remove_nothing_a_rim_stays():
+def test_where_the_filters_remove_nothing_a_boundary_stays():
     vertices, faces = sheet()
     noise = NOISE * np.random.default_rng(0).normal(size=vertices.shape)
     start = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices + noise)
-    rims = Rims(start, np.where(start.topology.on_boundary, 0, NOISE))
-    normals = np.tile([0.0, 0, 1], (len(rims.vertices), 1))
-    assert np.abs(rims.moves(0 * normals, normals, 1.0)).max() == 0
+    curves = BoundaryCurves(start, np.where(start.topology.on_boundary, 0, NOISE))
+    normals = np.tile([0.0, 0, 1], (len(curves.vertices), 1))
+    assert np.abs(curves.moves(0 * normals, normals, 1.0)).max() == 0
 
 
 def test_averages_keep_the_part_of_white_noise_that_is_said():
