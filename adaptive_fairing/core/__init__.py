@@ -10,7 +10,7 @@ from .denoising.plan import DenoisePlan
 from .denoising.progress import DenoiseProgress
 from .denoising.result import DenoiseResult
 from .denoising.settings import DenoiseSettings
-from .diffusion.fairing_result import FairingResult, FairingStep
+from .diffusion.result import FairingResult, FairingStep
 from .diffusion.settings import DENSITIES, SCHEMES, FairingSettings
 from .diffusion.steps import fair, fair_steps
 from .diffusion.values import fair_values

@@ -16,7 +16,7 @@ from __future__ import annotations
 import bpy
 
 from . import modifier
-from .display_base import Display
+from .display_base import Display, ResultDisplay
 from .key_display import KeysDisplay, RelativeKeysDisplay
 from .offset_display import LiveDisplay, ModifierDisplay
 from .stored_path import ORIGINAL
@@ -34,7 +34,7 @@ def display_of(obj: bpy.types.Object) -> Display:
     return _DISPLAYS.get(name, Display)(obj)
 
 
-def new_display(obj: bpy.types.Object, name: str) -> Display:
+def new_display(obj: bpy.types.Object, name: str) -> ResultDisplay:
     """Give a way to show a result, by the name of the setting that chooses it."""
     return {**_DISPLAYS, "ABSOLUTE_KEYS": KeysDisplay, "RELATIVE_KEYS": RelativeKeysDisplay}[name](
         obj

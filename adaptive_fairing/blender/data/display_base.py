@@ -1,7 +1,8 @@
-"""The interface of a way to show a result, see `display`."""
+"""Interface of the ways to show a result, see `display`."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
 import bpy
@@ -63,10 +64,6 @@ class Display:
         """Strength, or number of the step, that is shown."""
         return 0.0
 
-    def write(self, path: StoredPath, place: float) -> None:
-        """Store a path on an object that has no result, and show a place of it."""
-        raise NotImplementedError
-
     def show(self, place: float) -> None:
         """Show the path at a place, by the weights and the split of now."""
 
@@ -105,6 +102,24 @@ class Display:
     def note_written(self) -> None:
         """Note that the shapes of the mesh are the result, however they came there."""
 
+    def add_split(self, original: SingleArray) -> None:
+        """Show these positions (n, 3) behind the plane of the record."""
+        record = self.obj.adaptive_fairing
+        split.add(self.obj, original, is_behind(original, record))
+
+    def paint_group(self) -> bpy.types.VertexGroup:
+        """Give the vertex group that scales the result, and let it count."""
+        return made_paint_group(self.obj)
+
+
+class ResultDisplay(Display, ABC):
+    """Display of a result: what stores it, and lets another run go on from it."""
+
+    @abstractmethod
+    def write(self, path: StoredPath, place: float) -> None:
+        """Store a path on an object that has no result, and show a place of it."""
+
+    @abstractmethod
     def so_far(
         self, start: SingleArray, parts: list[float]
     ) -> tuple[SingleArray, list[SingleArray]]:
@@ -122,16 +137,6 @@ class Display:
         array, list of array
             (n, 3) original, and for every part the offset (n, 3) from it.
         """
-        raise NotImplementedError
-
-    def add_split(self, original: SingleArray) -> None:
-        """Show these positions (n, 3) behind the plane of the record."""
-        record = self.obj.adaptive_fairing
-        split.add(self.obj, original, is_behind(original, record))
-
-    def paint_group(self) -> bpy.types.VertexGroup:
-        """Give the vertex group that scales the result, and let it count."""
-        return made_paint_group(self.obj)
 
 
 def is_behind(original: SingleArray, record: bpy.types.PropertyGroup) -> NDArray[np.bool_]:

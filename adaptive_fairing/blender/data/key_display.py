@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .display_base import Display
+from .display_base import ResultDisplay
 from .mesh_arrays import read_key, write_positions
 from .shape_keys import (
     BASIS,
@@ -24,7 +24,7 @@ if TYPE_CHECKING:  # enabling the add-on does not load the core
     from ...core.runtime.arrays import SingleArray
 
 
-class KeysDisplay(Display):
+class KeysDisplay(ResultDisplay):
     """Absolute shape keys, one a step: `eval_time` moves through them."""
 
     name = "KEYS"

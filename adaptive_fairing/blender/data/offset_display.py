@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from . import modifier
-from .display_base import Display, is_behind
+from .display_base import Display, ResultDisplay, is_behind
 from .mesh_arrays import checksum, read_key, read_mesh_coordinates, write_positions
 from .paint_group import paint_weights
 from .stored_path import (
@@ -43,7 +43,7 @@ Four units in the last place: the original, the offset, their sum, and one refin
 _touched: dict[tuple[int, str, float], NDArray[np.bool_]] = {}  # of the object asked for last
 
 
-class _OffsetDisplay(Display):
+class _OffsetDisplay(ResultDisplay):
     """Display of a result of `denoise`, which is offsets from the original."""
 
     slider = "strength"

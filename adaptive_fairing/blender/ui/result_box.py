@@ -27,8 +27,8 @@ from ..operators.results import (
 )
 from ..properties import copy_settings
 from .colors_panel import draw_field_button
+from .finished_run_panels import active_record, change_text, draw_energies
 from .layouts import draw_lines, world_length_text
-from .results_panel import active_record, change_text, draw_energies
 
 
 def live_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:

@@ -19,8 +19,8 @@ from ..problem.problem import SolverProblem
 from ..problem.setting_checks import checked_settings
 from ..runtime.arrays import FloatArray
 from ..runtime.precision import SINGLE
-from .fairing_result import FairingResult, FairingStep
 from .local_density import initial_density, margin_of_run, next_density
+from .result import FairingResult, FairingStep
 from .settings import FairingSettings
 from .smoothing_radius import tau_of_run
 from .timestep_field import local_times, scheme_fields

@@ -15,7 +15,7 @@ from adaptive_fairing.blender.jobs.frame_sequence import run_frames
 from adaptive_fairing.blender.jobs.solve import Solve, run_solves
 from adaptive_fairing.blender.operators import modal_run
 from adaptive_fairing.blender.operators.questions import hints
-from adaptive_fairing.blender.ui import results_panel, sequence_panel, settings_panel
+from adaptive_fairing.blender.ui import finished_run_panels, sequence_panel, settings_panel
 from adaptive_fairing.core import DenoiseProgress, DenoiseSettings, FairingSettings, denoise
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -151,14 +151,14 @@ class TestPanel:
 
     def test_statistics_of_denoise_and_of_the_paper(self, noisy):
         run()
-        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics)
+        drawn = draw(finished_run_panels.VIEW3D_PT_adaptive_fairing_statistics)
         assert [text.split("   ")[0] for _, text in drawn.progress][1:] == [
             f"Strength {strength:.2f}" for strength in STRENGTHS
         ]
         assert f"{noisy.adaptive_fairing.radius:.2f} edges" in drawn.texts
         assert not any("τ" in text for text in drawn.texts)
         bpy.ops.object.adaptive_fairing(algorithm="FAIR", scheme="UNIFORM", steps=2, tau=0.001)
-        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics)
+        drawn = draw(finished_run_panels.VIEW3D_PT_adaptive_fairing_statistics)
         assert "Treated as" not in drawn.texts
         assert "2  ·  τ = 0.001" in drawn.texts
 

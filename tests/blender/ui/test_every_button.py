@@ -15,7 +15,7 @@ from adaptive_fairing.blender.ui import (
     attribute_panel,
     check_panel,
     colors_panel,
-    results_panel,
+    finished_run_panels,
     sequence_panel,
     settings_panel,
 )
@@ -32,7 +32,7 @@ PANELS = [
         attribute_panel,
         sequence_panel,
         colors_panel,
-        results_panel,
+        finished_run_panels,
     )
     for name, panel in vars(module).items()
     if name.startswith("VIEW3D_PT_adaptive") and panel.__module__ == module.__name__

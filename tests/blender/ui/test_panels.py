@@ -15,7 +15,7 @@ from adaptive_fairing.blender.properties import DENOISE_NAMES, FAIRING_NAMES, OU
 from adaptive_fairing.blender.ui import (
     attribute_panel,
     colors_panel,
-    results_panel,
+    finished_run_panels,
     sequence_panel,
     settings_panel,
 )
@@ -25,7 +25,13 @@ pytestmark = pytest.mark.usefixtures("addon")
 
 PANELS = [
     panel
-    for module in (settings_panel, attribute_panel, sequence_panel, colors_panel, results_panel)
+    for module in (
+        settings_panel,
+        attribute_panel,
+        sequence_panel,
+        colors_panel,
+        finished_run_panels,
+    )
     for name, panel in vars(module).items()
     if name.startswith("VIEW3D_PT_adaptive") and panel.__module__ == module.__name__
 ]
@@ -108,7 +114,7 @@ class TestBeforeTheRun:
         assert [button(drawn, name)["text"] for name in ends] == ["Apply", "Discard"]
 
     def test_no_result_is_shown(self, sphere):
-        assert draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics) is None
+        assert draw(finished_run_panels.VIEW3D_PT_adaptive_fairing_statistics) is None
 
     def test_the_radii_are_those_of_tau_and_the_steps(self, sphere):
         settings = bpy.context.scene.adaptive_fairing
@@ -238,7 +244,7 @@ class TestAfterTheRun:
 
     def test_numbers_of_the_run(self, sphere):
         bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=3, tau=0.01)
-        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics)
+        drawn = draw(finished_run_panels.VIEW3D_PT_adaptive_fairing_statistics)
         first, *_, last = sphere.adaptive_fairing.shapes
         text = "\n".join(drawn.texts)
         assert "3  ·  τ = 0.01" in text
@@ -273,7 +279,7 @@ class TestAfterTheRun:
         sphere.scale = (1000.0, 1000.0, 1000.0)
         bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
         bpy.context.view_layer.update()
-        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics)
+        drawn = draw(finished_run_panels.VIEW3D_PT_adaptive_fairing_statistics)
         length = 1000.0 * sphere.adaptive_fairing.shapes[-1].displacement
         assert 1.0 < length < 1000.0
         assert f"{float(f'{length:.3g}'):g}{unit}" in drawn.texts
@@ -283,7 +289,7 @@ class TestAfterTheRun:
         obj.select_set(True)
         bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
         assert math.isnan(obj.adaptive_fairing.shapes[0].volume)
-        assert "–" in draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics).texts
+        assert "–" in draw(finished_run_panels.VIEW3D_PT_adaptive_fairing_statistics).texts
 
     def test_without_keys_there_is_no_slider(self, sphere):
         options = {"algorithm": "FAIR", "steps": 1, "output": "FINAL_SHAPE"}
@@ -295,7 +301,7 @@ class TestAfterTheRun:
         vertices = np.concatenate([vertices, [[2.0, 2, 2]]])
         add_object(vertices, [*faces.tolist(), [*faces[0][:2], 42]]).select_set(True)
         bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
-        drawn = draw(results_panel.VIEW3D_PT_adaptive_fairing_statistics)
+        drawn = draw(finished_run_panels.VIEW3D_PT_adaptive_fairing_statistics)
         assert "more than two triangles" in " ".join(drawn.texts)
 
 
