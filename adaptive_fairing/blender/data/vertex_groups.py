@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -56,15 +57,16 @@ def read_groups(obj: bpy.types.Object) -> list[GroupWeights]:
 
 def group_weights(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> SingleArray:
     """Read the weights of one group, (n,), 0 outside of it; faster than `read_groups`."""
-
-    def weights():
-        for index in range(len(obj.data.vertices)):
-            try:
-                yield group.weight(index)
-            except RuntimeError:  # the vertex is not in the group
-                yield 0.0
-
-    return np.fromiter(weights(), np.float32, len(obj.data.vertices))
+    n, weight_of = len(obj.data.vertices), group.weight
+    with suppress(RuntimeError):  # a vertex is not in the group
+        return np.fromiter(map(weight_of, range(n)), np.float32, n)
+    weights = np.zeros(n, dtype=np.float32)
+    for index in range(n):
+        try:
+            weights[index] = weight_of(index)
+        except RuntimeError:
+            pass
+    return weights
 
 
 def add_weights(group: bpy.types.VertexGroup, members: Sequence[int], weights: SingleArray) -> None:

@@ -1,6 +1,7 @@
 """The operator that examines a mesh before a run, and what it has found.
 
-What was found is remembered for the session, as long as the object has the shape that was examined.
+What was found is remembered for the session, as long as the object has the shape that was examined
+and the settings are those of then.
 """
 
 from __future__ import annotations
@@ -10,13 +11,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
+from ..choices import DENOISE
 from ..data.mesh_arrays import checksum, read_mesh_coordinates
+from ..properties import solver_settings
 from ..requirements import scipy_problem
 from .modal_run import ModalRun
 from .object_mode import object_mode
 from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
 
 if TYPE_CHECKING:  # the solver needs scipy, which may be missing
+    from ...core import DenoiseSettings
     from ...core.denoising.examination import Examination
 
 
@@ -27,10 +31,13 @@ class Check(NamedTuple):
     ----------
     shape : str
         Checksum of the mesh that was examined.
+    settings : DenoiseSettings
+        What it was examined for.
     found : Examination
     """
 
     shape: str
+    settings: DenoiseSettings
     found: Examination
 
 
@@ -52,7 +59,6 @@ class OBJECT_OT_adaptive_fairing_check(ModalRun, bpy.types.Operator):
         return is_allowed(cls, *reasons)
 
     def prepare(self, context):
-        from ...core import DenoiseSettings
         from ..data.control_mesh import control_read
         from ..data.mesh_arrays import MeshData, read_triangles
         from ..data.multires import read_level, shown_level
@@ -72,7 +78,7 @@ class OBJECT_OT_adaptive_fairing_check(ModalRun, bpy.types.Operator):
             ExaminationJob(
                 data.vertices,
                 data.triangles,
-                DenoiseSettings(),
+                _settings(context.scene),
                 name=obj.name,
                 session_uid=obj.session_uid,
             )
@@ -88,7 +94,8 @@ class OBJECT_OT_adaptive_fairing_check(ModalRun, bpy.types.Operator):
         if job.found is None or obj is None or obj.type != "MESH":
             return {"CANCELLED"}
         with object_mode(context):
-            _checks[job.session_uid] = Check(checksum(read_mesh_coordinates(obj.data)), job.found)
+            shape = checksum(read_mesh_coordinates(obj.data))
+            _checks[job.session_uid] = Check(shape, job.settings, job.found)
         if job.found.is_clean:
             text = rpt_("{:s}: looks clean")
         else:
@@ -98,13 +105,21 @@ class OBJECT_OT_adaptive_fairing_check(ModalRun, bpy.types.Operator):
 
 
 def check_of(obj: bpy.types.Object | None) -> Examination | None:
-    """Return what was found in an object, if it still has that shape."""
+    """Return what was found in an object, if it still has that shape, by the settings of now."""
     check = None if obj is None or obj.type != "MESH" else _checks.get(obj.session_uid)
-    if check is None:
+    if check is None or check.settings != _settings(bpy.context.scene):
         return None
     # In Edit Mode the coordinates cannot be read.
     holds = obj.mode == "EDIT" or check.shape == checksum(read_mesh_coordinates(obj.data))
     return check.found if holds else None
+
+
+def _settings(scene: bpy.types.Scene) -> DenoiseSettings:
+    """Read the settings of *Denoise* in a scene; those it begins with, if that was not chosen."""
+    from ...core import DenoiseSettings
+
+    settings = scene.adaptive_fairing
+    return solver_settings(settings) if settings.algorithm == DENOISE else DenoiseSettings()
 
 
 @bpy.app.handlers.persistent

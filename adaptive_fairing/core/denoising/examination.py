@@ -13,11 +13,14 @@ from ..problem.caller_mesh import CallerMesh
 from ..problem.diagnosis import MeshProblems, find_problems
 from ..problem.mesh_counts import MeshCounts, mesh_counts
 from ..problem.prepared_mesh import PreparedMesh
+from .given_width import verdict_of_width
 from .noise.level import beyond_clean
 from .noise_verdict import noise_verdict
 from .progress import DenoiseProgress, ProgressReport
 from .settings import DenoiseSettings
 from .stage import Stage
+from .triangle_surface import TriangleSurface
+from .wide_noise import level_of_width
 
 
 class Examination(NamedTuple):
@@ -78,18 +81,29 @@ def examine(
     def on_solve(_solve: SolveReport) -> None:
         report.again()
 
-    stage = Stage(surface.topology, frame.inward(mesh.points), surface.is_cut, on_solve)
-    verdict = noise_verdict(stage, settings.strength, settings.clean)
-    noise = verdict.level
+    topology, positions, is_still = surface.topology, frame.inward(mesh.points), surface.is_cut
+    width = None if settings.width == "auto" else float(settings.width)
+    level = level_of_width(TriangleSurface(topology, positions), width)
+    if level is not None:
+        topology, positions = level.topology, positions[level.vertices]
+        is_still = level.surface.is_cut | is_still[level.vertices]
+    ratio = 1.0 if level is None else level.ratio
+    stage = Stage(topology, positions, is_still, on_solve)
+    verdict = (
+        noise_verdict(stage, settings.strength, settings.clean)
+        if width is None
+        else verdict_of_width(stage, width / ratio)
+    )
+    noise = verdict.level if level is None else beyond_clean(verdict.level)
     is_clean = not (verdict.impulsive.any() or beyond_clean(settings.strength * noise).any())
     if not is_clean:
         noise = verdict.whole(noise)
     found, spacing = noise > 0, verdict.stage.frame.spacing
-    level, length = (
+    size, length = (
         float(np.median(each[found])) if found.any() else 0.0 for each in (noise, noise * spacing)
     )
     return Examination(
-        noise_level=level,
+        noise_level=ratio * size,
         noise_length=length / frame.scale,
         is_clean=is_clean,
         notes=verdict.notes,

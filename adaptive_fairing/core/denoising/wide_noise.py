@@ -41,7 +41,7 @@ def denoised_surfaces(
     """
     width = None if settings.width == "auto" else float(settings.width)
     fine = TriangleSurface(topology, positions)
-    level = plan.level if plan is not None else _level(fine, width)
+    level = plan.level if plan is not None else level_of_width(fine, width)
     if level is None:
         return mixed_surfaces(
             topology, positions, is_still, settings, width=width, plan=plan, progress=progress
@@ -72,7 +72,7 @@ def denoised_surfaces(
     )
 
 
-def _level(fine: TriangleSurface, width: float | None) -> CoarseLevel | None:
+def level_of_width(fine: TriangleSurface, width: float | None) -> CoarseLevel | None:
     """Make the coarsest level on which noise of a width, in edges, spans enough of its edges.
 
     None if that is the surface itself, or if levels would have too few vertices.

@@ -11,6 +11,7 @@ from support.results import coordinates
 
 from adaptive_fairing.blender.operators.check import check_of
 from adaptive_fairing.blender.ui.check_panel import VIEW3D_PT_adaptive_fairing_check
+from adaptive_fairing.core import DenoiseSettings
 from adaptive_fairing.core.denoising.examination import examine
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -48,6 +49,18 @@ def test_it_says_what_the_core_finds_and_changes_nothing(capfd):
     assert np.array_equal(coordinates(obj), before)
     assert obj.data.attributes.keys() == attributes
     assert not obj.adaptive_fairing.result
+
+
+def test_it_is_for_the_noise_size_of_the_panel():
+    vertices, faces = meshes.noisy_ball(3, 0.02)
+    obj = added((vertices, faces))
+    bpy.context.scene.adaptive_fairing.width = 2.0
+    check()
+    expected = examine(coordinates(obj).astype(float), faces, DenoiseSettings(width=2.0))
+    assert check_of(obj).noise_level == pytest.approx(expected.noise_level, rel=1e-9)
+    assert check_of(obj).noise_level != pytest.approx(examine(vertices, faces).noise_level)
+    bpy.context.scene.adaptive_fairing.width = 0.0
+    assert drawn().texts == []
 
 
 def test_the_noise_is_a_length_of_the_world():
