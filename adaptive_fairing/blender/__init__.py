@@ -30,6 +30,7 @@ def _modules() -> tuple[ModuleType, ...]:
         results,
         select_problems,
         sequence,
+        take_keys,
         view,
         viewport,
     )
@@ -62,6 +63,7 @@ def _modules() -> tuple[ModuleType, ...]:
         fair_attribute,
         painting,
         results,
+        take_keys,
         loop_subdivide,
         select_problems,
         measure,

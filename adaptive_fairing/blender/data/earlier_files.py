@@ -1,14 +1,28 @@
-"""Files saved by an earlier state of the add-on, brought to this one when they are opened.
+"""Files saved by earlier states of the add-on.
 
-Attributes of ours have names that begin with a dot, as Blender's own do, so that exporters skip
-them; they had none. What a mesh shows is noted on the mesh; it was noted on the object.
+Some are brought to this state when they are opened. Attributes of ours have names that begin with a
+dot, as Blender's own do, so that exporters skip them; they had none. What a mesh shows is noted on
+the mesh; it was noted on the object.
+
+Before that every result was shape keys, with a record of `steps`. They are brought under a result
+when the user wants it.
 """
 
 from __future__ import annotations
 
 import bpy
+import numpy as np
 
-from .mesh_arrays import checksum, read_mesh_coordinates
+from .display import display_of, new_display
+from .field_attributes import DENSITY
+from .key_display import KeysDisplay
+from .mesh_arrays import checksum, is_shared, read_key, read_mesh_coordinates
+from .record_functions import is_of_strengths
+from .shape_keys import animated_frames, has_step_keys, remove_fairing_keys, shown_step
+from .stored_path import StoredPath
+
+MEASURES = ("strength", "curvature_energy", "area", "volume", "displacement")
+"""What `FairingRecord.steps` and `FairingRecord.shapes` both have."""
 
 _STARTS = ("fairing_original", "fairing_offset_", "fairing_split")
 
@@ -39,3 +53,36 @@ def _hide_attributes() -> None:
                 name = node.inputs["Name"]
                 if name.default_value.startswith(_STARTS):
                     name.default_value = f".{name.default_value}"
+
+
+def has_earlier_keys(obj: bpy.types.Object) -> bool:
+    """Whether a mesh object has all the keys of an earlier run, and no result since."""
+    keys, n_steps = obj.data.shape_keys, len(obj.adaptive_fairing.steps)
+    return n_steps > 0 and has_step_keys(obj.data) and len(keys.key_blocks) == n_steps
+
+
+def take_keys(obj: bpy.types.Object) -> None:
+    """Make a result of the keys of an earlier run, which `has_earlier_keys` finds; in Object Mode.
+
+    Strengths get the slider of strengths, unless their keys are animated or mixed as relative ones.
+    """
+    if is_shared(obj.data):
+        obj.data = obj.data.copy()
+    record, keys = obj.adaptive_fairing, obj.data.shape_keys
+    for step in record.steps:
+        shape = record.shapes.add()
+        for name in MEASURES:
+            setattr(shape, name, getattr(step, name))
+    record.shown = record.chosen or len(record.steps) - 1  # the first files have no number
+    record.keeps_density = DENSITY in obj.data.attributes
+    record.steps.clear()
+    if is_of_strengths(record) and not keys.use_relative and animated_frames(obj) is None:
+        strengths = [shape.strength for shape in record.shapes]
+        place = float(np.interp(shown_step(keys), range(len(strengths)), strengths))
+        start, *shapes = (read_key(block) for block in keys.key_blocks)
+        remove_fairing_keys(obj)
+        path = StoredPath.through(start, strengths[1:], shapes)
+        new_display(obj, "LIVE").write(path, place)
+    else:
+        record.result = KeysDisplay.name
+        display_of(obj).note_written()

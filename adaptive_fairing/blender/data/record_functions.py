@@ -25,6 +25,7 @@ def forget(record: Record) -> None:
     """Forget the runs, with their measures."""
     record.result, record.notes, record.keeps_density = "", "", False
     record.shapes.clear()
+    record.steps.clear()
 
 
 def has_slider(record: Record) -> bool:
@@ -100,7 +101,7 @@ def result_measures(record: Record) -> ShownMeasures:
     display = display_of(record.id_data)
     if not display.is_whole or not display.slider:
         place = record.shown
-    elif is_of_strengths(record):
+    elif display.slider == "strength":
         place = np.interp(display.place, [each.strength for each in shapes], range(len(shapes)))
     else:
         place = display.place

@@ -121,6 +121,10 @@ class FairingRecord(bpy.types.PropertyGroup):
     refined_fingerprint: StringProperty(description="Of the refined mesh as it was made")
     checksum: StringProperty(description="In earlier files, see `earlier_files`")
     stored_strength: FloatProperty(description="In earlier files, see `earlier_files`")
+    steps: CollectionProperty(
+        type=FairingShapeMeasures, description="In earlier files, see `earlier_files`"
+    )
+    chosen: IntProperty(description="In earlier files, see `earlier_files`")
     strengths: FloatVectorProperty(size=N_STRENGTHS)
     n_strengths: IntProperty()
     held: FloatProperty(default=NOT_HELD, description="Of the slider, while the original is shown")

@@ -23,6 +23,7 @@ OPERATORS = {
     "_apply": "clean-a-scan/#keep-it-or-not",
     "_discard": "clean-a-scan/#keep-it-or-not",
     "_forget": "clean-a-scan/#keep-it-or-not",
+    "_take_keys": "clean-a-scan/#keep-it-or-not",
     "_surface": "surface/#show-a-result-on-it",
     "_loop_subdivide": "surface/#refine-without-denoising",
     "_select_problems": "troubleshooting/#the-result",

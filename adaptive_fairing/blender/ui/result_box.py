@@ -8,6 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..choices import DENOISE
 from ..compatibility import weight_paint_settings
 from ..data.display import display_of
+from ..data.earlier_files import has_earlier_keys
 from ..data.record_functions import is_of_strengths, result_measures
 from ..operators.animate import (
     OBJECT_OT_adaptive_fairing_play,
@@ -25,6 +26,7 @@ from ..operators.results import (
     result_objects,
     surface_name,
 )
+from ..operators.take_keys import OBJECT_OT_adaptive_fairing_take_keys
 from ..properties import copy_settings
 from .colors_panel import draw_field_button
 from .finished_run_panels import active_record, change_text, draw_energies
@@ -43,10 +45,15 @@ def live_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:
 
 def draw_result(context: bpy.types.Context, layout) -> None:
     """Draw the slider, one line of numbers, and the buttons."""
+    obj = context.active_object
+    if obj is not None and obj.type == "MESH" and has_earlier_keys(obj):
+        text = iface_("The shape keys are of a run by an earlier version")
+        draw_lines(context, layout, text, icon="INFO")
+        layout.operator(OBJECT_OT_adaptive_fairing_take_keys.bl_idname, icon="CHECKMARK")
+        return
     record = active_record(context)
     if record is None or not record.result:
         return
-    obj = record.id_data
     display = display_of(obj)
     column = layout.column()
     if obj.mode == "EDIT":

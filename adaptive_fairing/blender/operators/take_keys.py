@@ -1,0 +1,37 @@
+"""Operator that makes a result of the shape keys of an earlier file."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..data.earlier_files import has_earlier_keys, take_keys
+from .object_mode import object_mode, prepare_undo
+from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
+
+
+class OBJECT_OT_adaptive_fairing_take_keys(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_take_keys"
+    bl_label = "Make Them a Result"
+    bl_description = (
+        "Give the shape keys of an earlier run a slider, Before, Split, Apply and Discard. "
+        "Strengths are stored without keys, unless they are animated"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        refusal, obj = no_active_mesh_refusal(context), context.active_object
+        if refusal is None and not has_earlier_keys(obj):
+            refusal = "The active object has no shape keys of an earlier run"
+        elif refusal is None and (obj.library is not None or obj.data.library is not None):
+            refusal = "The mesh is linked from another file: it cannot be edited here"
+        return is_allowed(cls, refusal, busy_refusal())
+
+    def execute(self, context):
+        prepare_undo(context)
+        with object_mode(context):
+            take_keys(context.active_object)
+        return {"FINISHED"}
+
+
+register, unregister = bpy.utils.register_classes_factory((OBJECT_OT_adaptive_fairing_take_keys,))
