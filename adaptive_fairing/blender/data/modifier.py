@@ -41,7 +41,7 @@ def add(
     obj
         Object whose mesh has the offsets as attributes.
     strengths
-        Of the offsets, ascending.
+        Of the offsets, ascending; the first may be 0.
     strength
         The one to show.
     """
@@ -129,13 +129,16 @@ def _add_nodes(nodes: bpy.types.NodeTree, knots: Sequence[float]) -> None:
     entry, leave = add("NodeGroupInput", 0), add("NodeGroupOutput", len(knots) + 5)
     low, offset = 0.0, None
     for index, high in enumerate(knots, start=1):
+        attribute = add("GeometryNodeInputNamedAttribute", index, 3)
+        attribute.data_type = "FLOAT_VECTOR"
+        attribute.inputs["Name"].default_value = f".fairing_offset_{index}"
+        if high == 0:
+            offset = attribute.outputs["Attribute"]
+            continue
         part = add("ShaderNodeMapRange", index, 1)
         link(entry.outputs[STRENGTH], part.inputs["Value"])
         part.inputs["From Min"].default_value = low
         part.inputs["From Max"].default_value = high
-        attribute = add("GeometryNodeInputNamedAttribute", index, 3)
-        attribute.data_type = "FLOAT_VECTOR"
-        attribute.inputs["Name"].default_value = f".fairing_offset_{index}"
         mix = add("ShaderNodeMix", index + 1, 2)
         mix.data_type = "VECTOR"
         factor, before, after = (

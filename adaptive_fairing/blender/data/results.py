@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
+from numpy.typing import NDArray
 
 from ...core import InputError
 from ...core.runtime.arrays import SingleArray
@@ -27,13 +28,15 @@ def store_strengths(
     strength: float,
     way: str,
     *,
+    weights: NDArray[np.floating] | None = None,
     from_original: bool = False,
 ) -> None:
     """Store the result of `denoise` and show it.
 
     A second run refines the first: strength 0 stays the first original, and what the first run
-    had moved at a strength is added. So runs on two regions add up. Where somebody has moved
-    vertices in between, strength 0 is what they have made.
+    had moved at a strength is added. Where somebody has moved vertices in between, strength 0 is
+    what they have made. A run on a region has its strength for itself: outside of the region all
+    stays as it is shown now, at strength 0 too.
 
     Parameters
     ----------
@@ -47,15 +50,22 @@ def store_strengths(
         The one to show.
     way
         "LIVE" or "MODIFIER".
+    weights
+        (n,) of the run, if it was on a region: 0 outside, 1 inside.
     from_original
         The run started from the original: earlier ones do not count.
     """
     earlier = display_of(obj)
     path = StoredPath.through(start, strengths, shapes)
     if earlier.is_whole and not from_original:
-        original, moves = earlier.so_far(start, [each / strength for each in strengths])
+        parts = [1.0, *(each / strength for each in strengths)]
+        original, (kept, *moves) = earlier.so_far(start, parts)
+        if weights is not None:
+            inside = np.float32(weights)[:, None]
+            moves = [kept + inside * (each - kept) for each in (np.zeros_like(kept), *moves)]
+            strengths, shapes = [0.0, *strengths], [start, *shapes]
         path = StoredPath(
-            original, path.knots, lambda index: moves[index] + (shapes[index] - start)
+            original, tuple(strengths), lambda index: moves[index] + (shapes[index] - start)
         )
     clear(obj)
     new_display(obj, way).write(path, strength)

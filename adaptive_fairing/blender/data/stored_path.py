@@ -38,7 +38,8 @@ class StoredPath:
     original
         (n, 3) positions at 0.
     knots
-        (k,) ascending, above 0.
+        (k,) ascending, above 0; the first may be 0, where the path then jumps from the original to
+        what earlier runs had made of other regions.
     offset_at
         Gives the offset (n, 3) from the original at the knot of an index, counted from 0.
     """

@@ -86,6 +86,7 @@ def write_result(
             result.strengths.tolist(),
             solve.settings.strength,
             way,
+            weights=solve.weights,
             from_original=from_original,
         )
     else:

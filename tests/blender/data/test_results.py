@@ -59,6 +59,34 @@ class TestStrengths:
         expected = first[0] + (second[0] - second_start)
         np.testing.assert_allclose(display_of(obj).shown(), expected, atol=ROUNDING)
 
+    def test_a_region_has_its_strength_for_itself(self, obj, way):
+        start, _ = store(obj, way)
+        obj.adaptive_fairing.strength = 0.5
+        weights = np.linspace(0, 1, len(start), dtype=np.float32)[:, None]
+        weights[:10], weights[-10:] = 0, 1
+        second_start = display_of(obj).shown()
+        shapes = list(second_start + weights * moves(obj, 1))
+        results.store_strengths(
+            obj, second_start, shapes, STRENGTHS, 1.0, way, weights=weights[:, 0]
+        )
+        np.testing.assert_allclose(evaluated(obj), shapes[1], atol=ROUNDING)
+        obj.adaptive_fairing.strength = 0.0
+        expected = weights * start + (1 - weights) * second_start
+        np.testing.assert_allclose(display_of(obj).shown(), expected, atol=ROUNDING)
+        np.testing.assert_allclose(evaluated(obj), expected, atol=ROUNDING)
+        for strength in (0.3, 2.0):
+            obj.adaptive_fairing.strength = strength
+            np.testing.assert_allclose(evaluated(obj)[:10], second_start[:10], atol=ROUNDING)
+        np.testing.assert_array_equal(display_of(obj).original(), start)
+        # A run on all takes both along.
+        shown = display_of(obj).shown()
+        results.store_strengths(obj, shown, [1.1 * shown], [1.0], 1.0, way)
+        np.testing.assert_allclose(evaluated(obj), 1.1 * shown, atol=2 * ROUNDING)
+        obj.adaptive_fairing.strength = 0.0
+        np.testing.assert_allclose(evaluated(obj), start, atol=ROUNDING)
+        results.discard(obj)
+        np.testing.assert_array_equal(read_mesh_coordinates(obj.data), start)
+
     def test_from_the_original_an_earlier_run_does_not_count(self, obj, way):
         start, _ = store(obj, way)
         shapes = list(start + moves(obj, 1))

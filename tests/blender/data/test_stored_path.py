@@ -46,6 +46,14 @@ def test_it_is_linear_between_knots_and_stays_beyond_the_last(path, shapes, plac
     np.testing.assert_array_equal((shapes[0] + path.offset(place)).ravel(), expected)
 
 
+@pytest.mark.parametrize("place", [0.0, 0.25, 0.5, 2.0])
+def test_a_first_knot_at_0_is_where_it_begins(shapes, place):
+    path = StoredPath.through(shapes[0], (0.0, *KNOTS[1:]), shapes[1:])
+    flat = np.reshape(shapes[1:], (len(KNOTS), -1))
+    expected = [np.interp(place, (0.0, *KNOTS[1:]), column) for column in flat.T]
+    np.testing.assert_array_equal((shapes[0] + path.offset(place)).ravel(), expected)
+
+
 def test_the_offset_may_be_changed(path):
     for place in (0.25, 0.5, 1.5, 2.0):
         before = path.offset(place)

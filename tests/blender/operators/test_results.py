@@ -89,8 +89,8 @@ class TestASecondRun:
         bpy.ops.object.adaptive_fairing_discard()
         assert np.array_equal(coordinates(noisy), before)
 
-    def test_two_regions_add_up(self, noisy):
-        """The first region was noisy again."""
+    def test_two_regions_add_up_and_0_brings_back_the_second(self, noisy):
+        """0 brought back both."""
         before = coordinates(noisy)
         upper = before[:, 2] > 0
         group = noisy.vertex_groups.new(name="Upper")
@@ -103,6 +103,11 @@ class TestASecondRun:
         assert near(second[upper], first[upper])
         assert not np.array_equal(second[~upper], before[~upper])
         noisy.adaptive_fairing.strength = 0.0
+        assert near(coordinates(noisy)[upper], first[upper])
+        assert np.array_equal(coordinates(noisy)[~upper], before[~upper])
+        noisy.adaptive_fairing.strength = 1.0
+        assert near(coordinates(noisy), second)
+        bpy.ops.object.adaptive_fairing_discard()
         assert np.array_equal(coordinates(noisy), before)
 
     def test_a_selected_region_and_the_rest(self, noisy):
