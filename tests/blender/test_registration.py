@@ -63,7 +63,10 @@ def test_disabling_takes_everything_back_twice():
             handlers = bpy.app.handlers
             menus = ("VIEW3D_MT_object", "VIEW3D_MT_edit_mesh_vertices", "VIEW3D_MT_sculpt")
             drawn = [getattr(getattr(bpy.types, m).draw, "_draw_funcs", []) for m in menus]
+            keys = bpy.context.window_manager.keyconfigs.addon.keymaps
+            items = [item for keymap in keys for item in keymap.keymap_items]
             return (
+                [i.idname for i in items if "fairing" in i.idname],
                 {n for n in dir(bpy.types) if "fairing" in n.lower()},
                 [h for h in handlers.load_post if "fairing" in h.__module__],
                 [h for h in handlers.load_pre if "fairing" in h.__module__],
@@ -80,7 +83,7 @@ def test_disabling_takes_everything_back_twice():
             print(footprint())
         """
     )
-    assert printed[-2:] == [str((set(), [], [], [], False, False, []))] * 2
+    assert printed[-2:] == [str(([], set(), [], [], [], False, False, []))] * 2
 
 
 def test_without_scipy_it_registers_and_the_operator_says_what_to_do():

@@ -192,6 +192,20 @@ def select(obj, chosen):
     attributes[".select_vert"].data.foreach_set("value", np.asarray(chosen, dtype=bool))
 
 
+def edit_net(obj, how):
+    """Subdivide the active object in Edit Mode, or delete a vertex there."""
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT" if how == "subdivide" else "DESELECT")
+    if how == "subdivide":
+        bpy.ops.mesh.subdivide()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    if how == "delete":
+        obj.data.vertices[7].select = True
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.delete(type="VERT")
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
 def key_positions(obj, name):
     """Positions of a shape key."""
     block = obj.data.shape_keys.key_blocks[name]

@@ -68,26 +68,4 @@ def _region_under(context: bpy.types.Context, pointer: Vector) -> dict[str, obje
     return {"brush_centre": place, "brush_radius": radius, "brush_polygon": polygon}
 
 
-_keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
-
-_register_class, _unregister_class = bpy.utils.register_classes_factory(
-    (OBJECT_OT_adaptive_fairing_brush,)
-)
-
-
-def register() -> None:
-    """Register the operator and its key."""
-    _register_class()
-    configuration = bpy.context.window_manager.keyconfigs.addon
-    if configuration is not None:  # none without a window
-        keymap = configuration.keymaps.new("Sculpt")
-        idname = OBJECT_OT_adaptive_fairing_brush.bl_idname
-        _keymaps.append((keymap, keymap.keymap_items.new(idname, "N", "PRESS", alt=True)))
-
-
-def unregister() -> None:
-    """Take them back."""
-    while _keymaps:
-        keymap, item = _keymaps.pop()
-        keymap.keymap_items.remove(item)
-    _unregister_class()
+register, unregister = bpy.utils.register_classes_factory((OBJECT_OT_adaptive_fairing_brush,))

@@ -83,30 +83,20 @@ def _leave_file(*_arguments) -> None:
     put_back()
 
 
-_keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
-
 _register_class, _unregister_class = bpy.utils.register_classes_factory(
     (OBJECT_OT_adaptive_fairing_paint_swap,)
 )
 
 
 def register() -> None:
-    """Register the operator and its key, and watch for the end of painting."""
+    """Register the operator, and watch for the end of painting."""
     _register_class()
     bpy.app.handlers.depsgraph_update_post.append(_follow_mode)
     bpy.app.handlers.load_pre.append(_leave_file)
-    configuration = bpy.context.window_manager.keyconfigs.addon
-    if configuration is not None:  # none without a window
-        keymap = configuration.keymaps.new("Weight Paint")
-        idname = OBJECT_OT_adaptive_fairing_paint_swap.bl_idname
-        _keymaps.append((keymap, keymap.keymap_items.new(idname, "X", "PRESS")))
 
 
 def unregister() -> None:
     """Take them back, and leave the views as they were."""
-    while _keymaps:
-        keymap, item = _keymaps.pop()
-        keymap.keymap_items.remove(item)
     bpy.app.handlers.load_pre.remove(_leave_file)
     bpy.app.handlers.depsgraph_update_post.remove(_follow_mode)
     put_back()

@@ -357,8 +357,6 @@ def _lacks_mask(obj: bpy.types.Object) -> bool:
     return obj.mode == "SCULPT" and SCULPT_MASK not in obj.data.attributes
 
 
-_keymaps: list[tuple[bpy.types.KeyMap, bpy.types.KeyMapItem]] = []
-
 _CLASSES = (
     OBJECT_OT_adaptive_fairing_apply,
     OBJECT_OT_adaptive_fairing_discard,
@@ -368,22 +366,4 @@ _CLASSES = (
     OBJECT_OT_adaptive_fairing_split,
     OBJECT_OT_adaptive_fairing_paint,
 )
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_CLASSES)
-
-
-def register() -> None:
-    """Register the operators, and the shortcut that shows the original."""
-    _register_classes()
-    configuration = bpy.context.window_manager.keyconfigs.addon
-    if configuration is not None:  # none without a window
-        keymap = configuration.keymaps.new("3D View", space_type="VIEW_3D")
-        idname = OBJECT_OT_adaptive_fairing_before.bl_idname
-        _keymaps.append((keymap, keymap.keymap_items.new(idname, "B", "PRESS", alt=True)))
-
-
-def unregister() -> None:
-    """Take the shortcut and the operators back."""
-    while _keymaps:
-        keymap, item = _keymaps.pop()
-        keymap.keymap_items.remove(item)
-    _unregister_classes()
+register, unregister = bpy.utils.register_classes_factory(_CLASSES)

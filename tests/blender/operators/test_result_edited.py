@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 import pytest
-from support.objects import add_object, key_positions, shown_positions
+from support.objects import add_object, edit_net, key_positions, shown_positions
 from support.results import coordinates, near, paper, run, surface
 
 from adaptive_fairing.blender.data.display import display_of
@@ -21,20 +21,6 @@ def stroke(obj, vertices=range(5, 25)):
     obj.data.vertices.foreach_set("co", positions.ravel())
     obj.data.update()
     return is_moved
-
-
-def edited(obj, how):
-    """Change the net in Edit Mode."""
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT" if how == "subdivide" else "DESELECT")
-    if how == "subdivide":
-        bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
-    if how == "delete":
-        obj.data.vertices[7].select = True
-        bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.mesh.delete(type="VERT")
-        bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def assert_nothing_is_left(obj):
@@ -177,7 +163,7 @@ class TestAnotherNet:
             bpy.context.view_layer.objects.active = noisy
             bpy.ops.object.join()
         else:
-            edited(noisy, change)
+            edit_net(noisy, change)
         changed = coordinates(noisy)
         assert bpy.ops.object.adaptive_fairing_forget() == {"FINISHED"}
         assert np.array_equal(coordinates(noisy), changed)
@@ -198,7 +184,7 @@ class TestAnotherNet:
     def test_after_a_deletion_discard_brings_the_others_back(self, noisy):
         before = coordinates(noisy)
         run()
-        edited(noisy, "delete")
+        edit_net(noisy, "delete")
         bpy.ops.object.adaptive_fairing_discard()
         assert np.array_equal(coordinates(noisy), np.delete(before, 7, axis=0))
 

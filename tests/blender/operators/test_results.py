@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 import pytest
-from support.objects import key_positions, select, shown_positions
+from support.objects import edit_net, key_positions, select, shown_positions
 from support.results import coordinates, core_result, fairing_attributes, near, paper, run
 
 from adaptive_fairing.blender.data.shape_keys import animated_frames
@@ -148,16 +148,7 @@ class TestWorkInBetween:
             noisy.data.remesh_voxel_size = 0.2
             bpy.ops.object.voxel_remesh()
         else:
-            bpy.ops.object.mode_set(mode="EDIT")
-            bpy.ops.mesh.select_all(action="SELECT" if change == "subdivide" else "DESELECT")
-            if change == "subdivide":
-                bpy.ops.mesh.subdivide()
-            bpy.ops.object.mode_set(mode="OBJECT")
-            if change == "delete":
-                noisy.data.vertices[7].select = True
-                bpy.ops.object.mode_set(mode="EDIT")
-                bpy.ops.mesh.delete(type="VERT")
-                bpy.ops.object.mode_set(mode="OBJECT")
+            edit_net(noisy, change)
         changed = coordinates(noisy)
         noisy.adaptive_fairing.strength = 0.0
         assert np.array_equal(coordinates(noisy), changed)

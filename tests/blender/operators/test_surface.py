@@ -8,6 +8,7 @@ from support.objects import (
     add_object,
     add_rich_object,
     corners,
+    edit_net,
     everything,
     key_positions,
     shown_positions,
@@ -162,13 +163,7 @@ class TestNothingIsLost:
         noisy.vertex_groups.new(name="Odd").add(range(1, 600, 2), 1.0, "REPLACE")
         before = everything(noisy)
         surface("REFINED_1")
-        bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.mesh.select_all(action="DESELECT")
-        bpy.ops.object.mode_set(mode="OBJECT")
-        noisy.data.vertices[0].select = True
-        bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.mesh.delete(type="VERT")
-        bpy.ops.object.mode_set(mode="OBJECT")
+        edit_net(noisy, "delete")
         edited = noisy.data
         surface("CONTROL")
         assert everything(noisy) == before

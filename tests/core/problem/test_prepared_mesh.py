@@ -1,6 +1,6 @@
 """A prepared mesh: other positions of the same surface, without analysing it anew."""
 
-from dataclasses import replace
+from dataclasses import astuple, replace
 
 import numpy as np
 import pytest
@@ -10,7 +10,6 @@ from support.meshes import bipyramid, bumpy_disc, latlong_sphere, random_closed
 from adaptive_fairing.core import (
     FairingSettings,
     InputError,
-    LoopSpace,
     PreparedMesh,
     denoise,
     fair,
@@ -60,17 +59,26 @@ def test_another_frame_is_what_it_is_alone_up_to_the_solvers_tolerance(name):
     np.testing.assert_allclose(with_help.positions, alone.positions, rtol=0, atol=bound)
 
 
-def test_the_topology_is_analysed_once(monkeypatch):
-    counted = []
-    monkeypatch.setattr(
-        prepared_surface, "LoopSpace", lambda *given: counted.append(1) or LoopSpace(*given)
-    )
+def test_the_topology_is_analysed_once(made_spaces):
     vertices, faces = MESHES["closed"]
     mesh = PreparedMesh(vertices, faces)
     for _ in range(3):
         vertices = bent(vertices)
         fair(vertices, faces, SETTINGS, prepared=mesh)
-    assert len(counted) == 1
+    assert len(made_spaces) == 1
+
+
+def test_both_algorithms_share_a_space_and_denoise_makes_no_matrices_in_it(made_spaces):
+    """It only measures energy, area and volume."""
+    vertices, faces = MESHES["closed"]
+    mesh = PreparedMesh(vertices, faces)
+    result = denoise(vertices, faces, prepared=mesh)
+    (space,) = made_spaces
+    assert not {"pattern", "_entries"} & vars(space).keys()
+    steps = fair(vertices, faces, SETTINGS, prepared=mesh)
+    assert {"pattern", "_entries"} < vars(space).keys()
+    assert len(made_spaces) == 1
+    assert astuple(result.initial) == pytest.approx(astuple(steps.initial), rel=1e-12)
 
 
 @pytest.mark.parametrize("density", ["edge_length", "area"])
