@@ -179,4 +179,6 @@ def _sharp_part(plan: DenoisePlan) -> float:
     mixture = plan.mixtures[STRENGTHS.index(1.0)]
     totals = {index: float(mixture.coefficients(index).sum()) for index in mixture.used}
     keeping = (total for index, total in totals.items() if plan.filters[index].creases == KEEPS)
-    return sum(keeping) / sum(totals.values()) if totals else 0.0
+    # A part of a surface may have no use for filters that the rest has.
+    total = sum(totals.values())
+    return sum(keeping) / total if total else 0.0

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 
 from ..linalg.krylov_filters import Diffusion
-from ..runtime.arrays import FloatArray
 from .filter_family import IGNORES, KEEPS, SEES, FilterFamily, FlatFamily, NormalFamily
 from .lifted_metric import LiftedMetric
 from .noise_correlation import WHITE, NoiseCorrelation
@@ -69,14 +68,13 @@ def rounds(angle_factor: float = 1.0, correlation: NoiseCorrelation = WHITE) -> 
     )
 
 
-def rounds_for(noise: FloatArray, correlation: NoiseCorrelation = WHITE) -> list[Round]:
-    """Choose the filters of all rounds for the noise, (n,), of the vertices judged.
+def rounds_for(typical: float, correlation: NoiseCorrelation = WHITE) -> list[Round]:
+    """Choose the filters of all rounds for noise that is typically so many local edge lengths.
 
     The angles of the metrics are scaled to it.  Noise that turns triangles over leaves nothing in
     their normals.
     """
     tuned = parameters()
-    typical = float(np.median(noise[noise > 0])) if noise.any() else 0.0
     factor = float(np.clip(typical / tuned.coarse_noise, tuned.least_angle_factor, 1))
     has_normals = typical <= tuned.most_noise_in_normals
     return [

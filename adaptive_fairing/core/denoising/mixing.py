@@ -182,7 +182,8 @@ def _planned(
         return np.square(tuned.noise_factor * level / unit)
 
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
-    first, *others = rounds_for(noise, correlation)
+    typical = float(np.median(noise[noise > 0]))
+    first, *others = rounds_for(typical, correlation)
     saw_creases = False
     pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen / unit)
     pilots: list[Mixture] = []
@@ -232,6 +233,7 @@ def _planned(
         kept,
         verdict.impulsive,
         verdict.whole(verdict.reach),
+        typical,
         saw_creases,
         correlation,
     )

@@ -37,6 +37,8 @@ class DenoisePlan:
     reach : (n,)
         Standard deviation of all noise, spikes included, in local edge lengths: the unit of how far
         a vertex may move.
+    typical_noise : float
+        Median of the noise where it was judged, of all of the surface: it decides the filters.
     has_creases : bool
         Whether the last round was run, which is for creases.
     correlation : NoiseCorrelation
@@ -54,6 +56,7 @@ class DenoisePlan:
     kept: FloatArray
     impulsive: FloatArray
     reach: FloatArray
+    typical_noise: float = 0.0
     has_creases: bool = False
     correlation: NoiseCorrelation = WHITE
     level: CoarseLevel | None = None

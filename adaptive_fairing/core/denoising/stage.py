@@ -63,7 +63,7 @@ class Track:
         # Without creases there was no last round.
         pilots = (None, *plan.pilots)
         for number, (families, pilot) in enumerate(
-            zip(rounds_for(plan.noise, plan.correlation), pilots, strict=False), start=1
+            zip(rounds_for(plan.typical_noise, plan.correlation), pilots, strict=False), start=1
         ):
             progress.begin("filter", number)
             self.filter(families, pilot)

@@ -64,7 +64,7 @@ def test_a_metric_that_does_not_bend_rounds_creases_and_the_narrowest_keeps_them
 
 
 def test_less_noise_makes_the_angles_smaller_in_proportion():
-    half, full = (rounds_for(np.full(5, level)) for level in (0.1, 0.2))
+    half, full = (rounds_for(noise) for noise in (0.1, 0.2))
     assert full == list(rounds())
     for some, others in zip(half, full, strict=True):
         for one, other in zip(some, others, strict=True):
@@ -126,6 +126,6 @@ def test_the_last_round_is_for_creases():
 
 @pytest.mark.parametrize("noise, is_used", [(0.1, True), (0.4, False)])
 def test_normals_of_the_noisy_mesh_are_used_if_the_noise_leaves_something_in_them(noise, is_used):
-    found = [family for families in rounds_for(np.full(5, noise)) for family in families]
+    found = [family for families in rounds_for(noise) for family in families]
     of_noisy = [isinstance(family, NormalFamily) and family.is_of_noisy for family in found]
     assert sum(of_noisy) == is_used

@@ -98,3 +98,22 @@ def test_a_plan_of_a_part_is_refused():
     plan = denoise(NOISY, FACES, weights=WEIGHTS).plan
     with pytest.raises(InputError, match=f"plan is of a mesh of {len(plan.noise)} vertices"):
         denoise(NOISY, FACES, weights=WEIGHTS, plan=plan)
+
+
+@pytest.mark.parametrize("noise", [0.05, 0.15])
+def test_the_plan_of_the_whole_serves_a_quiet_piece(noise):
+    """The filters are those for the loud one beside it; of very little noise none are mixed."""
+    quiet, faces = meshes.torus(60, 30)
+    loud, others = meshes.torus(80, 40)
+    is_quiet = np.repeat([True, False], [len(quiet), len(loud)])
+    size = EDGE * np.where(is_quiet, 2 * noise, 0.6)
+    directions = np.random.default_rng(0).normal(size=(len(size), 3))
+    noisy = np.vstack([quiet, loud + np.array([8, 0, 0])]) + size[:, None] * directions
+    triangles = np.vstack([faces, others + len(quiet)])
+    prepared = PreparedMesh(noisy, triangles)
+    whole = denoise(noisy, triangles, prepared=prepared)
+    weights = is_quiet.astype(float)
+    part = denoise(noisy, triangles, weights=weights, prepared=prepared, plan=whole.plan)
+    removed = np.linalg.norm((whole.positions - noisy)[is_quiet])
+    assert (removed > 0) == (noise > 0.1)
+    assert np.linalg.norm((part.positions - whole.positions)[is_quiet]) <= 0.03 * removed
