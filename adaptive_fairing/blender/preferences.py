@@ -34,14 +34,14 @@ class FairingPreferences(bpy.types.AddonPreferences):
 
     algorithm: EnumProperty(
         name="Algorithm",
-        description="Settings that the panel has in a new file, and from now on in this one",
+        description="Settings of the panel in new files, and from now on in this one",
         items=ALGORITHMS,
         default=DENOISE,
         update=_set_in_all_scenes("algorithm"),
     )
     result: EnumProperty(
         name="Result",
-        description="Result that Denoise gives in a new file, and from now on in this one",
+        description="Result of Denoise in new files, and from now on in this one",
         items=RESULTS,
         default=LIVE,
         update=_set_in_all_scenes("result"),

@@ -22,7 +22,7 @@ class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.Propert
 
     same_strength: BoolProperty(
         name="Same Strength",
-        description="Smooth every frame as the first one, so that nothing flickers",
+        description="Smooth every frame as strongly as the first one, so that nothing flickers",
         default=True,
     )
     show_energy: BoolProperty(

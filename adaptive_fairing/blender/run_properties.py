@@ -59,8 +59,8 @@ class SolverProperties:
         name="Noise Size",
         description=(
             "Distance in edges over which the noise is alike, about half the size of its bumps: 1 "
-            "if it differs from vertex to vertex, up to 16. Below 1 it is found by itself; a size "
-            "that is given is removed, whatever it looks like"
+            "if it differs from vertex to vertex, up to 16. Below 1 the size is estimated; noise "
+            "of a given size is removed, whatever it looks like"
         ),
         default=0.0,
         min=0.0,
@@ -86,8 +86,8 @@ class SolverProperties:
     radius: FloatProperty(
         name="Radius",
         description=(
-            "Smoothing radius of all steps together, in local edge lengths: about 0.5 takes noise "
-            "only, 3 and more takes shapes of that size as well"
+            "Smoothing radius of all steps together, in local edge lengths: about 0.5 removes "
+            "noise only, 3 and more removes shapes of that size as well"
         ),
         default=0.5,
         min=0.01,
@@ -129,7 +129,7 @@ class SolverProperties:
     density: EnumProperty(
         name="Measure",
         translation_context=CONTEXT,
-        description="What the density of the mesh is measured by",
+        description="How the density of the mesh is measured",
         items=(
             ("EDGE", "Edge Length", "Mean length of the edges at a vertex"),
             (
@@ -249,8 +249,8 @@ class OutputProperties:
     use_region: BoolProperty(
         name="Selection or Mask",
         description=(
-            "In Edit Mode smooth the selected vertices only, if any are selected; "
-            "in Sculpt Mode spare the masked ones"
+            "In Edit Mode smooth the selected vertices only, if any are selected; in Sculpt Mode "
+            "leave out the masked ones"
         ),
         default=True,
     )

@@ -20,7 +20,7 @@ DENOISE, FAIR, REFINE = "denoise", "fair", "refine"
 
 SUMMARIES = {
     DENOISE: "find out how noisy the mesh is, and remove that much; needs no parameter",
-    FAIR: "run the paper: geometric diffusion that follows the mesh density, step by step",
+    FAIR: "run the paper's method: geometric diffusion that follows the mesh density, step by step",
     REFINE: "subdivide the mesh onto the smooth limit surface, without fairing",
 }
 
@@ -146,21 +146,21 @@ def _add_denoise(parser: Parser, common: Any) -> None:
         "--strength",
         type=float,
         metavar="X",
-        help="factor of the noise that is found (default: 1.0)",
+        help="factor of the noise that is estimated (default: 1.0)",
     )
     _add_choice(
         common,
         "--features",
         ("auto", "sharp", "smooth"),
-        help="whether there are creases to keep (default: auto, per place)",
+        help="whether there are creases to keep (default: auto, decided for every part)",
     )
     _add_choice(
         common,
         "--clean",
         ("keep", "detail", "denoise"),
         help="leave a mesh alone that looks like a model without noise; also keep detail that "
-        "looks like the smooth noise of a scanner; or take all that is rough for noise "
-        "(default: keep)",
+        "looks like the smooth noise of a scanner; or treat all roughness as noise (default: "
+        "keep)",
     )
     common.add_argument(
         "--noise-width",
@@ -187,8 +187,8 @@ def _add_fair(parser: Parser, common: Any) -> None:
         common,
         "--scheme",
         SCHEMES,
-        help="how time follows the density: by the timestep, by the diffusion tensor, or not at "
-        "all (default: timestep)",
+        help="how the smoothing follows the density: by the timestep, by the diffusion tensor, or "
+        "not at all (default: timestep)",
     )
     common.add_argument(
         "--radius",
@@ -213,9 +213,9 @@ def _add_fair(parser: Parser, common: Any) -> None:
     common.add_argument(
         "--no-denoised",
         action="store_true",
-        help="leave out what denoise makes of the mesh, which a .blend gets beside the steps",
+        help="leave out the result of denoise, which a .blend also gets beside the steps",
     )
-    more = parser.add_argument_group("more of the method")
+    more = parser.add_argument_group("further options of the method")
     more.add_argument(
         "--tau",
         type=float,
@@ -283,7 +283,8 @@ def _add_boundary(group: Any) -> None:
         group,
         "--boundary",
         ("fixed", "free"),
-        help="whether the boundary of an open mesh stays or moves along (default: fixed)",
+        help="whether the boundary of an open mesh stays or moves with the surface (default: "
+        "fixed)",
     )
 
 
@@ -318,8 +319,8 @@ def _add_batch(parser: Parser, algorithm: str) -> None:
     group = parser.add_argument_group(
         "many meshes",
         "Several INPUTs, a folder (all mesh files in it) or a pattern in quotes make a batch. "
-        "Finished outputs are skipped; a mesh that fails does not keep the others from it. "
-        "--report writes the summary.",
+        "Finished outputs are skipped; a mesh that fails does not stop the others. --report "
+        "writes the summary.",
     )
     group.add_argument(
         "--out-dir",
@@ -335,20 +336,20 @@ def _add_batch(parser: Parser, algorithm: str) -> None:
     group.add_argument(
         "--memory",
         metavar="SIZE",
-        help="memory that the workers may hold together, such as 8G (default: what is free)",
+        help="memory that all workers together may use, such as 8G (default: what is free)",
     )
     group.add_argument(
-        "--shard", metavar="I/N", help="do the I-th of N parts only, on one of N machines"
+        "--shard", metavar="I/N", help="process only part I of N, on one of N machines"
     )
     group.add_argument(
         "--merge",
         action="store_true",
-        help="compute nothing, sum up what earlier runs, such as shards, have done",
+        help="compute nothing; sum up what earlier runs, such as shards, have done",
     )
     group.add_argument(
         "--allow-failures",
         action="store_true",
-        help="exit with 0 although meshes have failed; the summary and the messages tell them",
+        help="exit with 0 even if meshes have failed; the summary and the messages name them",
     )
     group.add_argument(
         "--flamenco",
@@ -368,12 +369,12 @@ def _add_sequence(parser: Parser) -> None:
     group.add_argument(
         "--frames",
         metavar="LIST",
-        help="frames of an animated INPUT, as it is shown there, such as 1-50 or 1,5,10-20",
+        help="frames of an animated INPUT to process, such as 1-50 or 1,5,10-20",
     )
     group.add_argument(
         "--same-strength",
         action="store_true",
-        help="smooth every frame as the first one, so that nothing flickers",
+        help="smooth every frame as strongly as the first one, so that nothing flickers",
     )
 
 

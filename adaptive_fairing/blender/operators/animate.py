@@ -77,7 +77,7 @@ class OBJECT_OT_adaptive_fairing_play(_OverFrames, bpy.types.Operator):
 class OBJECT_OT_adaptive_fairing_play_end(bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_play_end"
     bl_label = "Stop Playing"
-    bl_description = "Stop at the frame that is shown, and play all frames of the scene again"
+    bl_description = "Stop at the current frame, and play all frames of the scene again"
     bl_options = {"INTERNAL"}
 
     def execute(self, context):

@@ -23,8 +23,8 @@ class OBJECT_OT_adaptive_fairing_brush(bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_brush"
     bl_label = "Denoise Under the Brush"
     bl_description = (
-        "Denoise what is under the pointer, as large as the brush: not where the mask is, and only "
-        "within the face set that is pointed at. All roughness there counts as noise"
+        "Denoise what the brush covers under the pointer, except where it is masked and outside "
+        "the face set under the pointer. All roughness there counts as noise"
     )
 
     @classmethod

@@ -48,8 +48,8 @@ class OBJECT_OT_adaptive_fairing_check(ModalRun, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_check"
     bl_label = "Check Mesh"
     bl_description = (
-        "Find out how much noise the active mesh has, of how many parts it is, and what is wrong "
-        "with it. Nothing is changed"
+        "Find out how much noise the active mesh has, how many parts it consists of, and what is "
+        "wrong with it. Nothing is changed"
     )
     bl_options = {"REGISTER"}
 

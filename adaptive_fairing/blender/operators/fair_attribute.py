@@ -32,8 +32,9 @@ class OBJECT_OT_adaptive_fairing_attribute(SolverProperties, OutputProperties, b
     bl_idname = "object.adaptive_fairing_attribute"
     bl_label = "Fair Attribute"
     bl_description = (
-        "Smooth what the selected meshes carry, such as noisy colors, weights or measured numbers, "
-        "by the scheme, the radius and the steps of Adaptive Fairing. The surface stays as it is"
+        "Smooth an attribute of the selected meshes, such as noisy colors, weights or measured "
+        "values, with the scheme, the radius and the steps of Adaptive Fairing. The surface stays "
+        "as it is"
     )
     bl_options = {"REGISTER", "UNDO"}
 
@@ -101,8 +102,8 @@ class OBJECT_OT_adaptive_fairing_attribute(SolverProperties, OutputProperties, b
         text = rpt_("{:s}: {!r} is faired").format(obj.name, name)
         if result.n_limited:
             cut = rpt_(
-                "{:d} values that went past a sharp step were cut off at 0 and 1, as this kind of "
-                "value asks"
+                "{:d} values that overshot at a sharp step were clamped to between 0 and 1, as "
+                "this type of value requires"
             )
             text += f"; {cut.format(result.n_limited)}"
         self.report({"INFO"}, text)

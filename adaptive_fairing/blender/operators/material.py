@@ -53,14 +53,14 @@ class OBJECT_OT_adaptive_fairing_material(bpy.types.Operator):
                 n_replaced += n_materials if is_new else 0
         viewport.show()
         if n_replaced:
-            text = rpt_("{:d} materials are hidden; Materials Back shows them again")
+            text = rpt_("{:d} materials are hidden; Restore Materials shows them again")
             self.report({"INFO"}, text.format(n_replaced))
         return {"FINISHED"} if n_done else {"CANCELLED"}
 
 
 class OBJECT_OT_adaptive_fairing_material_end(bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_material_end"
-    bl_label = "Materials Back"
+    bl_label = "Restore Materials"
     bl_description = (
         "Give the selected meshes back the materials that they had before Render Colors"
     )

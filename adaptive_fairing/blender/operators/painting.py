@@ -29,7 +29,7 @@ class OBJECT_OT_adaptive_fairing_paint_swap(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        reason = None if is_painting(context) else "Only while the vertex group Fairing is painted"
+        reason = None if is_painting(context) else "Only while you paint the vertex group Fairing"
         return is_allowed(cls, reason)
 
     def execute(self, context):

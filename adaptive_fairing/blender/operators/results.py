@@ -58,7 +58,7 @@ def result_refusal(context: bpy.types.Context) -> str | None:
     # In Edit Mode the attributes cannot be read, so the operators check later.
     if refusal is not None or obj.mode == "EDIT" or display_of(obj).is_whole:
         return refusal
-    return "The mesh was changed since the last run: its stored result does not fit any more"
+    return "The mesh was changed since the last run: its stored result no longer fits"
 
 
 def result_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
@@ -137,7 +137,7 @@ class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
         refusal, obj = record_refusal(context), context.active_object
         if refusal is None and obj.mode != "EDIT" and not has_control(obj):
             if not display_of(obj).has_original:
-                refusal = "The mesh before the runs is not known any more: Forget keeps this one"
+                refusal = "The mesh from before the runs is no longer known: Forget keeps this one"
         return is_allowed(cls, refusal, busy_refusal())
 
     def execute(self, context):

@@ -18,7 +18,7 @@ class OBJECT_OT_adaptive_fairing_select_problems(bpy.types.Operator):
     bl_label = "Select Problem Vertices"
     bl_description = (
         "Select, in Edit Mode, the vertices of the active mesh that are not finite, not manifold "
-        "or at triangles without area: what a run refuses, holds still or bounds"
+        "or on triangles without area: those that a run refuses, holds still or limits"
     )
     bl_options = {"REGISTER", "UNDO"}
 

@@ -31,7 +31,7 @@ class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.
     )
     same_strength: bpy.props.BoolProperty(
         name="Same Strength",
-        description="Smooth every frame as the first one, so that nothing flickers",
+        description="Smooth every frame as strongly as the first one, so that nothing flickers",
         default=True,
     )
 

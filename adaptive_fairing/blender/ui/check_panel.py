@@ -46,7 +46,7 @@ def _draw_counts(column, found) -> None:
         text = iface_("the largest has {:.1f} %").format(100 * counts.largest_part)
         column.label(text=text, icon="BLANK1", translate=False)
     _draw_count(column, iface_("Holes and outer boundaries: {:d}"), counts.n_boundaries)
-    _draw_count(column, iface_("Edges of more than two faces: {:d}"), counts.n_crowded_edges)
+    _draw_count(column, iface_("Edges with more than two faces: {:d}"), counts.n_crowded_edges)
     _draw_count(column, iface_("Vertices that are held: {:d}"), len(problems.held))
     _draw_count(column, iface_("Vertices of doubled faces: {:d}"), len(problems.left_out))
     _draw_count(column, iface_("Vertices of faces without area: {:d}"), len(problems.thin))
