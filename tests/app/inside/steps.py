@@ -3,11 +3,27 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Generator
 
 import bpy
 from driver import Scenario, Stage
+from meshes import add_noisy
 
 BUTTON = "object.adaptive_fairing("  # other operators begin with the same words
+
+
+def add_in_view(stage: Stage, noise: float, subdivisions: int) -> bpy.types.Object:
+    """Add a noisy sphere for Denoise that fills the view."""
+    obj = add_noisy("ico_sphere", noise, "DENOISE", subdivisions=subdivisions)
+    with stage.context():
+        bpy.ops.view3d.view_selected()
+    return obj
+
+
+def find_strength(stage: Stage) -> Generator[float, None, tuple]:
+    """Find the slider of that sphere's strength."""
+    slider = 'objects["Icosphere"].adaptive_fairing.strength'
+    return (yield from stage.find_button(slider, "shift+ctrl+alt+c"))
 
 
 def press_fairing(stage: Stage) -> Scenario:
