@@ -271,8 +271,8 @@ class OBJECT_OT_adaptive_fairing_split(bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_split"
     bl_label = "Split"
     bl_description = (
-        "Show the original on the left half of the object, as it is seen now, and the result on "
-        "the right; once more shows the whole result"
+        "Show the original on the left half of the object, as seen now, and the result on the "
+        "right. Press again to show the whole result"
     )
     bl_options = {"REGISTER", "UNDO"}
 
@@ -308,8 +308,8 @@ class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
     bl_label = "Paint Back"
     bl_description = (
         "Change to Weight Paint with the vertex group Fairing: weight 0 brings the original back, "
-        "1 shows the result; once more leaves it. In Sculpt Mode bring the original back where the "
-        "mask is"
+        "1 shows the result. Press again to leave it. In Sculpt Mode, bring the original back "
+        "where the mesh is masked"
     )
     bl_options = {"REGISTER", "UNDO"}
 
