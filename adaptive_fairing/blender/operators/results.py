@@ -14,7 +14,6 @@ from ..data.paint_group import forget_weights
 from ..data.record_functions import (
     end_before,
     end_comparison,
-    has_slider,
     toggle_before,
     update_shown,
 )
@@ -105,6 +104,9 @@ class _EndOfResult(Asking, _OnResult):
     def invoke(self, context, event):
         return self.ask(context, iface_(self.bl_label)) or self.execute(context)
 
+    def execute(self, context):
+        return self.finish(context, self.end, result_objects(context))
+
 
 class OBJECT_OT_adaptive_fairing_apply(_EndOfResult, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_apply"
@@ -114,15 +116,12 @@ class OBJECT_OT_adaptive_fairing_apply(_EndOfResult, bpy.types.Operator):
         "shapes, shape keys, modifier, colors. Of all selected objects"
     )
 
-    def execute(self, context):
+    def end(self, obj):
         from ..data.coloring import end_view
         from ..data.results import apply
 
-        def keep(obj):
-            end_view(obj)
-            apply(obj)
-
-        return self.finish(context, keep, result_objects(context))
+        end_view(obj)
+        apply(obj)
 
 
 class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
@@ -140,9 +139,8 @@ class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
                 refusal = "The mesh from before the runs is no longer known: Forget keeps this one"
         return is_allowed(cls, refusal, busy_refusal())
 
-    def execute(self, context):
-        objects = result_objects(context)
-        return self.finish(context, lambda obj: discard_result(self, obj), objects)
+    def end(self, obj):
+        discard_result(self, obj)
 
 
 class OBJECT_OT_adaptive_fairing_forget(_EndOfResult, bpy.types.Operator):
@@ -157,15 +155,12 @@ class OBJECT_OT_adaptive_fairing_forget(_EndOfResult, bpy.types.Operator):
     def poll(cls, context):
         return is_allowed(cls, record_refusal(context), busy_refusal())
 
-    def execute(self, context):
+    def end(self, obj):
         from ..data.coloring import end_view
         from ..data.results import forget
 
-        def leave(obj):
-            end_view(obj)
-            forget(obj)
-
-        return self.finish(context, leave, result_objects(context))
+        end_view(obj)
+        forget(obj)
 
 
 class OBJECT_OT_adaptive_fairing_surface(_OnResult, bpy.types.Operator):
@@ -240,7 +235,7 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
         refusal = result_refusal(context)
         if refusal is None and obj.mode == "EDIT":
             refusal = NOT_IN_EDIT_MODE
-        if refusal is None and not has_slider(obj.adaptive_fairing):
+        if refusal is None and not display_of(obj).slider:
             refusal = NO_SLIDER
         return is_allowed(cls, refusal, busy_refusal())
 
