@@ -28,12 +28,12 @@ SCHEMES = (
     (
         "TIMESTEP",
         "Adaptive Timestep",
-        "Coarse parts are smoothed for longer than dense ones, which keep their details",
+        "Coarse parts run through more time than dense ones: details in dense parts stay",
     ),
     (
         "TENSOR",
         "Adaptive Tensor",
-        "The same time everywhere, but less diffusion in dense parts",
+        "The same time everywhere, but dense parts conduct less",
     ),
     (
         "UNIFORM",

@@ -50,7 +50,7 @@ class SolverProperties:
         description="Whether the smoothing keeps sharp edges",
         items=(
             ("auto", "Automatic", "Decide for every part of the mesh"),
-            ("sharp", "Keep Sharp", "The mesh has sharp edges: they are kept where possible"),
+            ("sharp", "Keep Sharp", "The mesh has sharp edges, which stay where they can"),
             ("smooth", "Smooth", "The mesh has no sharp edges: what looks like one is noise"),
         ),
         default="auto",
@@ -70,7 +70,7 @@ class SolverProperties:
     )
     clean: EnumProperty(
         name="Clean Meshes",
-        description="What to do with a mesh that looks like a model without noise",
+        description="What happens to a mesh that looks like a model without noise",
         items=(
             ("keep", "Leave Alone", "Change nothing, and say why"),
             (
@@ -180,7 +180,7 @@ class SolverProperties:
     stop_curvature: FloatProperty(
         name="Stop at H",
         description=(
-            "Stop once only this fraction of the curvature energy H is left; 0 takes every step"
+            "Stop once this part of the bending (curvature energy H) is left; 0 takes every step"
         ),
         default=0.0,
         min=0.0,
@@ -190,7 +190,7 @@ class SolverProperties:
     stop_rate: FloatProperty(
         name="Stop at Rate",
         description=(
-            "Stop once the fraction of H that is left changes by less than this per unit of time; "
+            "Stop once the part of the bending changes by less than this per unit of time; "
             "0 takes every step"
         ),
         default=0.0,

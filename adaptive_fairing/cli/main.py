@@ -1,6 +1,6 @@
 """The program: ``adaptive-fairing``, ``python -m`` and ``blender -c adaptive_fairing``.
 
-Exit status: 0 done; 1 failed (file, mesh or solver); 2 wrong arguments. Errors are one line on
+Exit status: 0 done; 1 could not (file, mesh or solver); 2 wrong arguments. Errors are one line on
 standard error that says what to do; standard output stays empty.
 """
 

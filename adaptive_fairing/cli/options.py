@@ -45,7 +45,7 @@ examples:
 files: {" ".join(SUFFIXES)}
 
 {PROGRAM} COMMAND --help shows the options of a command, --version the version.
-Exit status: 0 done, 1 failed (file, mesh or solver), 2 wrong arguments.
+Exit status: 0 done, 1 could not (file, mesh or solver), 2 wrong arguments.
 """
 
 
@@ -167,10 +167,8 @@ def _add_denoise(parser: Parser, common: Any) -> None:
         dest="width",
         type=_auto_or_number,
         metavar="auto|EDGES",
-        help=(
-            "distance in edges, 1 to 16, over which the noise is correlated: about half the size "
-            "of its bumps; noise of that width is removed, whatever it looks like (default: auto)"
-        ),
+        help="distance in edges, 1 to 16, over which the noise is alike: about half the size of "
+        "its bumps; noise of that width is removed, whatever it looks like (default: auto)",
     )
     _add_max_deviation(common)
     _add_boundary(common)

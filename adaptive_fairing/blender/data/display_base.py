@@ -9,9 +9,9 @@ import bpy
 import numpy as np
 
 from . import modifier, split
-from .mesh_arrays import write_positions
+from .mesh_arrays import read_mesh_coordinates, write_positions
 from .paint_group import made_paint_group, remove_paint_group
-from .shape_keys import has_foreign_keys, remove_fairing_keys, shown_positions
+from .shape_keys import has_foreign_keys, mixed_keys, remove_fairing_keys
 from .stored_path import StoredPath, remove_path
 
 if TYPE_CHECKING:  # enabling the add-on does not load the core
@@ -73,7 +73,10 @@ class Display:
 
     def shown(self) -> SingleArray:
         """Positions (n, 3) that the object shows, other modifiers aside; not in Edit Mode."""
-        return shown_positions(self.obj.data)
+        mesh = self.obj.data
+        if mesh.shape_keys is not None:
+            return mixed_keys(mesh.shape_keys)
+        return read_mesh_coordinates(mesh)
 
     def apply(self) -> None:
         """Keep what is shown, and nothing else of the result."""

@@ -62,10 +62,6 @@ class _OffsetDisplay(ResultDisplay):
         record.strengths = [*path.knots, *[0.0] * (N_STRENGTHS - len(path.knots))]
         self.obj.data.adaptive_fairing.strength = place
 
-    def note_written(self) -> None:
-        mesh = self.obj.data
-        mesh.adaptive_fairing.checksum = checksum(read_mesh_coordinates(mesh))
-
     def _offset(self, original: SingleArray, place: float) -> SingleArray:
         """Offset (n, 3) at a place, by weights and split."""
         record = self.obj.adaptive_fairing
@@ -150,6 +146,10 @@ class LiveDisplay(_OffsetDisplay):
         if touched.any():  # are found again by their places
             mesh.adaptive_fairing.checksum = f"{len(shape)}-"
 
+    def note_written(self) -> None:
+        mesh = self.obj.data
+        mesh.adaptive_fairing.checksum = checksum(read_mesh_coordinates(mesh))
+
     def _write_shown(self, positions: SingleArray) -> None:
         write_positions(self.obj.data, positions)
         self.note_written()
@@ -200,7 +200,8 @@ class ModifierDisplay(_OffsetDisplay):
         self._write_path(path, place, with_original=not has_keys)
         if not has_keys:
             write_positions(self.obj.data, path.original)
-        self.note_written()
+        coordinates = read_mesh_coordinates(self.obj.data)
+        self.obj.data.adaptive_fairing.checksum = checksum(coordinates)
         modifier.add(self.obj, path.knots, place)
 
     def show(self, place: float) -> None:

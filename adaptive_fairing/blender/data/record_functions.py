@@ -28,6 +28,11 @@ def forget(record: Record) -> None:
     record.steps.clear()
 
 
+def has_slider(record: Record) -> bool:
+    """Whether a slider runs from the original to the result."""
+    return bool(display_of(record.id_data).slider)
+
+
 def show_at(record: Record, place: float) -> None:
     """Show a result at a place of its path, where all of it is still there, and colour it anew."""
     display = display_of(record.id_data)

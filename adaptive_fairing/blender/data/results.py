@@ -16,7 +16,7 @@ from .field_attributes import remove_density
 from .mesh_arrays import write_positions
 from .record_functions import forget as forget_record
 from .rollback import remove_mesh
-from .shape_keys import animate_evolution, animated_frames
+from .shape_keys import animate_evolution, animated_frames, write_final_shape
 from .stored_path import ORIGINAL, StoredPath, write_vectors
 
 
@@ -87,10 +87,10 @@ def store_steps(
     original = earlier.original() if earlier.goes_on else start
     frames = animated_frames(obj)
     clear(obj)
-    if output == "FINAL_SHAPE":
-        write_positions(obj.data, shapes[-1])
-        return
     write_positions(obj.data, start)
+    if output == "FINAL_SHAPE":
+        write_final_shape(obj, shapes[-1])
+        return
     display = new_display(obj, output)
     steps = range(1, len(shapes) + 1)
     display.write(StoredPath.through(start, steps, shapes), steps[-1])

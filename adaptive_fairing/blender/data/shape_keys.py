@@ -16,13 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import compatibility
-from .mesh_arrays import (
-    flat_float32,
-    read_key,
-    read_mesh_coordinates,
-    read_positions,
-    write_positions,
-)
+from .mesh_arrays import flat_float32, read_key, read_positions, write_positions
 
 BASIS = "Basis"
 _STEP_NAME = re.compile(r"Fairing (\d+)")
@@ -83,12 +77,6 @@ def keys_checksum(keys: bpy.types.Key) -> str:
     for block in keys.key_blocks:
         crc = zlib.crc32(read_key(block), zlib.crc32(block.name.encode(), crc))
     return str(crc)
-
-
-def shown_positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
-    """Read what a mesh shows, (n, 3): its shape keys, or its own coordinates without any."""
-    keys = mesh.shape_keys
-    return read_mesh_coordinates(mesh) if keys is None else mixed_keys(keys)
 
 
 def mixed_keys(keys: bpy.types.Key) -> NDArray[np.float32]:
@@ -176,6 +164,25 @@ def write_relative_keys(
         # Blender 5.0 changed the value of a new key from 0 to 1.
         block.value = 1.0 if block == shown_block else 0.0
     write_positions(obj.data, mixed_keys(keys))
+
+
+def write_final_shape(obj: bpy.types.Object, positions: ArrayLike) -> None:
+    """Move the vertices themselves; earlier fairing keys go, no key is left.
+
+    Parameters
+    ----------
+    obj
+        Mesh object in Object Mode.
+    positions
+        (n, 3) in object space.
+
+    Raises
+    ------
+    FairingError
+        The mesh has shape keys of its own.
+    """
+    remove_fairing_keys(obj)
+    write_positions(obj.data, positions)
 
 
 def remove_fairing_keys(obj: bpy.types.Object) -> None:

@@ -90,7 +90,7 @@ class OBJECT_OT_adaptive_fairing_play_end(bpy.types.Operator):
 class OBJECT_OT_adaptive_fairing_animate(_OverFrames, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_animate"
     bl_label = "Animate"
-    bl_description = "Animate the evolution of the active object on the timeline"
+    bl_description = "Let the timeline run through the evolution of the active object"
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):

@@ -55,7 +55,7 @@ class OBJECT_OT_adaptive_fairing(
     )
     brush_radius: bpy.props.FloatProperty(
         name="Radius",
-        description="Radius of the brush in the units of the mesh; 0 for no brush",
+        description="Radius of the brush in the units of the mesh; 0 is no brush",
         min=0.0,
         options={"HIDDEN", "SKIP_SAVE"},
     )

@@ -89,7 +89,7 @@ def _measure_wanted() -> None:
 def _key(obj: bpy.types.Object, properties: Settings) -> Key:
     """Everything that the scale depends on and that is cheap to compare."""
     mesh, record = obj.data, obj.adaptive_fairing
-    shown = checksum(read_mesh_coordinates(mesh)), record.strength, record.evolution
+    shown = checksum(read_mesh_coordinates(mesh)), record.stored_strength, record.evolution
     faces = len(mesh.edges), len(mesh.polygons)
     density = properties.density, properties.density_passes
     if properties.scheme == "UNIFORM":

@@ -14,6 +14,7 @@ from ..data.paint_group import forget_weights
 from ..data.record_functions import (
     end_before,
     end_comparison,
+    has_slider,
     toggle_before,
     update_shown,
 )
@@ -104,9 +105,6 @@ class _EndOfResult(Asking, _OnResult):
     def invoke(self, context, event):
         return self.ask(context, iface_(self.bl_label)) or self.execute(context)
 
-    def execute(self, context):
-        return self.finish(context, self.end, result_objects(context))
-
 
 class OBJECT_OT_adaptive_fairing_apply(_EndOfResult, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_apply"
@@ -116,12 +114,15 @@ class OBJECT_OT_adaptive_fairing_apply(_EndOfResult, bpy.types.Operator):
         "shapes, shape keys, modifier, colors. Of all selected objects"
     )
 
-    def end(self, obj):
+    def execute(self, context):
         from ..data.coloring import end_view
         from ..data.results import apply
 
-        end_view(obj)
-        apply(obj)
+        def keep(obj):
+            end_view(obj)
+            apply(obj)
+
+        return self.finish(context, keep, result_objects(context))
 
 
 class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
@@ -139,8 +140,9 @@ class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
                 refusal = "The mesh from before the runs is no longer known: Forget keeps this one"
         return is_allowed(cls, refusal, busy_refusal())
 
-    def end(self, obj):
-        discard_result(self, obj)
+    def execute(self, context):
+        objects = result_objects(context)
+        return self.finish(context, lambda obj: discard_result(self, obj), objects)
 
 
 class OBJECT_OT_adaptive_fairing_forget(_EndOfResult, bpy.types.Operator):
@@ -155,12 +157,15 @@ class OBJECT_OT_adaptive_fairing_forget(_EndOfResult, bpy.types.Operator):
     def poll(cls, context):
         return is_allowed(cls, record_refusal(context), busy_refusal())
 
-    def end(self, obj):
+    def execute(self, context):
         from ..data.coloring import end_view
         from ..data.results import forget
 
-        end_view(obj)
-        forget(obj)
+        def leave(obj):
+            end_view(obj)
+            forget(obj)
+
+        return self.finish(context, leave, result_objects(context))
 
 
 class OBJECT_OT_adaptive_fairing_surface(_OnResult, bpy.types.Operator):
@@ -235,7 +240,7 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
         refusal = result_refusal(context)
         if refusal is None and obj.mode == "EDIT":
             refusal = NOT_IN_EDIT_MODE
-        if refusal is None and not display_of(obj).slider:
+        if refusal is None and not has_slider(obj.adaptive_fairing):
             refusal = NO_SLIDER
         return is_allowed(cls, refusal, busy_refusal())
 
@@ -266,8 +271,8 @@ class OBJECT_OT_adaptive_fairing_split(bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_split"
     bl_label = "Split"
     bl_description = (
-        "Show the original on the left half of the object, as seen now, and the result on the "
-        "right. Press again to show the whole result"
+        "Show the original on the left half of the object, as it is seen now, and the result on "
+        "the right; once more shows the whole result"
     )
     bl_options = {"REGISTER", "UNDO"}
 
@@ -303,8 +308,8 @@ class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
     bl_label = "Paint Back"
     bl_description = (
         "Change to Weight Paint with the vertex group Fairing: weight 0 brings the original back, "
-        "1 shows the result. Press again to leave it. In Sculpt Mode, bring the original back "
-        "where the mesh is masked"
+        "1 shows the result; once more leaves it. In Sculpt Mode bring the original back where the "
+        "mask is"
     )
     bl_options = {"REGISTER", "UNDO"}
 

@@ -46,7 +46,7 @@ from .unbiased_risk import filter_divergence
 MOST_SIDE_BY_SIDE = 1_000_000
 
 UNLIKE_NOISE = (
-    "what would have been removed looks like corners and creases, not like noise: nothing was "
+    "what would have been removed is not like noise, but like corners and creases: nothing was "
     "changed"
 )
 

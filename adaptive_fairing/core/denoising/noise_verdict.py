@@ -156,11 +156,14 @@ def _with_smooth_noise(verdict: NoiseVerdict, strength: float, clean: str) -> No
 
 
 def _is_removed(smooth: SmoothNoise | FaceNoise, stage: Stage, clean: str) -> bool:
-    """Whether smooth noise is to be removed: it must show between triangles too, unlike models."""
+    """Whether smooth noise is to be removed."""
     if clean == "denoise":
         return smooth.may_be_noise
-    if clean == "detail" or not smooth.is_noise:
-        return False
+    return clean == "keep" and smooth.is_noise and shows_in_hinges(smooth, stage)
+
+
+def shows_in_hinges(smooth: SmoothNoise | FaceNoise, stage: Stage) -> bool:
+    """Whether there are the hinges that smooth noise makes; the flat faces of models have none."""
     noisy, counted = stage.noisy, stage.parts.is_counted
     frame, unit = noisy.frame, smooth.level / smooth.correlation.deviation
     noise = frame.raised(unit * smooth.correlation.applied(noisy.fading.white, frame))

@@ -254,19 +254,13 @@ class DenoiseParameters:
     # A face is counted if so many vertices are well inside. By hand.
     fewest_on_face: int = 60
     # Noise is told on faces within these limits: so many vertices well inside faces, which are
-    # this part of all; the level; the squared misfit of the bands; evenness; and tails that are
-    # normal within a factor. Noise alike over two to four edges and of a depth camera had, on 13
-    # shapes with flat faces, a misfit of up to 0.11, an evenness of 0.73 or more but for one with
-    # 0.60, and tails within 1.24. Of the same shapes with detail all over them 3 of 84 have all.
+    # this part of all; and the level.
     fewest_on_faces: int = 500
     least_on_faces: float = 0.15
     least_level_on_faces: float = 0.05
     # Rocks and wrinkles all over four flat-sided shapes were told as noise, of levels from 0.39 to
     # 0.75; noise of 0.3 alike over four edges measured up to 0.32.
     most_level_on_faces: float = 0.35
-    most_misfit_on_faces: float = 0.12
-    least_evenness_on_faces: float = 0.7
-    most_outliers_on_faces: float = 1.3
 
     # noise/level
     # Roughness that clean meshes have: they measure up to this in their quietest bin.
@@ -394,20 +388,19 @@ class DenoiseParameters:
     # Where the bands fit noise worse, the narrowest one shows the edges of the mesh and does not
     # count. Noise alike over two edges had at most 0.05, over four edges 0.07 to 0.13.
     least_misfit_of_edges: float = 0.06
-    # Smooth noise is told from shape within these limits, on as many vertices or more. They held
-    # for none of 89 clean meshes (27 tuning shapes, their depth images, 35 given ones and models)
-    # and of 126 with fine detail all over; for 17 of 27 tuning shapes with noise alike over two
-    # edges, and 14 of 26 seen by a depth camera. Without the limit on outliers one model and two
-    # meshes with detail had all of them, without that on evenness three with detail. These counts
-    # are of an excess up to 0.65; then a held-out clean mesh of craters was found to have 0.60.
+    # Smooth noise is told on as many vertices or more. By hand.
     fewest_to_tell_smooth: int = 1500
     # Evenness of the quiet part is that of the quietest `quiet_fraction` over this one.
     quieter_fraction: float = 0.3
-    told_evenness: float = 0.85
-    told_misfit: float = 0.05
+    # How much stronger than noise the next wider band is, as a logarithm. A held-out clean mesh of
+    # craters has 0.60, and all other evidence for noise.
     told_excess: float = 0.5
-    told_outliers: float = 1.18
-    told_lean: float = 0.05
+    # Weights of misfit, evenness, outliers and lean in the evidence, its constant, and the least
+    # with which noise is told. A logistic regression on 12 shapes with seven kinds of smooth noise
+    # and 14 of detail, some too weak to be told; `research.denoising.smooth_evidence` judges them.
+    evidence_weights: tuple[float, ...] = (-0.25, 4.4, -3.0, -0.62)
+    evidence_constant: float = -5.96
+    least_evidence: float = 0.85
 
     # noise/spikes
     # Quantile of the deviations from lines that is compared with their median, and that with the

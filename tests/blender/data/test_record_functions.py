@@ -36,7 +36,7 @@ def test_measures_are_those_of_the_strength_that_is_shown(record, strength):
 
 def test_without_a_slider_the_measures_are_those_of_the_result(record):
     record.result, record.shown = "", 2
-    assert not display_of(record.id_data).slider
+    assert not record_functions.has_slider(record)
     assert record_functions.result_measures(record).volume == 2.0
 
 
@@ -73,4 +73,4 @@ def test_the_end_of_a_comparison_shows_the_whole_result(record):
 def test_forgotten_nothing_is_left(record):
     record_functions.forget(record)
     assert (record.result, record.notes, len(record.shapes)) == ("", "", 0)
-    assert not display_of(record.id_data).slider
+    assert not record_functions.has_slider(record)

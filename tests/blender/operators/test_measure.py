@@ -6,8 +6,7 @@ from mathutils import Matrix
 from support.meshes import graded_sphere, icosphere
 from support.objects import add_object
 
-from adaptive_fairing.blender.data import results
-from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_mesh_coordinates
+from adaptive_fairing.blender.data.mesh_arrays import read_mesh
 from adaptive_fairing.blender.operators import mesh_scale
 from adaptive_fairing.core import FairingSettings
 from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale
@@ -97,13 +96,6 @@ class TestMemory:
         assert mesh_scale.measure(obj, settings) != before
         settings.from_original = True
         assert mesh_scale.measure(obj, settings) == before
-
-    def test_another_strength_of_a_modifier_is_another_shape(self, obj, settings):
-        start = read_mesh_coordinates(obj.data)
-        results.store_strengths(obj, start, [start**3], [1.0], 1.0, "MODIFIER")
-        mesh_scale.measure(obj, settings)
-        obj.adaptive_fairing.strength = 0.5
-        assert mesh_scale.known_scale(obj, settings) is None
 
     def test_tau_and_steps_do_not_matter(self, obj, settings):
         scale = mesh_scale.measure(obj, settings)

@@ -28,6 +28,7 @@ from .smooth_noise import (
     PASSES,
     TAIL,
     band_heights,
+    evidence_of_noise,
     local_strengths,
     quiet_part,
     typical_sizes,
@@ -82,16 +83,14 @@ class FaceNoise(NamedTuple):
 
     @property
     def is_noise(self) -> bool:
-        """Whether it is smooth noise and no texture."""
-        tuned = parameters()
-        return (
-            self.may_be_noise
-            and self.level <= tuned.most_level_on_faces
-            and self.misfit <= tuned.most_misfit_on_faces
-            and self.evenness >= tuned.least_evenness_on_faces
-            and self.outliers <= tuned.most_outliers_on_faces
-            and self.lean <= tuned.told_lean
-        )
+        """Whether it is smooth noise and no texture.
+
+        A plane hides no shape, so even odds are enough: of 58 noisy meshes 42 were told so, and of
+        39 with detail all over them 4, all of waves or rocks that are as even as noise.
+        """
+        evidence = evidence_of_noise(self.misfit, self.evenness, self.outliers, self.lean)
+        is_weak = self.level <= parameters().most_level_on_faces
+        return self.may_be_noise and is_weak and evidence >= 0
 
 
 def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -> FaceNoise:

@@ -1,14 +1,18 @@
 """Smooth noise: alike over several edges, as that of range scanners and depth cameras.
 
 In differences of second order it hardly shows.  In wider bands, between averages over few and over
-many neighbours, it does, but so does shape.  Four things tell them apart, together:
+many neighbours, it does, but so does shape.  Three things tell them apart, together:
 
 - Noise is as strong everywhere; a shape bends more here and less there.  What is quiet on a noisy
   shape is noise alone: so evenness, hills and outliers are judged there.
-- Noise has the strengths of white noise that was averaged, band by band; in the next wider band it
-  is hardly stronger, while shape goes on growing.
+- Noise has the strengths of white noise that was averaged, band by band.
 - Noise is normally distributed: it has no outliers, and as many hills as valleys.
-- Noise shows between triangles too; the flat faces of models are without hinges (`contrast`).
+
+None of them tells alone.  Their sum, each with a weight, is the logarithm of the odds that this is
+noise and not detail of the shape (`evidence_of_noise`).  `python -m
+research.denoising.smooth_evidence` judges the weights on shapes with noise and with detail.  One
+thing no other makes up for: in the next wider band noise is hardly stronger, while shape goes on
+growing.
 
 What is as fine, as even and as random as noise, such as the grain of a rock, looks the same.
 """
@@ -96,16 +100,40 @@ class SmoothNoise(NamedTuple):
     def is_noise(self) -> bool:
         """Whether it is told from shape: the test that acts by itself."""
         tuned = parameters()
+        evidence = evidence_of_noise(self.misfit, self.quiet_evenness, self.outliers, self.lean)
         return (
             self.n_counted >= tuned.fewest_to_tell_smooth
             and self.correlation.passes >= FEWEST_PASSES
             and self.level >= tuned.likely_level
-            and self.quiet_evenness >= tuned.told_evenness
-            and self.misfit <= tuned.told_misfit
             and self.excess <= tuned.told_excess
-            and self.outliers <= tuned.told_outliers
-            and self.lean <= tuned.told_lean
+            and evidence >= tuned.least_evidence
         )
+
+
+def evidence_of_noise(misfit: float, evenness: float, outliers: float, lean: float) -> float:
+    """Logarithm of the odds that what is rough is smooth noise and not detail of the shape.
+
+    From what `SmoothNoise` or `FaceNoise` say of it.
+
+    Source: logistic regression, D. R. Cox, The regression analysis of binary sequences, 1958.
+    """
+    tuned = parameters()
+    if not np.isfinite(misfit):
+        return -np.inf
+    measures = measures_of_noise(misfit, evenness, outliers, lean)
+    return float(tuned.evidence_constant + np.dot(tuned.evidence_weights, measures))
+
+
+def measures_of_noise(
+    misfit: float, evenness: float, outliers: float, lean: float
+) -> tuple[float, ...]:
+    """Return what the evidence is linear in; bounded on the side of noise."""
+    return (
+        float(np.log(misfit + 0.005)),
+        min(evenness, 1.0),
+        float(np.log(max(outliers, 0.9))),
+        float(np.log(lean + 0.01)),
+    )
 
 
 def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
@@ -189,10 +217,12 @@ def typical_sizes(heights: FloatArray) -> FloatArray:
     return sizes
 
 
-def band_heights(positions: FloatArray, frame: TriangleSurface) -> FloatArray:
-    """Heights of the bands along the normals, (k, n)."""
+def band_heights(
+    positions: FloatArray, frame: TriangleSurface, bands: tuple[tuple[int, int], ...] = BANDS
+) -> FloatArray:
+    """Heights of bands along the normals, (k, n)."""
     found, near, done = [], positions, 0
-    for low, high in BANDS:
+    for low, high in bands:
         near = frame.spread(near, low - done)
         done = low
         band = near - frame.spread(near, high - low)
@@ -202,9 +232,7 @@ def band_heights(positions: FloatArray, frame: TriangleSurface) -> FloatArray:
 
 def band_height(positions: FloatArray, frame: TriangleSurface, low: int, high: int) -> FloatArray:
     """Heights along the normals of the band between two numbers of passes, (n,)."""
-    near = frame.spread(positions, low)
-    band = near - frame.spread(near, high - low)
-    return frame.along_normal(band - frame.spread(band, high))
+    return band_heights(positions, frame, ((low, high),))[0]
 
 
 def local_strengths(

@@ -130,10 +130,10 @@ TOLD = FaceNoise(
         {"level": 0.03},
         {"level": 0.4},
         {"correlation": NoiseCorrelation(passes=2)},
-        {"misfit": 0.2},
+        {"misfit": 2.0},
         {"evenness": 0.5},
-        {"outliers": 1.5},
-        {"lean": 0.1},
+        {"outliers": 1.7},
+        {"lean": 0.2},
     ],
 )
 def test_all_conditions_must_hold(wrong):

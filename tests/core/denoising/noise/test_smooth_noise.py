@@ -6,7 +6,11 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
-from adaptive_fairing.core.denoising.noise.smooth_noise import SmoothNoise, smooth_noise
+from adaptive_fairing.core.denoising.noise.smooth_noise import (
+    SmoothNoise,
+    evidence_of_noise,
+    smooth_noise,
+)
 from adaptive_fairing.core.denoising.noise_correlation import NoiseCorrelation
 from adaptive_fairing.core.denoising.parameters import parameters
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
@@ -64,19 +68,31 @@ TOLD = SmoothNoise(
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"quiet_evenness": 0.8},
+        {"quiet_evenness": 0.7},
         {"level": 0.05},
         {"correlation": NoiseCorrelation(passes=2)},
-        {"misfit": 0.1},
+        {"misfit": 1.0},
         {"excess": 1.0},
         {"outliers": 1.5},
         {"lean": 0.1},
         {"n_counted": 1000},
     ],
 )
-def test_all_conditions_must_hold(wrong):
+def test_what_is_wrong_enough_is_no_noise(wrong):
     assert TOLD.is_noise
     assert not TOLD._replace(**wrong).is_noise
+
+
+def test_what_speaks_against_noise_takes_evidence_from_it():
+    worse = {"misfit": 0.02, "quiet_evenness": 0.9, "outliers": 1.1, "lean": 0.02}
+    for name, value in worse.items():
+        assert evidence(TOLD._replace(**{name: value})) < evidence(TOLD)
+    # Perfect noise is no more so than this.
+    assert evidence(TOLD._replace(misfit=0.0, quiet_evenness=2.0, outliers=0.0, lean=0.0)) < 4
+
+
+def evidence(smooth):
+    return evidence_of_noise(smooth.misfit, smooth.quiet_evenness, smooth.outliers, smooth.lean)
 
 
 @pytest.mark.parametrize("shape", ["bumps", "ridges"])
@@ -119,7 +135,7 @@ def test_detail_that_is_not_normally_distributed_is_no_noise():
     for detail in (cracks, bumps):
         relief = found(VERTICES + FRAME.raised(0.2 * detail / detail.std()))
         assert not relief.is_noise
-        assert relief.lean > parameters().told_lean or relief.outliers > parameters().told_outliers
+        assert evidence(relief) < evidence(found(noisy(0.2, 4))) - 0.5
 
 
 def test_detail_whose_waves_go_on_growing_is_no_noise():
