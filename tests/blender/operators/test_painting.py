@@ -78,7 +78,7 @@ def test_a_key_swaps_0_and_1(denoised):
 
 
 def test_other_weights_are_not_swapped(denoised):
-    with pytest.raises(RuntimeError, match="while the vertex group Fairing is painted"):
+    with pytest.raises(RuntimeError, match="while you paint the vertex group Fairing"):
         swap()
     denoised.vertex_groups.new(name="Mine")
     bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
