@@ -36,7 +36,7 @@ BANDS = ((0, 1), (1, 3), (3, 8), (8, 20))
 N_NARROW = 3
 # Passes of averaging of white noise that are tried, and fewest of noise that is smooth.
 PASSES = (0, 1, 2, 3, 4, 6, 8, 12, 16)
-FEWEST_PASSES = 3
+FEWEST_PASSES = 2
 # Weights of the narrow bands in the fit: the narrowest shows the edges of the mesh as well.
 WEIGHTS = np.array([0.5, 1.0, 1.0])
 

@@ -129,7 +129,7 @@ TOLD = FaceNoise(
         {"n_counted": 300},
         {"level": 0.03},
         {"level": 0.4},
-        {"correlation": NoiseCorrelation(passes=2)},
+        {"correlation": NoiseCorrelation(passes=1)},
         {"misfit": 2.0},
         {"evenness": 0.5},
         {"outliers": 1.7},
