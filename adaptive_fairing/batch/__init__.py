@@ -1,4 +1,4 @@
 """Batches of meshes: plan, worker processes, records, summary.
 
-No bpy here: it is the worker processes that have Blender in them.
+No bpy here: Blender runs in the worker processes.
 """

@@ -11,7 +11,7 @@ from .inputs import ArgumentsError
 
 
 class Pair(NamedTuple):
-    """A file to read and the file that is made of it."""
+    """A file to read, and the file that is made from it."""
 
     input: Path
     output: Path
@@ -24,9 +24,9 @@ def require_no_conflict(
     records: Iterable[Path] = (),
     may_overwrite: bool = False,
 ) -> None:
-    """Check that no file is written over an input or over another result.
+    """Check that no output replaces an input or another output.
 
-    Links count as the file that they lead to.
+    A link counts as the file that it leads to.
 
     Parameters
     ----------
@@ -42,7 +42,7 @@ def require_no_conflict(
     Raises
     ------
     ArgumentsError
-        One is; the message names it.
+        One does; the message names it.
     """
     inputs = {identity(pair.input): pair.input for pair in pairs}
     outputs: dict[object, Pair] = {}
@@ -65,7 +65,7 @@ def require_no_conflict(
 
 
 def identity(path: Path) -> object:
-    """Give what two names of one file have in common, whether or not it exists."""
+    """Key that is equal for two names of one file, whether or not the file exists."""
     try:
         status = os.stat(path)
     except (OSError, ValueError):

@@ -17,18 +17,18 @@ MOST_FRAMES = 1_000_000
 
 
 class ArgumentsError(Exception):
-    """Arguments that make no sense together; the message is one line for the user."""
+    """Arguments that are invalid or contradict each other; the message is one line for the user."""
 
 
 class Source(NamedTuple):
-    """A file to fair, and its place below the output folder."""
+    """A file to process, and its path below the output folder."""
 
     path: Path
     relative: Path
 
 
 def find_sources(inputs: Iterable[str], output_folder: Path) -> list[Source]:
-    """Find the files that the arguments mean, in an order that does not depend on theirs.
+    """Find the files that the arguments name; their order does not depend on that of the arguments.
 
     Parameters
     ----------
@@ -36,18 +36,18 @@ def find_sources(inputs: Iterable[str], output_folder: Path) -> list[Source]:
         Files; folders, which stand for every mesh file in them and in their subfolders; patterns
         such as ``scans/**/*.ply``, for shells that do not expand them.
     output_folder
-        Its files are not taken as inputs of folders and patterns that it lies in.
+        Folders and patterns that contain it do not yield its files as inputs.
 
     Returns
     -------
     list of Source
-        Each file once, in natural order of the names. Files of a folder keep their subfolders.
+        Each file once, in natural order of the names. A file of a folder keeps its subfolder.
 
     Raises
     ------
     ArgumentsError
-        A pattern or folder without a mesh file, a folder that cannot be read, or a file of an
-        unknown kind.
+        A pattern or folder has no mesh file, a folder cannot be read, or a file is of an unknown
+        kind.
     """
     found: dict[Path, Path] = {}
     for text in inputs:
@@ -62,7 +62,7 @@ def is_pattern(text: str) -> bool:
 
 
 def natural_key(path: Path) -> list[tuple[int, int, str]]:
-    """Sort key by which ``frame_9`` comes before ``frame_10``."""
+    """Sort key that puts ``frame_9`` before ``frame_10``."""
     parts = re.split(r"(\d+)", str(path))
     return [(1, int(part), part) if part.isdecimal() else (0, 0, part) for part in parts]
 
@@ -75,8 +75,7 @@ def frame_numbers(sources: Sequence[Source]) -> list[int]:
     Raises
     ------
     ArgumentsError
-        A name without a number, two equal numbers, or names that differ otherwise: not one
-        sequence.
+        A name has no number, two numbers are equal, or the names differ in more than the number.
     """
     numbers: dict[int, Path] = {}
     patterns: dict[str, Path] = {}
@@ -96,12 +95,12 @@ def frame_numbers(sources: Sequence[Source]) -> list[int]:
 
 
 def parse_frames(text: str) -> list[int]:
-    """Read a list of frames such as ``1-50`` or ``1, 5, 10-20``; ascending, each once.
+    """Read a list of frames such as ``1-50`` or ``1, 5, 10-20``: ascending, each frame once.
 
     Raises
     ------
     ArgumentsError
-        The text is no such list.
+        The text is not such a list.
     """
     frames: set[int] = set()
     for part in text.split(","):
@@ -139,7 +138,7 @@ def _sources_of(text: str, output_folder: Path) -> list[Source]:
 
 
 def _absolute(path: Path) -> Path:
-    """Write a path from the root on; links stay, because outputs are called after their names."""
+    """Make a path absolute; links are not followed, because outputs are named after them."""
     return Path(os.path.abspath(path))
 
 
@@ -154,13 +153,13 @@ def _files_in(root: Path) -> Iterator[Path]:
 
 
 def _folder_of_pattern(pattern: Path) -> Path:
-    """Folder that everything matched is in: the parts before the first wildcard."""
+    """Folder that contains every match: the parts of the path before the first wildcard."""
     parts = itertools.takewhile(lambda part: not glob.has_magic(part), pattern.parts)
     return Path(*parts)
 
 
 def _is_wanted(file: Path, root: Path, output_folder: Path) -> bool:
-    """Whether to take a file that was not named itself; hidden ones are drafts and the like."""
+    """Whether to take a file found in a folder; hidden files are left out, such as drafts."""
     inner = file.relative_to(root).parts if file.is_relative_to(root) else (file.name,)
     is_hidden = any(part.startswith(".") for part in inner)
     # An output folder inside the input folder holds results alone. One around it holds inputs too.

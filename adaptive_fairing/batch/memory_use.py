@@ -12,7 +12,7 @@ UNITS = {"": 1, "K": 10**3, "M": 10**6, "G": 10**9, "T": 10**12}
 
 
 def resident_bytes(process: int | str = "self") -> int | None:
-    """Memory that a process holds now; None if it has ended, or the system does not tell."""
+    """Memory that a process holds now; None if it has ended or the system does not say."""
     try:
         words = Path(f"/proc/{process}/statm").read_text().split()
     except OSError:
@@ -23,7 +23,7 @@ def resident_bytes(process: int | str = "self") -> int | None:
 
 
 def peak_bytes() -> int | None:
-    """Most memory that this process has held at a time; None if the system does not tell."""
+    """Largest memory that this process has held so far; None if the system does not say."""
     status = Path("/proc/self/status")
     if status.exists():
         # Not getrusage: on Linux its figure starts at the size of the process that started this.
@@ -53,7 +53,7 @@ def parse_bytes(text: str) -> int:
     Raises
     ------
     ArgumentsError
-        The text is no size.
+        The text is not a size.
     """
     match = re.fullmatch(r"(\d+(?:\.\d+)?)\s*([KMGT]?)B?", text.strip().upper())
     if match is None or float(match[1]) == 0:

@@ -1,11 +1,11 @@
 """Messages between a batch and its worker processes: one JSON object a line.
 
-A worker's standard output also carries what Blender prints, so messages have a mark in front.
+Blender prints to a worker's standard output as well, so each message begins with a mark.
 
     batch to worker    {"job": {...}}                what to do: the fields of `Job`
                        {"answer": "go" | "later"}    to "needs"
     worker to batch    {"event": "needs", "bytes": n}
-                       {"event": "later"}            the mesh was put aside
+                       {"event": "later"}            the mesh was postponed
                        {"event": "done", ...}        {"event": "failed", "error": "..."}
 """
 
@@ -20,7 +20,7 @@ MARK = "@adaptive-fairing "
 
 @dataclass(frozen=True)
 class Job:
-    """One mesh to fair, or to measure.
+    """One mesh to process or to measure.
 
     Attributes
     ----------
@@ -29,9 +29,9 @@ class Job:
     settings
         A `settings_record`.
     output
-        File to write; None only measures what frames of one strength have in common.
+        File to write; None to measure only what all frames of one strength share.
     reference
-        File and frame of the mesh whose analysis serves this one too; None for none.
+        File and frame of the mesh whose analysis this mesh uses too; None for its own analysis.
     scale
         As in `PreparedMesh`.
     refine
@@ -48,20 +48,20 @@ class Job:
     refine: int | None = None
 
     def message(self) -> dict[str, Any]:
-        """Write the job as a message."""
+        """Message that carries the job."""
         return {"job": asdict(self)}
 
     @classmethod
     def of(cls, message: dict[str, Any]) -> Job:
-        """Read the message."""
+        """Read the job from a message."""
         return cls(**message["job"])
 
 
 def encode(message: dict[str, Any]) -> str:
-    """Write a message as a line of its own, even if Blender has left one unfinished."""
+    """Encode a message as a line of its own, even if Blender has left a line unfinished."""
     return f"\n{MARK}{json.dumps(message)}\n"
 
 
 def decode(line: str) -> dict[str, Any] | None:
-    """Read a line; None if it is no message."""
+    """Decode a line; None if it is not a message."""
     return json.loads(line[len(MARK) :]) if line.startswith(MARK) else None

@@ -1,4 +1,4 @@
-"""Plan of a batch: every mesh with its input, its output and its record."""
+"""Plan of a batch: the input, the output and the record of every mesh."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ numbers."""
 
 @dataclass(frozen=True)
 class Item:
-    """One mesh to fair.
+    """One mesh to process.
 
     Attributes
     ----------
     name
-        For messages: the output, relative to the output folder.
+        Output relative to the output folder, for messages.
     input
         File with the mesh.
     frame
-        Frame of an animated input to fair; None takes the mesh as it is stored.
+        Frame of an animated input; None takes the mesh as it is stored.
     number
-        Of the frame on the timeline, if this is one of a sequence.
+        Number of the frame on the timeline, if the mesh is part of a sequence.
     output, record
         Files to write.
     """
@@ -59,7 +59,7 @@ def plan_files(sources: Sequence[Source], folder: Path, suffix: str | None) -> l
     folder
         Output folder.
     suffix
-        Kind of the outputs; None for that of the input.
+        Suffix of the outputs; None takes that of the input.
 
     Raises
     ------
@@ -90,9 +90,9 @@ def _require_different_outputs(items: Sequence[Item], folder: Path) -> None:
 
 
 def plan_file_frames(sources: Sequence[Source], folder: Path, suffix: str | None) -> list[Item]:
-    """Plan a sequence of numbered files, each the mesh of one frame.
+    """Plan a sequence of numbered files, each with the mesh of one frame.
 
-    Parameters, errors: as `plan_files`; and the files are not frames of one sequence.
+    Parameters and errors as in `plan_files`; an error too if the files are not one sequence.
     """
     items = []
     for source, number in zip(sources, frame_numbers(sources), strict=True):
@@ -109,9 +109,9 @@ def plan_animation(source: Path, frames: Sequence[int], folder: Path, suffix: st
     source
         File with the animation.
     frames
-        Frames to fair.
+        Frames to process.
     folder, suffix
-        Output folder, and the mesh format of the outputs.
+        Output folder, and the suffix of the outputs.
     """
     width = max(4, len(str(max(frames))))
     return [
@@ -127,7 +127,7 @@ def plan_animation(source: Path, frames: Sequence[int], folder: Path, suffix: st
 
 
 def shard_of(items: Sequence[Item], shard: tuple[int, int]) -> list[Item]:
-    """Take every n-th item from the i-th on, for shard (i, n): neighbours have similar sizes."""
+    """Items of shard (i, n): every n-th from the i-th on, because neighbours have similar sizes."""
     index, count = shard
     return list(items[index - 1 :: count])
 
@@ -138,7 +138,7 @@ def parse_shard(text: str) -> tuple[int, int]:
     Raises
     ------
     ArgumentsError
-        The text is none, or the number is out of range.
+        The text is not a shard, or its number is out of range.
     """
     match = re.fullmatch(r"(\d+)/(\d+)", text)
     if match is None or not 1 <= int(match[1]) <= int(match[2]):
@@ -147,12 +147,12 @@ def parse_shard(text: str) -> tuple[int, int]:
 
 
 def parse_format(text: str) -> str:
-    """Read a kind of file such as ``ply`` or ``.ply``; give its suffix.
+    """Suffix of a kind of file, written as ``ply`` or ``.ply``.
 
     Raises
     ------
     ArgumentsError
-        There is no such kind.
+        The kind is not supported.
     """
     suffix = f".{text.lower().removeprefix('.')}"
     known = (BLEND, *MESH_FORMATS)
@@ -174,7 +174,7 @@ def _item(
 
 
 def _short(name: str) -> str:
-    """Shorten a name that leaves no room for a suffix in the 255 bytes of file systems."""
+    """Shorten a name so that a suffix fits into the 255 bytes that file systems allow."""
     data = os.fsencode(name)
     if len(data) <= _LONGEST_NAME:
         return name

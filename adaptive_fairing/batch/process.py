@@ -1,4 +1,4 @@
-"""Worker process as its batch sees it: messages in and out, and how it ended."""
+"""Worker process as its batch sees it: messages in and out, and how the process ended."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class WorkerProcess:
     Parameters
     ----------
     command
-        Starts the program as a worker.
+        Command that starts the program as a worker.
     events
-        Where its messages are put, with the worker they come from; ``{"event": "ended"}`` is the
-        last one, however the process ended.
+        Queue that receives its messages, each with the worker that sent it. The last one is
+        ``{"event": "ended"}``, however the process ended.
     """
 
     def __init__(self, command: Sequence[str], events: Events) -> None:
@@ -54,7 +54,7 @@ class WorkerProcess:
         self._reader.start()
 
     def held_bytes(self) -> int:
-        """Memory that the process holds now; 0 if the system does not tell."""
+        """Memory that the process holds now; 0 if the system does not say."""
         return resident_bytes(self._process.pid) or 0
 
     def send(self, message: dict[str, Any]) -> None:
@@ -66,7 +66,7 @@ class WorkerProcess:
             pass
 
     def end(self) -> None:
-        """Let the process end now. An output that it is writing is not finished."""
+        """Ask the process to end now. An output that it is writing is left unfinished."""
         try:
             self._requests.close()  # which tells a worker to leave
         except OSError:
@@ -80,12 +80,12 @@ class WorkerProcess:
         self._close()
 
     def kill(self) -> None:
-        """End the process at once, whatever it is doing."""
+        """Kill the process at once, whatever it is doing."""
         self._process.kill()
         self.end()
 
     def how_it_ended(self) -> str:
-        """Say how a process that has ended by itself did so."""
+        """Message that says how a process ended that was not told to end."""
         code = self._process.wait()
         self._errors.seek(0)
         lines = self._errors.read().decode("utf-8", "replace").split("\n")
@@ -109,7 +109,7 @@ class WorkerProcess:
 
 
 def ending(status: int) -> str:
-    """Name the end of a process that did not say itself how it went, by its exit status."""
+    """Describe the end of a process that reported no outcome, by its exit status."""
     if status >= 0:
         return f"with status {status}"
     known = {each.value: f" ({each.name})" for each in signal.Signals}
@@ -117,7 +117,7 @@ def ending(status: int) -> str:
 
 
 def environment() -> dict[str, str]:
-    """Variables for a child: it finds this package too, wherever it was started from."""
+    """Environment variables by which a child finds this package, wherever it is started."""
     given = os.environ.get("PYTHONPATH")
     path = os.pathsep.join([*([given] if given else []), str(PACKAGE_FOLDER)])
     return {**os.environ, "PYTHONPATH": path}

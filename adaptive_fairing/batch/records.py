@@ -1,9 +1,9 @@
 """Records beside outputs: settings and input of a finished result, for a later run.
 
-An output counts as finished if its record says so and these are the same as now: version of the
-program, settings, object and frame, format; size and time of the last change of the input, of the
-files that belong to it, and of the output itself. For a sequence with one strength also the input
-that the strength comes from. Anything else is made again.
+An output counts as finished if its record says so and nothing has changed since: the version of the
+program, the settings, object, frame and format; size and modification time of the input, of the
+files that belong to it, and of the output itself. A sequence with one strength also compares the
+input that the strength comes from. Any other output is made again.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ COMPANIONS = (".bin", ".mtl")
 
 
 def stamp(path: Path) -> Json | None:
-    """Size and time of the last change of a file; None if there is none."""
+    """Size and modification time of a file; None if it does not exist."""
     try:
         status = path.stat()
     except OSError:
@@ -38,7 +38,7 @@ def input_stamp(path: Path) -> Json:
 
 
 def read_record(path: Path) -> Json | None:
-    """Read a record; None if there is none, or one that cannot be read."""
+    """Read a record; None if it does not exist or cannot be read."""
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError):
@@ -47,14 +47,14 @@ def read_record(path: Path) -> Json | None:
 
 
 def is_finished(record: Json | None, made_with: Mapping[str, Any], output: Path) -> bool:
-    """Whether an output is there and was made from these inputs with these settings.
+    """Whether an output exists and was made from these inputs with these settings.
 
     Parameters
     ----------
     record
-        As `read_record` gave it.
+        As `read_record` returned it.
     made_with
-        What the output would be made with now.
+        Inputs and settings of the run that asks.
     output
         The file.
     """
@@ -67,7 +67,7 @@ def is_finished(record: Json | None, made_with: Mapping[str, Any], output: Path)
 
 
 def has_failed(record: Json | None, made_with: Mapping[str, Any]) -> bool:
-    """Whether an output could not be made from these inputs with these settings."""
+    """Whether an earlier run failed to make an output from these inputs with these settings."""
     return _says(record, FAILED, made_with)
 
 
@@ -82,18 +82,18 @@ def _says(record: Json | None, status: str, made_with: Mapping[str, Any]) -> boo
 def write_record(
     path: Path, *, status: str, made_with: Mapping[str, Any], output: Path, account: Json
 ) -> Json:
-    """Write what became of an output, after it; give the record.
+    """Write the outcome of an output, after the output itself, and return the record.
 
     Parameters
     ----------
     path
-        File of the record; its folder is made.
+        File of the record; its folder is made if it is missing.
     status
         `DONE` or `FAILED`, see `summary`.
     made_with
         As for `is_finished`.
     output
-        The file, if it was made.
+        The file; None if it was not made.
     account
         Error, report and numbers of the run.
     """

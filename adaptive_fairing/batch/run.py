@@ -1,4 +1,4 @@
-"""Run of a batch: finished meshes skipped, the others handed out, records, summary."""
+"""Run of a batch: skip finished meshes, hand out the others, write records and the summary."""
 
 from __future__ import annotations
 
@@ -22,30 +22,30 @@ Json = dict[str, Any]
 
 
 class Reporter(Protocol):
-    """Who is told how the batch goes on."""
+    """Receiver of the progress of a batch."""
 
     def finished(self, entry: Json) -> None:
-        """Take note of a mesh that needs no more work, see `mesh_entry`."""
+        """Count a mesh that needs no more work; its entry is that of `mesh_entry`."""
 
 
 @dataclass(frozen=True)
 class Batch:
-    """What to do.
+    """A batch to run.
 
     Attributes
     ----------
     items
-        The meshes of this run.
+        Meshes of this run.
     settings
-        For the solver.
+        Settings of the algorithm.
     object_name
         Mesh object of every input; None if each holds a single one.
     reference
-        First frame, if the meshes are frames of one sequence (in a shard: of the whole).
+        First frame of the whole sequence, if the meshes are its frames; None otherwise.
     same_strength
-        Whether all frames get the smoothing of the reference.
+        Whether all frames are smoothed as strongly as the reference.
     command
-        Starts a worker process.
+        Command that starts a worker process.
     jobs
         Number of worker processes.
     refine
@@ -65,7 +65,7 @@ class Batch:
     memory: int | None = None
 
     def made_with(self, item: Item) -> Json:
-        """Name what an output is made with: all that a finished one is compared by."""
+        """Everything an output depends on; a finished output is compared by it."""
         known = {
             "version": program_version(),
             **settings_record(self.settings),
@@ -91,7 +91,7 @@ def _replaces_input(item: Item) -> bool:
 
 
 def run_batch(batch: Batch, reporter: Reporter) -> Json:
-    """Fair what is not finished; give the summary.
+    """Process what is not finished, and return the summary.
 
     Raises
     ------
@@ -124,7 +124,7 @@ def run_batch(batch: Batch, reporter: Reporter) -> Json:
 
 
 def merge_batch(batch: Batch) -> Json:
-    """Fair nothing: give the summary of what earlier runs with the same settings have done."""
+    """Process nothing; return the summary of earlier runs with the same settings."""
     started = time.perf_counter()
     entries = []
     for item in batch.items:
@@ -156,7 +156,7 @@ def _outcomes(batch: Batch, items: Sequence[Item]) -> Iterator[Outcome]:
 
 
 def _measure(batch: Batch, first: Item, schedule: Schedule) -> Outcome:
-    """Let a worker find what gives all frames the smoothing of the first."""
+    """Let a worker measure the first frame, so that all frames are smoothed alike."""
     job = Job(
         str(first.input), first.frame, batch.object_name, settings_record(batch.settings), None
     )

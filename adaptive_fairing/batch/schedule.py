@@ -1,4 +1,4 @@
-"""Schedule of meshes over worker processes, within the memory of the machine."""
+"""Schedule that spreads meshes over worker processes, within the memory of the machine."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ SECONDS_BETWEEN_LOOKS = 0.2
 
 @dataclass
 class Task:
-    """A mesh on its way.
+    """A mesh that waits or is being processed.
 
     Attributes
     ----------
     item
         The mesh.
     job
-        As the worker gets it.
+        The job for the worker.
     claim
-        Bytes that its process may come to hold: guessed from the file, then estimated from the
+        Bytes that its process will probably need: guessed from the file, then estimated from the
         mesh.
     """
 
@@ -49,16 +49,16 @@ class Task:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of a mesh.
+    """Outcome of a mesh.
 
     Attributes
     ----------
     item
         The mesh.
     error
-        Why there is no output, or no complete one; None if all went well.
+        Why its output is missing or incomplete; None if all went well.
     account
-        What the worker tells: report, seconds, memory.
+        What the worker reports: report, seconds, memory.
     """
 
     item: Item
@@ -75,16 +75,16 @@ class _Worker:
 
 @dataclass
 class Schedule:
-    """The worker processes of a batch and what they hold.
+    """The worker processes of a batch and the memory that they hold.
 
     Attributes
     ----------
     command
-        Starts a worker.
+        Command that starts a worker.
     jobs
-        Number of processes at a time.
+        Largest number of processes at a time.
     limit
-        Bytes that they may hold together; None for no limit.
+        Bytes that the processes may hold together; None for no limit.
     """
 
     command: Sequence[str]
@@ -95,11 +95,11 @@ class Schedule:
     _events: Events = field(default_factory=queue.SimpleQueue)
 
     def run(self, tasks: Iterable[Task]) -> Iterator[Outcome]:
-        """Fair the meshes; yield what became of each as soon as it is known.
+        """Process the meshes and yield the outcome of each as soon as it is known.
 
-        A mesh that does not fit beside what is running waits while others are faired. A process
-        that makes all of them hold more than the limit is ended; its mesh gets another chance
-        alone. Processes end with the generator.
+        A mesh that does not fit beside the running ones waits while others are processed. If all
+        together exceed the limit, the process that caused it is ended, and its mesh is tried again
+        alone. Closing the generator ends the processes.
         """
         self._waiting = list(tasks)
         try:
@@ -157,7 +157,7 @@ class Schedule:
             worker.process.send({"answer": "later"})
 
     def _end_what_holds_too_much(self) -> Iterator[Outcome]:
-        """Hold the limit against estimates that were too low."""
+        """Keep the limit where estimates were too low."""
         if self.limit is None:
             return
         held = {worker: process.held_bytes() for process, worker in self._workers.items()}
@@ -236,7 +236,7 @@ class Schedule:
 
 
 def first_claim(item: Item) -> int:
-    """Guess what the process of a mesh needs while the file is read."""
+    """Guess how much memory the process of a mesh needs while it reads the file, in bytes."""
     try:
         size = item.input.stat().st_size
     except OSError:

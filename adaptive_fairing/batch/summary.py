@@ -23,7 +23,7 @@ def mesh_entry(item: Item, status: str, record: Json | None) -> Json:
     status
         One of the constants of this module.
     record
-        As the run that made or tried it has left it; None if there is none.
+        Written by the run that made the output or failed to; None without one.
     """
     record = record or {}
     report = record.get("report") or {}
@@ -52,7 +52,7 @@ def mesh_entry(item: Item, status: str, record: Json | None) -> Json:
 
 
 def outcome_of(report: Json) -> Json:
-    """Take what a report says of the result: of the strength asked for, or of the last step."""
+    """Measures of the result in a report: at the chosen strength, or after the last step."""
     found = report.get("denoise")
     if found is not None:
         return {**found, **found["strengths"][found["chosen"]]}
@@ -62,20 +62,20 @@ def outcome_of(report: Json) -> Json:
 def summary(
     entries: Sequence[Json], *, version: str, algorithm: Json, arguments: Json, seconds: float
 ) -> Json:
-    """Put the account of a batch together.
+    """Build the account of a batch.
 
     Parameters
     ----------
     entries
         One `mesh_entry` each.
     version
-        Of the program.
+        Version of the program.
     algorithm
-        With its settings, see `settings_record`.
+        Algorithm with its settings, as in `settings_record`.
     arguments
-        What else was asked for.
+        All other options of the run.
     seconds
-        Time that this run took.
+        Duration of this run.
     """
     statuses = [entry["status"] for entry in entries]
     return {

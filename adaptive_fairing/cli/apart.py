@@ -1,7 +1,7 @@
-"""Runs in a process of their own, so that a crash of Blender is one line of error.
+"""Runs in a separate process, so that a crash of Blender becomes one line of error.
 
 The command line starts itself again and waits. That costs the start of a second interpreter
-without any of the large packages, a few hundredths of a second.
+without the large packages: a few hundredths of a second.
 """
 
 from __future__ import annotations
@@ -27,27 +27,27 @@ SECONDS_TO_LEAVE = 0.8
 
 
 class CrashError(Exception):
-    """The process that did the work has died; the message says how."""
+    """The process that did the work has crashed; the message says how."""
 
 
 def run_apart(command: Sequence[str], expected: Sequence[int]) -> int:
-    """Run a process to its end; give its exit status.
+    """Run a process to its end and return its exit status.
 
-    An interrupt of this process interrupts that one, too. If it does not leave soon, because it is
-    in the middle of a long computation, it is killed, and the status is `INTERRUPTED`.
+    An interrupt of this process interrupts the other one too. If that does not end soon, because a
+    long computation keeps it busy, it is killed, and the status is `INTERRUPTED`.
 
     Parameters
     ----------
     command
-        Of the process. Its standard output goes nowhere; standard error is that of this one.
-        Interrupts wait in it until it calls `leave_at_interrupt`.
+        Starts the process. Its standard output is discarded; it shares this standard error.
+        Interrupts are held back in it until it calls `leave_at_interrupt`.
     expected
-        Exit statuses of a process that has told itself how it went.
+        Exit statuses with which the process has reported its outcome itself.
 
     Raises
     ------
     CrashError
-        It ended in any other way.
+        The process ended in any other way.
     """
     is_interrupted = False
 
@@ -83,7 +83,7 @@ def run_apart(command: Sequence[str], expected: Sequence[int]) -> int:
 
 
 def follow_parent() -> None:
-    """End this process as soon as the one that has started it has ended."""
+    """End this process as soon as the process that started it has ended."""
 
     def wait() -> None:
         # Not sys.stdin: an interpreter that ends aborts if a thread still holds that one's lock.
@@ -95,7 +95,7 @@ def follow_parent() -> None:
 
 
 def keep_to_own_messages() -> None:
-    """Let only what this program itself writes come through to standard error, no C library's."""
+    """Pass only this program's own messages to standard error, none of a C library."""
     own = os.dup(2)
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 1)
@@ -104,7 +104,7 @@ def keep_to_own_messages() -> None:
 
 
 def prepare_standard_streams() -> None:
-    """Open what the caller has closed of the three standard streams, to nowhere."""
+    """Open those of the three standard streams that the caller has closed; they lead nowhere."""
     for number in range(3):
         try:
             os.fstat(number)

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..core import DenoiseSettings, FairingSettings
 
 MOST_STEPS = 100_000
-"""More would not end in a lifetime; each is a shape of its own in a .blend file."""
+"""More would not end in a lifetime; a .blend file stores a shape for each."""
 
 OF_DENOISE = ("strength", "features", "clean", "width", "boundary", "max_deviation")
 OF_FAIR = (
@@ -42,7 +42,8 @@ OF_SHAPES = ("keep_volume", "max_deviation", "stop_curvature", "stop_rate", "ref
 def parse(argv: Sequence[str] | None = None) -> argparse.Namespace:
     """Parse and check the arguments; an error ends the process with status 2, as argparse does.
 
-    Beside the options the result has `algorithm`, the command, and `plan`, the batch or None.
+    Besides the options the result has `algorithm`, which is the command, and `plan`, which is the
+    batch or None.
     """
     words = list(sys.argv[1:] if argv is None else argv)
     program, parsers = build_parsers()
@@ -70,12 +71,12 @@ def _check(arguments: argparse.Namespace) -> None:
         if getattr(arguments, "attribute", None) is not None:
             raise ArgumentsError("--attribute is for a single mesh")
         return
-    if len(arguments.input) > 1:  # only of refine, which has no batches
+    if len(arguments.input) > 1:  # only for refine, which has no batches
         raise ArgumentsError(f"refine takes one INPUT: did you mean -o {arguments.input[1]}?")
     arguments.input = Path(arguments.input[0])
     if arguments.output is None:
         arguments.output = default_output(arguments.input, arguments.algorithm)
-    if arguments.input.is_dir():  # only of refine, again
+    if arguments.input.is_dir():  # only for refine, again
         raise ArgumentsError(f"{arguments.input} is a folder: refine takes a file")
     for path in (arguments.input, arguments.output):
         if not is_supported(path):
@@ -91,17 +92,17 @@ def _check(arguments: argparse.Namespace) -> None:
 
 def _check_fair(arguments: argparse.Namespace) -> None:
     if None not in (arguments.radius, arguments.tau):
-        raise ArgumentsError("--tau says how far to smooth instead of --radius: give one of them")
+        raise ArgumentsError("--tau and --radius both say how far to smooth: give one of them")
     if arguments.attribute is None:
         return
     for name in OF_SHAPES:
         if getattr(arguments, name) not in (None, False):
             option = f"--{name.replace('_', '-')}"
-            raise ArgumentsError(f"{option} is for the shape, which stays with --attribute")
+            raise ArgumentsError(f"{option} is for the shape, which --attribute does not change")
 
 
 def default_output(source: Path, algorithm: str) -> Path:
-    """Where the result goes if nobody says: a .blend file beside the input."""
+    """Path of the result if none was given: a .blend file beside the input."""
     return source.with_name(f"{source.stem}{ENDINGS[algorithm]}{BLEND}")
 
 
@@ -111,7 +112,7 @@ def settings_of(arguments: argparse.Namespace) -> DenoiseSettings | FairingSetti
     Raises
     ------
     SettingsError
-        A value makes no sense.
+        A value is invalid.
     """
     from ..files.report import settings_of_record
 

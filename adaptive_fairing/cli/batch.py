@@ -34,20 +34,20 @@ BATCH_OPTIONS = ("out_dir", "format", "jobs", "memory", "shard", "merge", "allow
 
 @dataclass(frozen=True)
 class Plan:
-    """A batch, as the arguments ask for it.
+    """A batch as the arguments describe it.
 
     Attributes
     ----------
     items
         Meshes of this run.
     all_items
-        Those of all shards.
+        Meshes of all shards.
     is_sequence
-        Whether they are frames of one surface.
+        Whether the meshes are frames of one surface.
     keyed
-        File for one keyed object with all frames; None for no such file.
+        File for one object with a shape key for every frame; None for no such file.
     jobs, memory
-        As in `Batch`; the memory is None if nobody has set a limit.
+        As in `Batch`; the memory is None if no limit was given.
     """
 
     items: Sequence[Item]
@@ -59,12 +59,12 @@ class Plan:
 
 
 def plan_of(arguments: argparse.Namespace) -> Plan | None:
-    """Plan the batch that the arguments ask for; None if they name a single mesh.
+    """Plan the batch that the arguments describe; None if they name a single mesh.
 
     Raises
     ------
     ArgumentsError
-        They contradict each other, or are not what they should be.
+        The arguments are invalid or contradict each other.
     """
     is_sequence = arguments.sequence or arguments.frames is not None
     if not is_sequence and not _is_batch(arguments):
@@ -104,12 +104,12 @@ def run_plan(
     dict
         The summary, whether or not it is also written to a file.
     str or None
-        What is missing in the end, in one line; None if all is there.
+        What is missing at the end, in one line; None if every mesh has its output.
 
     Raises
     ------
     FairingError, OSError
-        Nothing could be done at all, or a file of the whole batch cannot be written.
+        No mesh could be processed, or a file of the whole batch cannot be written.
     """
     from ..batch.run import Batch, merge_batch, run_batch
     from ..core.runtime.system_memory import available_bytes
@@ -161,14 +161,14 @@ def run_plan(
 
 
 def refinement(arguments: argparse.Namespace) -> int | None:
-    """Give the steps by which results are refined; 0 for limit points alone, None for neither."""
+    """Subdivision steps for the results; 0 for limit positions alone, None for neither."""
     if arguments.refine is not None:
         return arguments.refine
     return 0 if arguments.limit else None
 
 
 def describe(account: dict[str, Any]) -> str:
-    """Sum a summary up in one line."""
+    """Condense a summary into one line."""
     counts = account["counts"]
     parts = [f"{counts['meshes']} meshes: {counts[DONE]} {DONE}"]
     if counts[SKIPPED]:
@@ -185,12 +185,12 @@ def _is_batch(arguments: argparse.Namespace) -> bool:
 
 
 def _default_folder(arguments: argparse.Namespace) -> Path:
-    """Folder for the outputs of a single input folder: beside it.
+    """Output folder beside a single input folder.
 
     Raises
     ------
     ArgumentsError
-        The inputs are something else.
+        The inputs are not a single folder.
     """
     given = Path(arguments.input[0])
     if len(arguments.input) > 1 or not given.is_dir():
@@ -200,7 +200,7 @@ def _default_folder(arguments: argparse.Namespace) -> Path:
 
 
 def _no_folder(arguments: argparse.Namespace) -> str:
-    """Say that there is no output folder, or that the second of two files looks like an output."""
+    """Message that the output folder is missing, or that the second file looks like an output."""
     first, last = Path(arguments.input[0]), arguments.input[-1]
     is_file = not Path(last).is_dir() and not is_pattern(last)
     if len(arguments.input) != 2 or not is_file or Path(last) == first:
@@ -228,7 +228,7 @@ def _check_conflicts(
 
 
 def _keyed_output(arguments: argparse.Namespace, is_sequence: bool) -> Path | None:
-    """File for the keyed object, if there is to be one."""
+    """File for the object with a shape key for every frame, if one is asked for."""
     output = arguments.output
     if output is None:
         return None

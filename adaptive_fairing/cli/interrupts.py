@@ -12,9 +12,9 @@ from .status import INTERRUPTED
 
 
 def leave_at_interrupt() -> None:
-    """Let an interrupt end the process at once and without a word, as long as it only starts.
+    """Let an interrupt end the process at once and silently, while the program is starting.
 
-    An interrupt that `interrupts_wait` has kept back comes now.
+    An interrupt that `interrupts_wait` has held back arrives now.
     """
     signal.signal(signal.SIGINT, _leave)
     if hasattr(signal, "pthread_sigmask"):
@@ -23,10 +23,10 @@ def leave_at_interrupt() -> None:
 
 @contextlib.contextmanager
 def interrupts_wait() -> Iterator[None]:
-    """Keep interrupts back in the block; in a process started there, until `leave_at_interrupt`.
+    """Hold interrupts back in the block; in a process started there, until `leave_at_interrupt`.
 
-    An interpreter that starts has no handler yet and would tell an interrupt with a traceback.
-    Windows cannot keep interrupts back.
+    A starting interpreter has no handler yet and would answer an interrupt with a traceback.
+    Windows cannot hold interrupts back.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
@@ -39,13 +39,13 @@ def interrupts_wait() -> Iterator[None]:
 
 
 def raise_at_interrupt() -> None:
-    """From now on raise KeyboardInterrupt at the first interrupt; further ones change nothing."""
+    """From now on raise KeyboardInterrupt at the first interrupt, and ignore further ones."""
     if signal.getsignal(signal.SIGINT) is _leave:
         signal.signal(signal.SIGINT, _raise_once)
 
 
 def ignore_interrupts() -> None:
-    """From now on let interrupts change nothing: all is done and told."""
+    """Ignore interrupts from now on: the work is done and reported."""
     if signal.getsignal(signal.SIGINT) in (_leave, _raise_once):
         signal.signal(signal.SIGINT, signal.SIG_IGN)
 

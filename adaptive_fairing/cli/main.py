@@ -32,8 +32,8 @@ PYTHONS_WITH_BPY = (3, 11), (3, 13)
 """Versions of Python that Blender exists for as a module, as in pyproject.toml."""
 
 ADDRESS_SPACE = 1_000_000_000
-"""Blender takes 1.4 GB as a module on Linux (measured); with far less, libraries that it loads wait
-for memory without end."""
+"""Blender as a module takes 1.4 GB on Linux (measured). With far less, libraries that it loads wait
+for memory endlessly."""
 
 
 def main(
@@ -47,13 +47,13 @@ def main(
     Parameters
     ----------
     argv
-        Arguments without the program's name; None takes those of the process.
+        Arguments without the program's name; None takes those of this process.
     worker_command
-        Starts the program, to which `WORKER` or `CHILD` is added, as a process that does the work;
-        None for the Python that is running.
+        Command that starts the program. `WORKER` or `CHILD` is added to it, to start a process
+        that does the work. None takes the Python that is running.
     is_apart
-        Whether a single mesh, too, is faired in a process of its own, so that a crash of Blender
-        is told in one line.
+        Whether a single mesh, too, is processed in a separate process, so that a crash of Blender
+        is reported in one line.
 
     Returns
     -------
@@ -75,7 +75,7 @@ def main(
     space = address_space_bytes()
     if space is not None and space < ADDRESS_SPACE:
         return fail(
-            f"the address space is limited to {in_gigabytes(space)} (ulimit -v), Blender takes "
+            f"the address space is limited to {in_gigabytes(space)} (ulimit -v), and Blender takes "
             f"{in_gigabytes(ADDRESS_SPACE)} when it starts"
         )
     if not arguments.plan and not arguments.input.exists():  # told before Blender takes its time
@@ -90,7 +90,7 @@ def main(
         ignore_interrupts()
     except KeyboardInterrupt:
         status = INTERRUPTED
-    if status == INTERRUPTED and not is_child:  # of a child its parent tells
+    if status == INTERRUPTED and not is_child:  # for a child, its parent reports it
         is_written = before is not None and identity(arguments.output) != before
         fail(f"interrupted: {_what_is_kept(arguments, is_written)}")
     return status
@@ -98,8 +98,8 @@ def main(
 
 def _what_is_kept(arguments: argparse.Namespace, is_written: bool) -> str:
     if arguments.plan:
-        return "what is finished stays, run again to go on"
-    return f"{arguments.output} was written before" if is_written else "no output was written"
+        return "finished outputs stay, run again to continue"
+    return f"{arguments.output} was already written" if is_written else "no output was written"
 
 
 def _run_here(arguments: argparse.Namespace, worker_command: Sequence[str], is_apart: bool) -> int:
@@ -110,7 +110,7 @@ def _run_here(arguments: argparse.Namespace, worker_command: Sequence[str], is_a
             raise
         return fail(_MISSING.get(error.name) or _without_blender())
     except MemoryError:
-        return fail("not enough memory for this mesh: reduce it, or use a larger machine")
+        return fail("not enough memory for this mesh: decimate it, or use a larger machine")
     except Exception as error:
         if not is_apart or sys.flags.dev_mode:
             raise
@@ -128,19 +128,19 @@ def _run_apart(arguments: argparse.Namespace, command: Sequence[str]) -> int:
     except CrashError as error:
         remove_drafts(arguments.output)
         return fail(
-            f"Blender or the solver crashed on {arguments.input}, ended {error}: the file is "
-            "damaged, or there is too little memory"
+            f"Blender or the solver crashed on {arguments.input}, its process ended {error}: the "
+            "file is damaged, or there is too little memory"
         )
 
 
 def _without_blender() -> str:
-    """Say how to get Blender, which exists for two versions of Python."""
+    """Message that says how to get Blender, which exists for two versions of Python."""
     version = sys.version_info[:2]
     if version in PYTHONS_WITH_BPY:
         return 'Blender is missing: pip install bpy, or the extra "blender" of this package'
     known = " and ".join(f"{major}.{minor}" for major, minor in PYTHONS_WITH_BPY)
     return (
-        f"Blender is missing: its module bpy exists for Python {known}, this is {version[0]}."
+        f"Blender is missing: its module bpy exists for Python {known}, and this is {version[0]}."
         f"{version[1]}; install into one of those"
     )
 

@@ -12,18 +12,18 @@ PROGRAM = "adaptive-fairing"
 
 
 def say(text: str) -> None:
-    """Write a message to standard error, whether or not somebody listens."""
+    """Write a message to standard error, even if nobody reads it."""
     write_line(f"{PROGRAM}: {text}", sys.stderr)
 
 
 def fail(message: str, status: int = COULD_NOT) -> int:
-    """Tell why something could not be done; give the exit status."""
+    """Report why something could not be done, and return the exit status."""
     say(f"error: {message}")
     return status
 
 
 def write_line(text: str, stream: TextIO) -> None:
-    """Write a text as one line, whatever line ends and letters are in it."""
+    """Write a text as one line, with any line ends and characters in it."""
     encoding = stream.encoding or "utf-8"
     line = " ".join(text.split()).encode(encoding, "backslashreplace").decode(encoding)
     with contextlib.suppress(OSError):  # nobody listens any more

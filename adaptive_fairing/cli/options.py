@@ -1,6 +1,6 @@
 """The commands of the program and their options.
 
-Words and numbers of the core stand here as texts, because `--help` must not need numpy.
+Words and numbers of the core are repeated here as text, because `--help` must not need numpy.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .parser import Parser, did_you_mean, one_of
 DENOISE, FAIR, REFINE = "denoise", "fair", "refine"
 
 SUMMARIES = {
-    DENOISE: "find out how noisy the mesh is, and remove that much; needs no parameter",
+    DENOISE: "measure the noise of the mesh and remove it; needs no parameter",
     FAIR: "run the paper's method: geometric diffusion that follows the mesh density, step by step",
     REFINE: "subdivide the mesh onto the smooth limit surface, without fairing",
 }
@@ -50,7 +50,7 @@ Exit status: 0 done, 1 could not (file, mesh or solver), 2 wrong arguments.
 
 
 def build_parsers() -> tuple[Parser, dict[str, Parser]]:
-    """Make the parser of the program, and those of its commands by their names."""
+    """Make the parser of the program, and the parser of each command by its name."""
     program = Parser(
         prog=PROGRAM,
         allow_abbrev=False,  # an abbreviation would break when an option is added
@@ -92,7 +92,7 @@ def build_parsers() -> tuple[Parser, dict[str, Parser]]:
 
 
 def require_command(program: Parser, words: list[str]) -> None:
-    """End with an error that names the commands unless the first word is one, or asks for help."""
+    """End with an error that names the commands, unless the first word is one or asks for help."""
     first = words[0] if words else None
     if first in SUMMARIES or first in ("-h", "--help", "--version"):
         return
@@ -109,7 +109,7 @@ def require_command(program: Parser, words: list[str]) -> None:
 def refuse_unknown(parsers: dict[str, Parser], algorithm: str, words: Sequence[str]) -> None:
     """End with an error if there are words that the command does not take.
 
-    Not by argparse itself, which would not say what was meant.
+    argparse itself would not suggest what was meant.
     """
     parser = parsers[algorithm]
     option = next((word.partition("=")[0] for word in words if word.startswith("-")), None)
@@ -138,7 +138,7 @@ def _add_output(group: Any, algorithm: str) -> None:
 
 
 ENDINGS = {DENOISE: f"_{DENOISED}", FAIR: f"_{FAIRED}", REFINE: f"_{REFINED}"}
-"""What is added to the name of the input for the default output."""
+"""Endings that the default output adds to the name of the input."""
 
 
 def _add_denoise(parser: Parser, common: Any) -> None:
@@ -146,29 +146,28 @@ def _add_denoise(parser: Parser, common: Any) -> None:
         "--strength",
         type=float,
         metavar="X",
-        help="factor of the noise that is estimated (default: 1.0)",
+        help="how much of the estimated noise to remove: 0 none, 1 all (default: 1.0)",
     )
     _add_choice(
         common,
         "--features",
         ("auto", "sharp", "smooth"),
-        help="whether there are creases to keep (default: auto, decided for every part)",
+        help="whether the mesh has creases to keep (default: auto, decided for every part)",
     )
     _add_choice(
         common,
         "--clean",
         ("keep", "detail", "denoise"),
-        help="leave a mesh alone that looks like a model without noise; also keep detail that "
-        "looks like the smooth noise of a scanner; or treat all roughness as noise (default: "
-        "keep)",
+        help="keep: leave a mesh without noise alone; detail: also keep detail that looks like "
+        "the smooth noise of a scanner; denoise: treat all roughness as noise (default: keep)",
     )
     common.add_argument(
         "--noise-width",
         dest="width",
         type=_auto_or_number,
         metavar="auto|EDGES",
-        help="distance in edges, 1 to 16, over which the noise is alike: about half the size of "
-        "its bumps; noise of that width is removed, whatever it looks like (default: auto)",
+        help="width of the noise, 1 to 16 edges: about half the size of its bumps; a number "
+        "removes noise of that width even from a mesh that looks clean (default: auto)",
     )
     _add_max_deviation(common)
     _add_boundary(common)
@@ -187,8 +186,8 @@ def _add_fair(parser: Parser, common: Any) -> None:
         common,
         "--scheme",
         SCHEMES,
-        help="how the smoothing follows the density: by the timestep, by the diffusion tensor, or "
-        "not at all (default: timestep)",
+        help="how the smoothing follows the mesh density: by the timestep, by the diffusion "
+        "tensor, or not at all (default: timestep)",
     )
     common.add_argument(
         "--radius",
@@ -201,7 +200,8 @@ def _add_fair(parser: Parser, common: Any) -> None:
         common,
         "--density",
         DENSITIES,
-        help="measure of the density: mean edge length or area around a vertex (default: edge)",
+        help="measure of the mesh density at a vertex: mean edge length or area of the triangles "
+        "around it (default: edge)",
     )
     common.add_argument(
         "--keep-volume",
@@ -213,14 +213,14 @@ def _add_fair(parser: Parser, common: Any) -> None:
     common.add_argument(
         "--no-denoised",
         action="store_true",
-        help="leave out the result of denoise, which a .blend also gets beside the steps",
+        help="leave out the result of denoise, which a .blend otherwise holds beside the steps",
     )
     more = parser.add_argument_group("further options of the method")
     more.add_argument(
         "--tau",
         type=float,
         metavar="T",
-        help="instead of --radius: time of a step, in the frame where the mesh fits [-3, 3]^3",
+        help="timestep, instead of --radius; for the mesh scaled to fit [-3, 3]^3",
     )
     more.add_argument(
         "--density-passes",
@@ -232,7 +232,7 @@ def _add_fair(parser: Parser, common: Any) -> None:
     more.add_argument(
         "--attribute",
         metavar="NAME",
-        help="fair this color, vertex group or other attribute; the vertices stay where they are",
+        help="fair this color, vertex group or other attribute instead of the shape",
     )
     more.add_argument(
         "--stop-curvature",
@@ -262,7 +262,7 @@ def _add_refine(parser: Parser, common: Any) -> None:
     amount.add_argument(
         "--limit",
         action="store_true",
-        help="put the vertices on the smooth limit surface, without new ones",
+        help="move the vertices onto the smooth limit surface, without subdividing",
     )
 
 
@@ -283,27 +283,30 @@ def _add_boundary(group: Any) -> None:
         group,
         "--boundary",
         ("fixed", "free"),
-        help="whether the boundary of an open mesh stays or moves with the surface (default: "
-        "fixed)",
+        help="whether the boundary of an open mesh stays in place or moves with the surface "
+        "(default: fixed)",
     )
 
 
 def _add_file_options(parser: Parser, algorithm: str) -> None:
     group = parser.add_argument_group("input and output")
-    group.add_argument("--object", metavar="NAME", help="mesh object, if INPUT holds several")
+    group.add_argument(
+        "--object", metavar="NAME", help="mesh object to process, if INPUT holds several"
+    )
     if algorithm != REFINE:
         group.add_argument(
             "--refine",
             type=int,
             choices=(1, 2, 3),
             metavar="1|2|3",
-            help="refine the result by so many steps of Loop subdivision, onto the smooth limit "
+            help="refine the result by this many steps of Loop subdivision, onto the smooth limit "
             "surface; edges marked sharp stay sharp",
         )
         group.add_argument(
             "--limit",
             action="store_true",
-            help="put the vertices of the result on the smooth limit surface, without new ones",
+            help="move the vertices of the result onto the smooth limit surface, without "
+            "subdividing",
         )
     group.add_argument(
         "--report", type=Path, metavar="FILE.json", help="write settings and measures as JSON"
@@ -349,12 +352,12 @@ def _add_batch(parser: Parser, algorithm: str) -> None:
     group.add_argument(
         "--allow-failures",
         action="store_true",
-        help="exit with 0 even if meshes have failed; the summary and the messages name them",
+        help="exit with 0 even if meshes failed; the summary and the messages name them",
     )
     group.add_argument(
         "--flamenco",
         action="store_true",
-        help="write a line for every mesh to standard output, which Flamenco counts as progress",
+        help="write a line to standard output for every mesh, which Flamenco counts as progress",
     )
 
 
@@ -374,7 +377,7 @@ def _add_sequence(parser: Parser) -> None:
     group.add_argument(
         "--same-strength",
         action="store_true",
-        help="smooth every frame as strongly as the first one, so that nothing flickers",
+        help="smooth every frame as strongly as the first, so that nothing flickers",
     )
 
 

@@ -20,12 +20,12 @@ class Parser(argparse.ArgumentParser):
 
     @property
     def option_names(self) -> list[str]:
-        """All options, as they are written."""
+        """All options as they are typed, such as ``--steps``."""
         return [name for action in self._actions for name in action.option_strings]
 
 
 def one_of(*names: str) -> Callable[[str], str]:
-    """Make the type of an argument that is one of several words."""
+    """Type of an argument that must be one of several words."""
 
     def check(text: str) -> str:
         if text in names:
@@ -37,7 +37,7 @@ def one_of(*names: str) -> Callable[[str], str]:
 
 
 def did_you_mean(text: str, names: Iterable[str]) -> str:
-    """Name the word that was probably meant, as the end of a message; empty if none is near."""
+    """End of a message that names the word probably meant; empty if none is similar."""
     bare = {name.lstrip("-"): name for name in names}
     found = difflib.get_close_matches(text.lstrip("-").lower(), bare, n=1)
     return f", did you mean {bare[found[0]]}?" if found else ""

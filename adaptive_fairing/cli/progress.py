@@ -21,7 +21,7 @@ except ImportError:  # Blender's own Python has no tqdm
 
 @contextmanager
 def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[Solve], None]]:
-    """Show a progress bar while the body runs, or a line per step where tqdm is missing.
+    """Show a progress bar while the body runs; without tqdm, a line for each step.
 
     Parameters
     ----------
@@ -33,7 +33,7 @@ def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[Solve], No
     Yields
     ------
     callable
-        To be called with the solve after every step.
+        To be called after every step, with the report of its solve.
     """
     if not enabled:
         yield lambda solve: None
@@ -53,9 +53,9 @@ def step_progress(total: int, *, enabled: bool) -> Iterator[Callable[[Solve], No
 
 @contextmanager
 def part_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
-    """Show a progress bar for `denoise`, whose result comes all at once, if there is tqdm.
+    """Show a progress bar for `denoise`, which ends with one result, if tqdm is there.
 
-    It appears with the first news: `denoise` may be what comes after something else.
+    The bar appears at the first call, because `denoise` may follow other work.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def part_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
     Yields
     ------
     callable
-        To be called with the part that is done, up to 1.
+        To be called with the fraction that is done, from 0 to 1.
     """
     if not enabled or tqdm is None:
         yield lambda part: None
@@ -91,7 +91,7 @@ def part_progress(*, enabled: bool) -> Iterator[Callable[[float], None]]:
 
 
 class MeshProgress:
-    """How far a batch is: a bar over all its meshes, a line for each that failed.
+    """Progress of a batch: a bar over all its meshes, and a line for each that failed.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ class MeshProgress:
             self._bar = tqdm(total=total, file=sys.stderr, desc="fairing", unit="mesh")
 
     def finished(self, entry: Mapping[str, Any]) -> None:
-        """Take note of a mesh, see `batch.summary.mesh_entry`."""
+        """Count a mesh; its entry is that of `batch.summary.mesh_entry`."""
         if entry["status"] == FAILED:
             with self._beside_bar():
                 say(f"{entry['output']}: {entry['error']}")
@@ -124,7 +124,7 @@ class MeshProgress:
             write_line(line, sys.stdout)
 
     def close(self) -> None:
-        """Take the bar away."""
+        """Remove the bar."""
         if self._bar is not None:
             self._bar.close()
 

@@ -1,7 +1,7 @@
 """Runs of the commands, from checked arguments to the line that sums up.
 
-numpy, scipy and Blender take a second, which --help and typos need not wait. So they are imported
-in the functions here.
+numpy, scipy and Blender take a second to import. --help and the message on a typo do not wait for
+that, so the functions here import them.
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ Report = dict[str, Any]
 
 
 def run(arguments: argparse.Namespace, worker_command: Sequence[str]) -> int:
-    """Do what the arguments ask for; tell how it went, and give the exit status.
+    """Do what the arguments ask for, report the outcome, and return the exit status.
 
     Parameters
     ----------
     arguments
-        As `parse` gives them.
+        As `parse` returns them.
     worker_command
-        Starts a worker process of a batch.
+        Command that starts a worker process of a batch.
     """
     from ..core import FairingError, SettingsError
 
@@ -54,7 +54,7 @@ def run(arguments: argparse.Namespace, worker_command: Sequence[str]) -> int:
 
 
 def serve() -> int:
-    """Be a worker process of a batch."""
+    """Work as a process of a batch until the batch ends."""
     from ..silence import silent_output
 
     with silent_output():

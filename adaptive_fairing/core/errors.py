@@ -11,15 +11,15 @@ MAX_LISTED = 5
 
 
 class FairingError(Exception):
-    """Base of every error that the core raises on purpose."""
+    """Base of all errors that the core raises on purpose."""
 
 
 class SettingsError(FairingError):
-    """A field of the settings has a value that makes no sense; the message names the field."""
+    """A field of the settings has an invalid value; the message names the field."""
 
 
 class InputError(FairingError):
-    """The arrays cannot be a mesh: wrong shape or type, not finite, out of range."""
+    """The arrays are not a mesh: wrong shape or type, numbers not finite or out of range."""
 
 
 class TopologyError(FairingError):
@@ -50,7 +50,7 @@ class TopologyError(FairingError):
 
 
 class SolverError(FairingError):
-    """The linear system of a step is not one that conjugate gradients can solve."""
+    """Conjugate gradients cannot solve the linear system of a step."""
 
 
 def listed(indices: ArrayLike) -> str:

@@ -24,12 +24,12 @@ from .companions import companions_of, is_same_file
 
 @contextlib.contextmanager
 def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a free path beside `path` with the same suffix; rename it to `path` at the end.
+    """Yield a free path beside `path` with the same suffix; rename that file to `path` at the end.
 
     Parameters
     ----------
     path
-        Place of the file; an existing one is replaced, a symbolic link is followed.
+        Final path; an existing file is replaced, a symbolic link is followed.
 
     Yields
     ------
@@ -39,7 +39,7 @@ def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     Raises
     ------
     OSError
-        The file cannot be put there; or the error of the body. No temporary file is left.
+        The file cannot be moved there, or the body raised it. No temporary file is left.
     """
     final = writable_place(path)
     draft = final.with_name(f"{_draft_start(final)}{_draft_mark()}{final.suffix}")
@@ -57,13 +57,13 @@ def replaced_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def replaced_files(path: str | os.PathLike[str]) -> Iterator[Path]:
-    """Give a path of the same name in a new folder beside `path`; move all its files at the end.
+    """Yield a path of the same name in a new folder; move all files of the folder at the end.
 
-    For formats of several files that name each other (an .obj and its .mtl). The file itself is
-    moved last, when those that it names are in place. It replaces an old one; the others replace
-    nothing, because nobody has named them: see `companions`.
+    For formats of several files that name each other, such as an .obj and its .mtl. The file itself
+    is moved last, when those that it names are in place. It replaces an old one. The others replace
+    nothing, because nobody asked for them: see `companions`.
 
-    Parameters, yields, errors: as in `replaced_file`.
+    Parameters, yields and errors as in `replaced_file`.
     """
     final = writable_place(path)
     folder = final.with_name(f"{_draft_start(final)}{_draft_mark()}")
@@ -83,7 +83,7 @@ def replaced_files(path: str | os.PathLike[str]) -> Iterator[Path]:
 
 @contextlib.contextmanager
 def _added(files: Sequence[Path], folder: Path, destination: Path) -> Iterator[None]:
-    """Put files of a folder into another; an error of the body takes them away again."""
+    """Move files into another folder; remove them again if the body raises an error."""
     added: list[Path] = []
     try:
         for file in files:
@@ -91,7 +91,7 @@ def _added(files: Sequence[Path], folder: Path, destination: Path) -> Iterator[N
             try:
                 place.parent.mkdir(parents=True, exist_ok=True)
             except FileExistsError as error:
-                reason = f"{place.parent.name} is a file, a folder of that name is needed"
+                reason = f"{place.parent.name} is a file where a folder is needed"
                 raise FileExistsError(error.errno, reason) from error
             if not is_same_file(place, file) and _add(file, place):
                 added.append(place)
@@ -103,16 +103,16 @@ def _added(files: Sequence[Path], folder: Path, destination: Path) -> Iterator[N
 
 
 def _add(file: Path, place: Path) -> bool:
-    """Put a finished file where there is none; one that is there stays, which is an error.
+    """Move a finished file to a free path; it is an error if another file is there.
 
-    Tells whether it did: another run may have put the same file there at the same moment.
+    Returns whether it was moved: another run may have put an equal file there at that moment.
     """
     try:
         os.link(file, place)
     except FileExistsError as error:
         if is_same_file(place, file):
             return False
-        reason = f"another file is called {place.name} since a moment ago; run again"
+        reason = f"another program has just made a file {place.name}; run again"
         raise FileExistsError(error.errno, reason) from error
     except OSError:  # a file system without links
         with file.open("rb") as source, place.open("xb") as target:
@@ -121,7 +121,7 @@ def _add(file: Path, place: Path) -> bool:
 
 
 def remove_drafts(path: str | os.PathLike[str]) -> None:
-    """Remove what killed processes have left of a file, not what another one is writing now."""
+    """Remove drafts of a file that killed processes have left; a running process keeps its own."""
     final = Path(os.path.realpath(path))
     start = _draft_start(final)
     for draft in final.parent.glob(f"{glob.escape(start)}*"):
@@ -141,7 +141,7 @@ def _draft_start(final: Path) -> str:
 
 
 def _draft_mark() -> str:
-    """Name the machine and the process that write a draft, and tell it from their others."""
+    """Mark in the name of a draft: its machine, its process and a random number."""
     return f"{_machine()}{os.getpid():08x}{secrets.token_hex(4)}"
 
 
@@ -154,7 +154,7 @@ def _is_mark(text: str) -> bool:
 
 
 def _is_being_written(draft: Path, mark: str) -> bool:
-    """Whether the process that writes a draft may be at work still."""
+    """Whether the process that writes a draft may still be running."""
     try:
         age = time.time() - draft.stat().st_mtime
     except FileNotFoundError:  # it has just been finished
@@ -182,7 +182,7 @@ def _is_running(process: int) -> bool:
 
 
 def writable_place(path: str | os.PathLike[str]) -> Path:
-    """Check that a file can be written here, before the work for it is done.
+    """Check that a file can be written, before the work for it begins.
 
     Returns
     -------
@@ -192,7 +192,7 @@ def writable_place(path: str | os.PathLike[str]) -> Path:
     Raises
     ------
     OSError
-        With one line that says what is in the way.
+        The file cannot be written; the message says in one line why not.
     """
     final = Path(os.path.realpath(path))
     try:
@@ -215,13 +215,13 @@ def writable_place(path: str | os.PathLike[str]) -> Path:
 def require_space(folder: Path, n_bytes: int) -> None:
     """Check that a folder has room, by filling it for a moment.
 
-    For writers that do not survive a full disk. Free space as the system counts it would not do:
-    quotas and limits of the process are not in it.
+    For writers that crash on a full disk. The free space that the system reports is not enough: it
+    ignores quotas and the limits of the process.
 
     Raises
     ------
     OSError
-        There is no room.
+        There is not enough room.
     """
     probe = folder / f".{secrets.token_hex(6)}"
     try:
@@ -231,7 +231,7 @@ def require_space(folder: Path, n_bytes: int) -> None:
 
 
 def _move(draft: Path, final: Path) -> None:
-    """Put a finished file into its place; it may be read and written by those who could before."""
+    """Move a finished file to its place; it keeps the permissions of the file that it replaces."""
     if final.exists():
         shutil.copymode(final, draft)
     try:
@@ -242,10 +242,10 @@ def _move(draft: Path, final: Path) -> None:
 
 
 def _require_whole(file: Path) -> None:
-    """Find out whether the disk was full when the file was written.
+    """Check that the disk was not full when the file was written.
 
-    Blender's writers do not notice: they leave a truncated file and report success. A file that
-    was cut off cannot grow; one that can be made longer was written to its end.
+    Blender's writers do not notice: they leave a truncated file and report success. On a full disk
+    the file cannot grow; if it can, it was written to its end.
     """
     size = file.stat().st_size
     if size == 0:
@@ -269,7 +269,7 @@ def _append_zeros(file: Path, n_bytes: int) -> None:
 
 @contextlib.contextmanager
 def _named_errors(final: Path) -> Iterator[None]:
-    """Name the file and the reason, not the draft, in errors of the operating system."""
+    """Name the file instead of its draft in errors of the operating system, and the reason."""
     try:
         yield
     except OSError as error:

@@ -1,7 +1,8 @@
 """Companions: files that an exporter writes beside the one that it was asked for.
 
-A .bin, a .mtl, textures: nobody has named them, so they must not replace what is there. An equal
-file is shared; where another one has the name, the new file and what refers to it get a free name.
+A .bin, a .mtl, textures: nobody asked for them, so they must not replace an existing file. If that
+file is equal, it is shared. Otherwise the companion gets a free name, and the main file refers to
+that name.
 """
 
 from __future__ import annotations
@@ -19,17 +20,17 @@ Renames = Mapping[str, str]
 
 
 def companions_of(draft: Path) -> list[Path]:
-    """Find the other files in the folder of a draft, which is its own."""
+    """All other files in the folder of a draft; a draft has a folder of its own."""
     return sorted(file for file in draft.parent.rglob("*") if file.is_file() and file != draft)
 
 
 def names_to_change(draft: Path) -> Renames:
-    """Find the companions of a draft whose names other files have, and names that are free.
+    """Companions of a draft whose names are taken, each with a free name for it.
 
     Parameters
     ----------
     draft
-        Exported into a folder of its own, from which all files are to go into the folder above.
+        File exported into a folder of its own; all files there are to move to the folder above.
     """
     destination = draft.parent.parent
     files = [file.relative_to(draft.parent) for file in companions_of(draft)]
@@ -47,12 +48,12 @@ def names_to_change(draft: Path) -> Renames:
 
 
 def is_same_file(place: Path, file: Path) -> bool:
-    """Whether there is a file at a place that is equal to another."""
+    """Whether a file exists at a path and equals another file."""
     return place.is_file() and filecmp.cmp(place, file, shallow=False)
 
 
 def _names(file: Path) -> Iterator[Path]:
-    """Give the name of a file, then names like it."""
+    """Yield the name of a file, then numbered variants of it."""
     yield file
     for number in count(2):
         yield file.with_name(f"{file.stem}_{number}{file.suffix}")

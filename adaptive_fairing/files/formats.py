@@ -2,9 +2,9 @@
 
 Only data, no bpy: the command line checks names of files before it starts Blender.
 
-The options serve one aim: what the input holds is in the output, and vertices that did not move
-have the same coordinates there. So nothing is merged, validated away or evaluated on the way
-except where the format itself demands it.
+The options serve one aim: the output holds what the input holds, and vertices that did not move
+keep their coordinates. So nothing is merged, removed by validation or evaluated on the way, except
+where the format itself demands it.
 """
 
 from __future__ import annotations
@@ -24,18 +24,17 @@ class MeshFormat:
     Attributes
     ----------
     importer, exporter
-        Operators, as in ``bpy.ops``. The options are keyword arguments for them; those that a
+        Names of operators in ``bpy.ops``. The options are their keyword arguments; those that a
         version of Blender does not know are left out.
     keeps_axes
-        Whether coordinates can go in and out as they stand in the file, without a turn between
-        "Y up" and "Z up".
+        Whether coordinates can be read and written unchanged, without turning "Y up" to "Z up".
     holds_scene
         Whether the file can hold several objects; otherwise only the faired one is written.
     splits_vertices
-        Whether a vertex is stored once for each of its normals and UVs, which tears the surface
-        apart at seams and sharp edges.
+        Whether a vertex is stored once for each of its normals and UVs, so that the surface comes
+        back split at seams and sharp edges.
     dies_without_space
-        Whether Blender ends the process when the disk is full while it writes.
+        Whether Blender crashes if the disk becomes full while it writes.
     """
 
     importer: str
@@ -144,22 +143,22 @@ SUFFIXES = (BLEND, *MESH_FORMATS)
 
 
 def suffix_of(path: Path) -> str:
-    """Suffix that decides the format, in lower case."""
+    """Suffix of a path in lower case; it decides the format."""
     return path.suffix.lower()
 
 
 def is_supported(path: Path) -> bool:
-    """Whether the name of the file says that it can be read and written."""
+    """Whether the suffix of a file is that of a known format."""
     return suffix_of(path) in SUFFIXES
 
 
 def splits_vertices(path: Path) -> bool:
-    """Whether a file of this format holds split vertices."""
+    """Whether a file of this format stores vertices split at seams and sharp edges."""
     file_format = MESH_FORMATS.get(suffix_of(path))
     return file_format is not None and file_format.splits_vertices
 
 
 def keeps_axes(source: Path, destination: Path) -> bool:
-    """Whether coordinates can go from one file to the other as they stand."""
+    """Whether coordinates can go from one file to the other unchanged."""
     formats = [MESH_FORMATS.get(suffix_of(path)) for path in (source, destination)]
     return all(each is not None and each.keeps_axes for each in formats)

@@ -8,21 +8,21 @@ from pathlib import Path
 
 
 def folded(path: Path) -> str:
-    """Write a path so that all names of one file are equal where case does not count.
+    """Fold a path so that all names of one file are equal where letter case does not count.
 
-    Nor does it count there whether an accent is a character of its own.
+    Such file systems also treat an accented letter and its two-character form as equal.
     """
     return unicodedata.normalize("NFC", str(path)).casefold()
 
 
 def ignores_case(folder: Path) -> bool:
-    """Find out by a short-lived file whether case does not count, as on Windows and macOS.
+    """Whether letter case does not count, as on Windows and macOS; tried with a short-lived file.
 
     Parameters
     ----------
     folder
-        Need not exist yet: then the one that it would be made in is asked. A folder that cannot
-        be written to counts as one that tells names apart.
+        Folder to try. If it does not exist, the nearest folder above it is tried. A folder that
+        cannot be written to counts as one where letter case counts.
     """
     place = next(each for each in (folder.absolute(), *folder.absolute().parents) if each.is_dir())
     try:

@@ -1,7 +1,8 @@
 """Report of a run as strict JSON: all settings and all measures.
 
-Lengths, areas and volumes are in object units of the mesh; times and densities are those of the
-solver's [-3, 3]^3 frame. What has no value (the volume of an open surface) is null.
+Lengths, areas and volumes are in object units of the mesh. Times and densities are those of the
+solver's [-3, 3]^3 frame. A value that does not exist, such as the volume of an open surface, is
+null.
 """
 
 from __future__ import annotations
@@ -33,9 +34,9 @@ Json = dict[str, Any]
 
 
 def settings_record(settings: DenoiseSettings | FairingSettings) -> Json:
-    """Name the algorithm and its settings, in the words of the command line.
+    """Record of the algorithm and its settings, in the words of the command line.
 
-    `settings_of_record` reads it.
+    `settings_of_record` reads it back.
     """
     values = asdict(settings)
     if isinstance(settings, DenoiseSettings):
@@ -46,12 +47,12 @@ def settings_record(settings: DenoiseSettings | FairingSettings) -> Json:
 
 
 def settings_of_record(record: Mapping[str, Any]) -> DenoiseSettings | FairingSettings:
-    """Read a `settings_record`; what it leaves out has its default.
+    """Read a `settings_record`; a missing setting takes its default.
 
     Raises
     ------
     SettingsError
-        A value makes no sense.
+        A value is invalid.
     """
     values = dict(record["settings"])
     if record["algorithm"] == "denoise":
@@ -68,14 +69,14 @@ def _word_of(value: str, words: Mapping[str, str]) -> str:
 
 
 def step_record(step: FairingStep, start: ArrayLike, seconds: float) -> Json:
-    """Describe one step of the paper's diffusion.
+    """Record of one step of the paper's diffusion.
 
     Parameters
     ----------
     step
-        As the solver yielded it.
+        Step as the solver yielded it.
     start
-        (n, 3) positions of the input, which displacements are measured from.
+        (n, 3) positions of the input; displacements are measured from them.
     seconds
         Time that the step took; the first step includes the set-up of the solver.
     """
@@ -94,7 +95,7 @@ def step_record(step: FairingStep, start: ArrayLike, seconds: float) -> Json:
 
 
 def denoise_record(result: DenoiseResult, seconds: float) -> Json:
-    """Describe a run of `denoise`: what was found, and one entry for every strength."""
+    """Record of a run of `denoise`: its estimates, and one entry for every strength."""
     return {
         "seconds": seconds,
         "is_changed": result.is_changed,
@@ -152,28 +153,28 @@ def build_report(
     notes: Sequence[str],
     error: str | None,
 ) -> Json:
-    """Put the report of a run together.
+    """Build the report of a run.
 
     Parameters
     ----------
     settings
-        As the solver got them.
+        Settings of the algorithm.
     program
         Names and versions of what ran.
     files
         Input, output and object.
     mesh, written
-        Counts of the mesh as it was read and as it was written; empty if it was not.
+        Counts of the mesh that was read and of the mesh that was written; empty without one.
     initial
-        Measures of the input surface; None if the run did not reach its first step.
+        Measures of the input surface; None if the run ended before its first step.
     denoise
-        A `denoise_record`, if that was run.
+        A `denoise_record`, if `denoise` was run.
     steps
         A `step_record` for each step of the paper's diffusion.
     stop_reason
         Why the run ended, as in `FairingStep`; None if an error ended it.
     notes
-        What was wrong with the input and what the output could not hold, one sentence each.
+        Faults of the input and losses in the output, one sentence each.
     error
         The error message; None if all went well.
     """
@@ -193,7 +194,7 @@ def build_report(
 
 
 def write_report(path: str | os.PathLike[str], report: Mapping[str, Any]) -> None:
-    """Write the report; an earlier file of that name is replaced in one go or left as it was.
+    """Write the report; an earlier file of that name is replaced as a whole or left unchanged.
 
     Raises
     ------
@@ -207,7 +208,7 @@ def write_report(path: str | os.PathLike[str], report: Mapping[str, Any]) -> Non
 
 
 def strict(value: Any) -> Any:
-    """Turn a value into what strict JSON can hold: numbers that are not finite become null."""
+    """Convert a value for strict JSON: numbers that are not finite become null."""
     if isinstance(value, Mapping):
         return {str(key): strict(item) for key, item in value.items()}
     if isinstance(value, np.ndarray):

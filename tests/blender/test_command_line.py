@@ -367,7 +367,7 @@ def test_ctrl_c_after_the_output_was_written_says_so(capsys, noisy, tmp_path, mo
     if old:
         out.write_text("old")
     line = error_of(capsys, "fair", noisy, "-o", out, "--report", tmp_path / "r", status=130)
-    assert line.endswith(f"interrupted: {out} was written before\n")
+    assert line.endswith(f"interrupted: {out} was already written\n")
     assert out.read_bytes().startswith(b"ply")
 
 

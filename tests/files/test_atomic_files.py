@@ -131,7 +131,7 @@ def test_companions_keep_their_names_and_folders(old):
 
 def test_a_file_in_the_place_of_a_folder_of_companions_is_named(old):
     (old.parent / "textures").write_text("of another program")
-    message = f"cannot write {old}: textures is a file, a folder of that name is needed"
+    message = f"cannot write {old}: textures is a file where a folder is needed"
     with pytest.raises(OSError) as caught, replaced_files(old) as draft:
         draft.write_text("new")
         (draft.parent / "textures").mkdir()

@@ -126,7 +126,7 @@ def test_a_glb_accessor_that_lies_is_refused(tmp_path, n_vertices):
 
 def test_a_stl_header_that_lies_is_refused(tmp_path):
     path = write_raw(tmp_path, "stl", VERTICES, FACES, n_faces=4_000_000_000)
-    with pytest.raises(FileError, match="promises 4000000000 triangles, it has room for 80"):
+    with pytest.raises(FileError, match="promises 4000000000 triangles, but 80 fit into it"):
         inspect(path)
 
 
@@ -218,7 +218,7 @@ def test_stl_in_upper_case_or_with_a_byte_order_mark_is_read(tmp_path, change):
     [
         (3, 2.0, None),
         (3, np.nan, "1 vertices have coordinates that are not finite numbers: 3"),
-        (len(VERTICES), 2.0, "1 values that a sparse accessor changes are not there: 0"),
+        (len(VERTICES), 2.0, "a sparse accessor replaces 1 values that do not exist: 0"),
     ],
 )
 def test_sparse_accessors_are_looked_into(tmp_path, has_base, place, value, message):

@@ -33,7 +33,7 @@ CONTRADICTIONS = [
     ([*COUNTS[:-1], 30], CORNERS, "'Skin' promise 267 corners of faces, 240 are there"),
     (COUNTS[:-3], CORNERS, "promise 231 corners of faces, 240 are there"),
     (COUNTS, CORNERS[:-20], "promise 240 corners of faces, 220 are there"),
-    ([-3, *COUNTS[1:]], CORNERS, "1 faces of 'Skin' have less than no corners"),
+    ([-3, *COUNTS[1:]], CORNERS, "1 faces of 'Skin' have a negative number of corners"),
     (COUNTS, [*CORNERS[:-1], 9999], "1 faces name vertices that are not there: 79; "),
     (COUNTS, [-7, *CORNERS[1:]], "1 faces name vertices that are not there: 0; "),
     ([*COUNTS[:-1], 2_000_000_000], CORNERS, "promise 2000000237 corners"),

@@ -73,7 +73,7 @@ def denoise(
         Arrays of the wrong shape or type, coordinates that are not finite, indices or weights out
         of range, no triangle at all; a preparation or a plan for something else.
     MemoryNeededError
-        The mesh cannot fit into memory.
+        The solve does not fit into memory.
     SolverError
         A linear system is not positive definite, not finite, or was not solved.
 

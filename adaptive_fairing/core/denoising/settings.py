@@ -42,7 +42,7 @@ class DenoiseSettings:
     Raises
     ------
     SettingsError
-        If a value makes no sense; the message names the field.
+        If a value is invalid; the message names the field.
     """
 
     strength: float = 1.0

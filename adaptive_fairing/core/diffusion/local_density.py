@@ -12,12 +12,12 @@ from .settings import FairingSettings
 
 
 def margin_of_run(settings: FairingSettings) -> Margin | None:
-    """Find how much around the moving vertices decides what becomes of them.
+    """Margin around the moving vertices that influences their motion.
 
     Returns
     -------
     Margin or None
-        None where it is all of the mesh: the volume that is kept is that of whole parts.
+        None for the whole mesh, if the volume is kept: that is the volume of whole parts.
     """
     if settings.keep_volume:
         return None
@@ -26,7 +26,7 @@ def margin_of_run(settings: FairingSettings) -> Margin | None:
 
 
 def initial_density(problem: SolverProblem, settings: FairingSettings) -> FloatArray:
-    """Measure the density of all of the surface where the run starts, (n,)."""
+    """Measure the density (n,) of the whole surface where the run starts."""
     whole = problem.whole
     return mesh_density(whole.topology, whole.start, settings.density, settings.density_passes)
 
@@ -34,10 +34,10 @@ def initial_density(problem: SolverProblem, settings: FairingSettings) -> FloatA
 def next_density(
     problem: SolverProblem, current: FloatArray, settings: FairingSettings, last: FloatArray
 ) -> FloatArray:
-    """Measure the density of the vertices that are solved on, (k,).
+    """Measure the density (k,) of the vertices that are solved on.
 
-    In a part of the surface those of weight 0 keep the `last` one: the next ones would be wrong at
-    its border, and a density plays no part where nothing may move.
+    On a part of the surface, vertices of weight 0 keep the `last` density: a new one would be wrong
+    at the border of the part, and it has no effect where nothing may move.
     """
     topology = problem.space.topology
     density = mesh_density(topology, current, settings.density, settings.density_passes)

@@ -19,18 +19,18 @@ class FairingStep:
     index : int
         1 for the first step.
     tau : float
-        τ that ran: the settings' own, or the one that their radius asks for.
+        τ of the run: that of the settings, or the one that their radius asks for.
     time : float
         index · τ.
     positions : (n, 3)
         In the units of the input; vertices that are held have their input coordinates bit by bit.
     density : (n,)
-        d_i after smoothing, in the solver's frame, as this step used it; 0 at loose vertices.
-        Where weights of 0 leave most of the mesh still it is that of the input there.
+        Smoothed d_i that this step used, in the solver's frame; 0 at loose vertices.  If weights of
+        0 hold most of the mesh, the values there are those of the input.
     curvature_energy, area, volume : float
-        Measures of the limit surface of `positions`, see `SurfaceMeasures`. Where weights of 0
-        leave most of the mesh still they are those of the part around the vertices that may move,
-        which is all that is solved on; it is open, so the volume is not a number.
+        Measures of the limit surface of `positions`, see `SurfaceMeasures`.  If weights of 0 hold
+        most of the mesh, they cover only the part around the moving vertices, which is all that is
+        solved on.  That part is open, so its volume is NaN.
     solve : SolveReport
     initial : SurfaceMeasures
         Measures of the surface before the first step.
@@ -38,8 +38,8 @@ class FairingStep:
         None while the run goes on; otherwise "steps" (all done), "curvature" (3.11), "rate"
         (3.10), or "not_converged" (the linear solve of this step missed its tolerance).
     notes : tuple of str
-        What is wrong with the input and how it was made solvable, one line each; and whether
-        something has begun to collapse.
+        Defects of the input and how it was made solvable, one line each; and a warning if a part
+        has begun to collapse.
     """
 
     index: int
@@ -87,5 +87,5 @@ class FairingResult:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What is wrong with the input and how it was made solvable, one line each."""
+        """Defects of the input and how it was made solvable, one line each."""
         return self.steps[-1].notes

@@ -37,7 +37,7 @@ TAU_RANGE = (1e-30, 1e30)
 
 @dataclass(frozen=True)
 class FairingSettings:
-    """What to solve, how far and how exactly.
+    """Method, amount and accuracy of the paper's diffusion.
 
     Attributes
     ----------
@@ -82,7 +82,7 @@ class FairingSettings:
     Raises
     ------
     SettingsError
-        If a value makes no sense; the message names the field.
+        If a value is invalid; the message names the field.
 
     Source: sections 3.2 to 3.4 of the paper.
     """

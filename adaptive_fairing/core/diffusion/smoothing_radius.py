@@ -1,11 +1,11 @@
 """Smoothing radius in local edge lengths, and the time τ that gives it on a mesh.
 
 Diffusion over a time T spreads a point of the surface over a radius sqrt(2T), the standard
-deviation of the heat kernel of the plane in one direction.  With T = τ d_i per step, a bare τ says
-nothing about how much detail goes; the radius divided by the local edge length does: below about
-one edge only noise goes, above three or four edges shapes of that size go too.
+deviation of the heat kernel of the plane in one direction.  As T = τ d_i per step, τ alone does not
+say how much detail is removed.  The radius divided by the local edge length does: below about one
+edge only noise is removed, above three or four edges shapes of that size are removed too.
 
-The ratio of two lengths is the same in the frame of the solver and in object units.
+The ratio of two lengths is the same in the solver's frame and in object units.
 """
 
 from __future__ import annotations
@@ -72,12 +72,12 @@ def radius_scale(vertices: ArrayLike, faces: ArrayLike, settings: FairingSetting
     faces : (m, 3)
         Triangles, as for `fair_steps`.
     settings : FairingSettings
-        The method, the density and the frame; τ, radius and the number of steps play no part.
+        Method, density and frame count; τ, radius and the number of steps do not.
 
     Raises
     ------
     InputError
-        Faces that are no triangles, or no edge of positive length to measure against.
+        The faces are not triangles, or no edge has a length above 0.
 
     Source: T(x) = τ D(x) of section 3.2 of the paper; the radius sqrt(2T) from the heat kernel.
     """
@@ -99,14 +99,14 @@ def radius_scale(vertices: ArrayLike, faces: ArrayLike, settings: FairingSetting
 def equivalent_uniform_tau(
     vertices: ArrayLike, faces: ArrayLike, settings: FairingSettings
 ) -> float:
-    """Find the τ with which the uniform method spends as much time as an adaptive one.
+    """Find the τ of the uniform method that gives as much diffusion time as an adaptive method.
 
     Returns
     -------
     float
         Mean of τ d_i over the vertices that have a triangle.
 
-    Parameters, errors: as in `radius_scale`, but τ counts.
+    Parameters and errors as in `radius_scale`, but τ counts.
     """
     topology, positions, _ = _in_frame(vertices, faces, settings)
     per_tau = _timestep_per_tau(topology, positions, settings)
@@ -115,7 +115,7 @@ def equivalent_uniform_tau(
 
 
 def suggest_tau(scale: RadiusScale, radius: float, steps: int) -> float:
-    """Find the τ with which all steps together smooth over a wanted radius in a typical part.
+    """Find the τ by which all steps together reach a wanted radius in the typical part.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def suggest_tau(scale: RadiusScale, radius: float, steps: int) -> float:
 def tau_of_run(
     topology: TriangleTopology, positions: FloatArray, settings: FairingSettings
 ) -> float:
-    """Find the τ that a run takes: the settings' own, or the one that their radius asks for.
+    """Find the τ of a run: that of the settings, or the one that their radius asks for.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ def tau_of_run(
     Raises
     ------
     InputError
-        The radius asks for a τ out of `TAU_RANGE`.
+        The radius asks for a τ outside `TAU_RANGE`.
     """
     if settings.tau is not None:
         return settings.tau
@@ -165,9 +165,9 @@ def _tau(typical: float, radius: float, steps: int) -> float:
 def _edges_and_radii(
     topology: TriangleTopology, positions: FloatArray, settings: FairingSettings
 ) -> tuple[FloatArray, FloatArray]:
-    """Measure local edges, and the smoothing radius over them after a time of 1.
+    """Local edges (k,), and the smoothing radius in them (k,) after a time of 1.
 
-    (k,) each, where an edge has a length and there is any time.
+    Vertices without an edge of positive length, or without time, are left out.
     """
     edges = mesh_density(topology, positions, "edge_length", smoothing_passes=0)
     per_tau = _timestep_per_tau(topology, positions, settings)
@@ -178,7 +178,7 @@ def _edges_and_radii(
 def _in_frame(
     vertices: ArrayLike, faces: ArrayLike, settings: FairingSettings
 ) -> tuple[TriangleTopology, FloatArray, float]:
-    """Give the mesh as the solver sees it: topology, positions in its frame, the frame's scale."""
+    """Topology of the solver's mesh, positions in the solver's frame, scale of that frame."""
     points = plain_array(vertices, "vertices").astype(np.float64)
     triangles = checked_triangles(faces, len(points))
     if not len(triangles):

@@ -39,7 +39,7 @@ def fair(
     weights: ArrayLike | None = None,
     prepared: PreparedMesh | None = None,
 ) -> FairingResult:
-    """Run all steps of `fair_steps`, which has the parameters and errors.
+    """Run all steps of `fair_steps`; parameters and errors are described there.
 
     Returns
     -------
@@ -72,8 +72,8 @@ def fair_steps(
 ) -> Iterator[FairingStep]:
     """Fair a triangle mesh by diffusion; yield the surface after every step.
 
-    The arrays are checked at the call; the work, including the one-time set-up, is done as the
-    steps are asked for.  Nothing handed over is changed.
+    The arrays are checked at the call.  All other work, including the one-time set-up, is done when
+    a step is asked for.  The arguments are not changed.
 
     Parameters
     ----------
@@ -87,25 +87,25 @@ def fair_steps(
         Factor in [0, 1] of the local timestep (or diffusivity) at a vertex; a vertex of weight 0
         stays exactly where it is.
     prepared : PreparedMesh, optional
-        What an earlier solve of a mesh with the same triangles can hand on.
+        Preparation from an earlier solve of a mesh with the same triangles.
 
     Yields
     ------
     FairingStep
-        `positions` (n, 3) of the vertices, in their order, the density that the step used, and
-        measures of the surface. The last one says why the run ended.
+        `positions` (n, 3) of the vertices in their order, the density that the step used, and
+        measures of the surface.  The last step says why the run ended.
 
     Raises
     ------
     SettingsError
-        Settings of another type.
+        The settings are of another type.
     InputError
-        Arrays of the wrong shape or type, coordinates that are not finite, indices or weights out
-        of range, no triangle at all; a preparation for something else.
+        Arrays have the wrong shape or type, coordinates are not finite, indices or weights are out
+        of range, there is no triangle, or the preparation does not fit.
     MemoryNeededError
-        The mesh cannot fit into memory; raised by the first step.
+        The solve does not fit into memory; raised by the first step.
     SolverError
-        A linear system that is not positive definite or not finite; raised by its step, which the
+        A linear system is not positive definite or not finite; raised by its step, which the
         message names.
 
     Source: section 3.4 of the paper.

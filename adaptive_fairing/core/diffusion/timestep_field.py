@@ -9,7 +9,7 @@ from .settings import FairingSettings
 
 
 def local_times(settings: FairingSettings, times: FloatArray, density: FloatArray) -> FloatArray:
-    """Give the time t_i of one step at every vertex.
+    """Time t_i of one step at every vertex.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def local_times(settings: FairingSettings, times: FloatArray, density: FloatArra
 
 
 def scheme_fields(settings: FairingSettings, local: FloatArray) -> dict[str, FloatArray]:
-    """Give the field that the matrices of a step need, by its name in `LoopSpace`.
+    """Field that the matrices of a step need, under its name in `LoopSpace`.
 
     Parameters
     ----------

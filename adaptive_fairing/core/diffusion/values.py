@@ -37,10 +37,10 @@ def fair_values(
 ) -> FloatArray:
     """Fair functions on the surface of a triangle mesh, whose vertices stay where they are.
 
-    A constant stays as it is.  On a closed surface without held vertices the mean of a function
-    stays, too: ∫ v by the methods "uniform" and "adaptive_tensor"; by "adaptive_timestep", which
-    is slower where the mesh is dense, ∫ v / T with T = τ D.  Finite elements have no maximum
-    principle: values next to a sharp step may go past it by a few percent of its height.
+    A constant does not change.  On a closed surface without held vertices the mean of a function
+    does not change either: ∫ v with "uniform" and "adaptive_tensor", and ∫ v / T, T = τ D, with
+    "adaptive_timestep", which is slower where the mesh is dense.  Finite elements have no maximum
+    principle: values next to a sharp step may overshoot it by a few percent of its height.
 
     Parameters
     ----------
@@ -48,10 +48,10 @@ def fair_values(
     faces : (m, 3) int
         As in `fair_steps`.
     values : (n, k) float
-        k functions, one in each column; none changes what becomes of another.
+        k functions, one in each column; they do not influence one another.
     settings : FairingSettings
         Method, time, density, steps, boundary ("fixed" holds the values of boundary vertices) and
-        accuracy.  What is about positions plays no part: `keep_volume`, `max_deviation` and the
+        accuracy count.  Settings about positions do not: `keep_volume`, `max_deviation` and the
         stopping rules.
     weights : (n,) float, optional
         Factor in [0, 1] of the local time; a vertex of weight 0 keeps its values exactly.
@@ -59,7 +59,7 @@ def fair_values(
     Returns
     -------
     (steps, n, k)
-        Values after every step.  Loose vertices keep theirs.
+        Values after every step.  Loose vertices keep their values.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def fair_values(
         Arrays of the wrong shape or type, numbers that are not finite or out of range, no
         triangle at all.
     MemoryNeededError
-        The mesh cannot fit into memory.
+        The solve does not fit into memory.
     SolverError
         A step did not converge; the message names it.
 
@@ -169,7 +169,7 @@ def _evolution(
 
 
 def _free_parts(topology: TriangleTopology, is_held: BoolArray) -> IntArray:
-    """Give the connected parts without a held vertex numbers, (n,); -1 elsewhere."""
+    """Assign numbers to the connected parts without a held vertex, (n,); -1 elsewhere."""
     n_parts, part = csgraph.connected_components(topology.adjacency(), directed=False)
     has_held = np.bincount(part[is_held], minlength=n_parts) > 0
     numbered: IntArray = np.where(has_held[part], -1, part)
@@ -177,7 +177,7 @@ def _free_parts(topology: TriangleTopology, is_held: BoolArray) -> IntArray:
 
 
 def _drift(increment: FloatArray, lumped_mass: FloatArray, part: IntArray) -> FloatArray:
-    """Mean of what a step adds, which is 0 but for the solver's tolerance, in every free part."""
+    """Mean of what a step adds in every free part, which is 0 up to the solver's tolerance."""
     n_parts = part.max(initial=-1) + 1
     inside = part >= 0
     mass = np.bincount(part[inside], lumped_mass[inside], n_parts)

@@ -19,26 +19,26 @@ ROUNDING = 1e-13
 class VolumeKeeper:
     """Keeps the volume that every closed part of a mesh had at the start.
 
-    It is the volume within the triangles, which is exact, and what other programs measure.  A
-    vertex is moved by its local time of the step times one factor for its part, along its normal.
+    That is the volume within the triangles, which is exact and which other programs measure too.
+    Each vertex moves along its normal by its local time of the step times one factor for its part.
     So the volume is a cubic polynomial of the factor, which Newton's method solves from 0.
 
-    Diffusion moves the surface by about its local time times its mean curvature; what goes back is
-    shared out as it was taken.  The same offset everywhere would be many edges where a mesh is
-    dense, and would fold thin parts there.
+    Diffusion moves the surface by about its local time times its mean curvature, so the volume is
+    given back in the proportion in which it was taken.  The same offset everywhere would be many
+    edges where a mesh is dense, and would fold thin parts there.
 
     Parameters
     ----------
     topology : TriangleTopology
     start : (n, 3)
-        Positions whose volumes are to stay.
+        Positions whose volumes are kept.
     is_held : (n,) bool
-        Vertices that take no part.
+        Vertices that do not move.
 
     Attributes
     ----------
     notes : tuple of str
-        What has no volume to keep, or has lost it.
+        Parts that have no volume to keep, or have lost it.
     """
 
     def __init__(self, topology: TriangleTopology, start: FloatArray, is_held: BoolArray) -> None:
@@ -61,10 +61,10 @@ class VolumeKeeper:
             self.notes = (f"{parts} no volume to keep: close the holes first if it is to stay",)
 
     def restored(self, positions: FloatArray, times: FloatArray) -> FloatArray:
-        """Move closed parts so that they have their volumes again, (n, 3) to (n, 3).
+        """Move closed parts so that they regain their volumes, (n, 3) to (n, 3).
 
-        `times` (n,) are the local times of the step. A part of which too little is left is not
-        moved; `notes` says so.
+        `times` (n,) are the local times of the step.  A part that has nearly vanished is not moved;
+        `notes` says so.
         """
         # In units of the longest time the factor is a length.
         share = np.where(self._is_moved, times / (times.max(initial=0) or 1.0), 0.0)
@@ -92,7 +92,7 @@ class VolumeKeeper:
         return positions + offset[self._part, None] * motion
 
     def notes_on_limit(self, restored: FloatArray, limited: FloatArray) -> tuple[str, ...]:
-        """Say how many vertices of closed parts a limit has brought back after `restored`."""
+        """Note how many vertices of closed parts were held back by the limit after `restored`."""
         n_back = int(np.count_nonzero((restored != limited).any(axis=1) & self._is_moved))
         if not n_back:
             return ()

@@ -6,7 +6,7 @@
     group     triangles of a block with equally many control points
     segment   triangles of a group, or of a chunk, that one `PatchTables` serves
 
-What differs by class is a matrix product per segment; everything between the products runs over
+Each segment has matrix products with tables of its own; everything between the products runs over
 all points of a block at once.
 """
 

@@ -124,5 +124,5 @@ def _product(a: RealArray, b: RealArray) -> RealArray:
 
 
 def energy_ratio(energy: float, initial: float) -> float:
-    """H(t)/H(0); a surface that was flat from the start has nothing left to lose."""
+    """H(t)/H(0), the fraction of the curvature energy that is left; 0 for a flat start."""
     return energy / initial if initial > 0 else 0.0

@@ -18,7 +18,7 @@ class Form(Protocol):
 
     @property
     def measured(self) -> bool:
-        """Whether the load -L X and the surface's measures are integrated on the way."""
+        """Whether the load -L X and the surface's measures are integrated in the same pass."""
 
     @property
     def curved(self) -> bool:
@@ -29,7 +29,7 @@ class Form(Protocol):
 
 
 class ScalarForm(NamedTuple):
-    """M and L of the paper: what a scalar field means in them."""
+    """M and L of the paper, with a scalar field as timestep or as diffusivity."""
 
     inverse_mass: bool = False
     scaled_stiffness: bool = False

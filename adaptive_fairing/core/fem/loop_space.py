@@ -46,7 +46,7 @@ class StepSystem(NamedTuple):
         Row sums of M.
     measures : SurfaceMeasures
     in_double : frozenset of Block
-        Those for which single precision was not enough.
+        Blocks for which single precision did not suffice.
     """
 
     matrix: SymmetricMatrix
@@ -169,9 +169,9 @@ class LoopSpace:
         timestep, diffusivity : (n_vertices,), optional
             Either may vary over the surface, not both.
         in_single : bool
-            Use single precision as far as it is enough; for positions in [-3, 3]³.
+            Use single precision where it suffices; for positions in [-3, 3]³.
         in_double : frozenset of Block
-            Those for which it was not enough a step before: it is not tried again there.
+            Blocks for which it did not suffice in the last step; it is not tried again there.
 
         Source: (3.3) with (3.4) (`timestep`) or (3.9) (`diffusivity`), less M X(0) on both sides.
         """

@@ -52,12 +52,12 @@ class MemoryNeededError(FairingError):
 def require_memory(
     patches: PatchSet, quadrature_tolerance: float, algorithm: Algorithm = "fair"
 ) -> None:
-    """Refuse a mesh whose solve cannot fit into memory.
+    """Refuse a mesh whose solve does not fit into memory.
 
     Raises
     ------
     MemoryNeededError
-        With the numbers. Not where the system does not tell how much memory it has.
+        The message has the numbers.  Nothing is raised if the system does not report its memory.
     """
     available = available_bytes()
     if available is None:

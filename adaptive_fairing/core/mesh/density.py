@@ -33,7 +33,7 @@ def mesh_density(
     positions : (n_vertices, 3)
         For the paper's numbers, scaled into [-3, 3]³.
     kind : "edge_length" or "area"
-        Mean distance to the neighbours, or sum of the areas of the triangles around.
+        Mean distance to the neighbours, or sum of the areas of the triangles around a vertex.
     smoothing_passes : int
         How often (3.6) is applied; the paper takes three.
 
@@ -75,8 +75,8 @@ def mesh_density(
 def smoothed(topology: TriangleTopology, values: FloatArray, passes: int) -> FloatArray:
     """Replace control values by their limit values, `passes` times: (3.6).
 
-    On the boundary, where the paper has no rule, the limit mask is the one of the cubic B-spline
-    curve that Loop's boundary rules converge to: (1/6, 2/3, 1/6).
+    The paper has no rule for the boundary. There the limit mask is (1/6, 2/3, 1/6), that of the
+    cubic B-spline curve to which Loop's boundary rules converge.
     """
     weight = _limit_weights(topology)
     keep = 1 - topology.ring_size * weight
@@ -91,7 +91,7 @@ def smoothed(topology: TriangleTopology, values: FloatArray, passes: int) -> Flo
 
 
 def _limit_weights(topology: TriangleTopology) -> FloatArray:
-    """Weights (n_vertices,) of each neighbour in limit positions inside; 0 for other vertices."""
+    """Weight of each neighbour in the limit position, (n_vertices,); 0 on the boundary."""
     # One cosine per valence, not per vertex.
     valences = np.arange(1, topology.ring_size.max(initial=0) + 1)
     weights: FloatArray = np.append(0.0, limit_weight(valences))[topology.ring_size]

@@ -15,9 +15,10 @@ ROUNDING = 1e-12
 def smallest_enclosing_sphere(points: FloatArray) -> tuple[FloatArray, float]:
     """Find the smallest sphere that contains all points.
 
-    It is the smallest sphere of at most four of them.  The farthest point from a sphere too small
-    takes part in the next one, whose radius is larger: no set of four comes up twice, so the
-    search ends at the exact sphere.  It takes about ten passes over the points.
+    That sphere is the smallest one around at most four of the points.  While the current sphere is
+    too small, the farthest point joins the set of the next one, whose radius is larger.  So no set
+    of four comes up twice, and the search ends at the exact sphere, after about ten passes over the
+    points.
 
     Parameters
     ----------
@@ -51,7 +52,7 @@ def smallest_enclosing_sphere(points: FloatArray) -> tuple[FloatArray, float]:
 
 
 def _sphere_through(point: FloatArray, support: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-    """Find the smallest sphere around a point on it and others: its points, centre, radius."""
+    """Smallest sphere around points, one of which lies on it: points on it, centre, radius."""
     best = np.empty((0, 3)), point, np.inf
     for n_others in range(1, min(len(support), 3) + 1):
         for chosen in combinations(support, n_others):

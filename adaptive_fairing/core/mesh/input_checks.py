@@ -1,4 +1,4 @@
-"""Checks of arrays from callers; each raises `InputError` with the culprits."""
+"""Checks of arrays from callers; each raises `InputError` that names the culprits."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def plain_array(values: ArrayLike, name: str) -> NDArray[Any]:
 
 
 def checked_vertices(vertices: ArrayLike) -> FloatArray:
-    """Copy positions as float64; refuse what is no (n, 3), not finite or far too large."""
+    """Copy positions as (n, 3) float64; refuse other shapes and numbers not finite or too large."""
     points = plain_array(vertices, "vertices").astype(np.float64)
     if points.ndim != 2 or points.shape[1] != 3:
         raise InputError(f"vertices must have shape (n, 3), not {points.shape}")
@@ -55,7 +55,7 @@ def checked_vertices(vertices: ArrayLike) -> FloatArray:
 
 
 def require_surface(points: FloatArray, triangles: IntArray) -> None:
-    """Refuse a mesh without a triangle of three different vertices, or far too small."""
+    """Refuse a mesh that is far too small, or has no triangle with three different vertices."""
     a, b, c = triangles.T
     if not ((a != b) & (b != c) & (c != a)).any():
         raise InputError(
@@ -72,7 +72,7 @@ def require_surface(points: FloatArray, triangles: IntArray) -> None:
 def bounding_box(
     points: FloatArray, chosen: IntArray | IndexArray | None = None
 ) -> tuple[FloatArray, FloatArray]:
-    """Lowest and highest coordinates of points (n, 3), or of some of them; at least one."""
+    """Lowest and highest coordinates of points (n, 3), or of the chosen ones, of at least one."""
     if chosen is not None:
         is_chosen = np.zeros(len(points), dtype=bool)
         is_chosen[chosen] = True
@@ -83,7 +83,7 @@ def bounding_box(
 
 
 def checked_weights(weights: ArrayLike | None, n_vertices: int) -> FloatArray:
-    """Copy weights as float64, by default 1; refuse what is no (n,) in [0, 1]."""
+    """Copy weights as (n,) float64, by default 1; refuse other shapes and values outside [0, 1]."""
     if weights is None:
         return np.ones(n_vertices)
     checked = plain_array(weights, "weights").astype(np.float64)

@@ -1,7 +1,7 @@
-"""Cuts of any triangles into an oriented manifold.
+"""Cuts that turn any triangles into an oriented manifold.
 
-Nothing of the caller's mesh changes: the result is a mesh for the solve, with copies of vertices
-where surfaces were cut apart.  Those vertices are held, so that the pieces stay together.
+The caller's mesh does not change: the result is a mesh for the solve, with copies of vertices where
+surfaces were cut apart.  Those vertices are held, so that the pieces stay together.
 
     repeated vertex in a triangle      the triangle is left out
     the same three vertices twice      the later triangle is left out
@@ -24,14 +24,14 @@ from ..runtime.arrays import BoolArray, IntArray, LongArray
 
 @dataclass(frozen=True)
 class ManifoldMesh:
-    """An oriented manifold made from any triangles.
+    """An oriented manifold made from arbitrary triangles.
 
     Attributes
     ----------
     triangles : (m, 3) int
-        In numbers of the cut mesh.
+        Vertex indices in the cut mesh.
     vertex_of : (n,) int
-        The caller's vertex behind each vertex of the cut mesh; every caller's vertex occurs.
+        The caller's vertex behind each vertex of the cut mesh; each of them occurs.
     is_held : (n,) bool
         Vertices at a cut.
     left_out : (k,) int
@@ -101,7 +101,7 @@ def cut_to_manifold(faces: IntArray, n_vertices: int) -> ManifoldMesh:
 
 
 def _proper_triangles(triangles: LongArray) -> tuple[LongArray, list[str]]:
-    """Choose the triangles without a repeated vertex, and of equal ones the first."""
+    """Triangles without a repeated vertex; of equal triangles the first."""
     notes = []
     ordered = np.sort(triangles, axis=1)
     proper = (ordered[:, 0] != ordered[:, 1]) & (ordered[:, 1] != ordered[:, 2])
@@ -117,7 +117,7 @@ def _proper_triangles(triangles: LongArray) -> tuple[LongArray, list[str]]:
 
 @dataclass(frozen=True)
 class _PairedEdges:
-    """Edges with exactly two triangles, as pairs of half-edges; and those with more.
+    """Edges with exactly two triangles, as pairs of half-edges, and the edges with more triangles.
 
     Attributes
     ----------
@@ -154,7 +154,7 @@ def _paired_edges(triangles: LongArray, n_vertices: int) -> _PairedEdges:
 
 
 def _orientation(edges: _PairedEdges, n_triangles: int) -> tuple[BoolArray, BoolArray]:
-    """Find the triangles to turn so that neighbours agree, and the pairs that then still do not."""
+    """Triangles to turn so that neighbours agree, and the pairs that disagree even then."""
     a, b = edges.first // 3, edges.second // 3
     disagree = edges.first_way == edges.second_way
     flip = np.zeros(n_triangles, dtype=bool)
@@ -184,7 +184,7 @@ def _orientation_from_seed(
     members: BoolArray,
     n_triangles: int,
 ) -> BoolArray:
-    """Orient one-sided pieces along a breadth-first tree, so that the tear is short."""
+    """Orient one-sided pieces along a breadth-first tree, so that the cut is short."""
     flip = np.zeros(n_triangles, dtype=bool)
     inside = members[a]
     graph = _graph(a[inside], b[inside], n_triangles)

@@ -12,7 +12,7 @@ TRIANGLES_PER_CHUNK = 16384
 
 
 def triangle_normals(positions: FloatArray, triangles: IntArray) -> FloatArray:
-    """Compute the normals of triangles (m, 3), as long as twice their area, (m, 3)."""
+    """Compute normals (m, 3) of triangles, whose length is twice the area."""
     columns = np.ascontiguousarray(positions.T)
     normals = np.empty((len(triangles), 3))
 
@@ -32,12 +32,12 @@ def triangle_normals(positions: FloatArray, triangles: IntArray) -> FloatArray:
 
 
 def vertex_normals(topology: TriangleTopology, positions: FloatArray) -> FloatArray:
-    """Average the normals of the triangles around by area; unit vectors, (n, 3), 0 without any."""
+    """Average the normals of the triangles around, by area: unit vectors (n, 3), 0 if loose."""
     return vertex_normals_of(topology.triangles, positions)
 
 
 def vertex_normals_of(triangles: IntArray, positions: FloatArray) -> FloatArray:
-    """Average normals as `vertex_normals` does, of triangles (m, 3) that need be no manifold."""
+    """Average normals as `vertex_normals` does; triangles (m, 3) need not form a manifold."""
     by_area = triangle_normals(positions, triangles)
     corners = triangles.T.reshape(-1)
     sums = [np.bincount(corners, np.tile(x, 3), len(positions)) for x in by_area.T]
@@ -45,7 +45,7 @@ def vertex_normals_of(triangles: IntArray, positions: FloatArray) -> FloatArray:
 
 
 def dots(first: FloatArray, second: FloatArray) -> FloatArray:
-    """Scalar products of vectors (n, 3) and (n, 3), (n,)."""
+    """Scalar products (n,) of vectors (n, 3) with vectors (n, 3)."""
     products: FloatArray = np.einsum("nd,nd->n", first, second)
     return products
 

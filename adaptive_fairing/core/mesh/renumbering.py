@@ -63,7 +63,7 @@ def sweep_order(positions: FloatArray, triangles: IntArray | LongArray) -> Local
 
 
 def _ascending_order(values: FloatArray) -> IndexArray:
-    """Sort values; those of one step keep their order."""
+    """Order of values rounded to steps; values of the same step keep their order."""
     low, high = values.min(), values.max()
     if low == high:
         return np.arange(len(values))

@@ -1,8 +1,7 @@
-"""Solver's mesh made of the caller's: numbering, cuts, units.
+"""Solver's mesh made from the caller's: numbering, cuts, units.
 
-The solve works on vertices in an order that keeps neighbours close in memory, on a mesh that was
-cut apart where it is not an oriented manifold, and in a frame of its own: by default the paper's,
-the box [-3, 3]³.
+The solver numbers the vertices so that neighbours are close in memory, cuts the mesh apart where it
+is not an oriented manifold, and works in a frame of its own, by default the paper's box [-3, 3]³.
 """
 
 from __future__ import annotations
@@ -31,7 +30,7 @@ FRAMES = ("box", "sphere")
 
 @dataclass(frozen=True)
 class SolverSurface:
-    """The manifold that is solved on: renumbered, and cut where the caller's mesh is not one.
+    """The manifold that is solved on: renumbered, and cut where the caller's mesh is not manifold.
 
     Attributes
     ----------
@@ -74,7 +73,7 @@ def solvable_surface(points: FloatArray, triangles: IntArray) -> SolverSurface:
 
 @dataclass(frozen=True)
 class SolverFrame:
-    """The solve's own coordinates, and the way back to the caller's."""
+    """The solver's coordinates, and the way back to the caller's."""
 
     centre: FloatArray
     scale: float
@@ -100,7 +99,7 @@ class SolverFrame:
         return inner
 
     def outward(self, current: FloatArray, points: FloatArray, is_held: BoolArray) -> FloatArray:
-        """Positions of the caller's vertices: those of `points`, bit by bit, where held."""
+        """Positions of the caller's vertices; held ones have those of `points`, bit by bit."""
         positions = points.copy()
         outer = current / self.scale
         outer += self.centre
@@ -111,9 +110,9 @@ class SolverFrame:
         return positions
 
     def displaced(self, points: FloatArray, displacement: FloatArray) -> FloatArray:
-        """Positions of the caller's vertices moved by the solver's displacements (n, 3).
+        """Positions of the caller's vertices after the solver's displacements (n, 3).
 
-        Where the displacement is 0 they are those of `points`, bit by bit.
+        Where the displacement is 0, they equal `points` bit by bit.
         """
         positions = points.copy()
         moves = displacement.any(axis=1)

@@ -96,15 +96,15 @@ class TriangleTopology:
 
     @property
     def boundary_neighbours(self) -> tuple[IntArray, IntArray]:
-        """Where the boundary goes to, and comes from, at each of `boundary_vertices`, (r,) each.
+        """Next and previous vertex of the boundary at each of `boundary_vertices`, (r,) each.
 
-        In the direction of its half-edges.
+        The boundary runs in the direction of its half-edges.
         """
         border = self.boundary_vertices
         return self.ring[self.ring_start[border]], self.ring[self.ring_start[border + 1] - 1]
 
     def adjacency(self, dtype: DTypeLike = np.int8) -> sparse.csr_array:
-        """Vertex adjacency, (n_vertices, n_vertices): ones, in rows that are not sorted."""
+        """Vertex adjacency (n_vertices, n_vertices): ones, with unsorted columns in each row."""
         data = np.ones(len(self.ring), dtype=dtype)
         shape = (self.n_vertices, self.n_vertices)
         return sparse.csr_array((data, self.ring, self.ring_start), shape=shape)
@@ -159,7 +159,7 @@ class TriangleTopology:
 
 
 def require_topology(topology: object) -> None:
-    """Refuse what is no topology: most likely the faces or the positions themselves."""
+    """Refuse an argument that is not a topology; most likely it is the faces or the positions."""
     if not isinstance(topology, TriangleTopology):
         raise InputError(
             "the topology comes first, TriangleTopology(faces, n_vertices), and then positions; "
@@ -200,7 +200,7 @@ def _require_distinct_corners(triangles: IntArray) -> None:
 
 
 def _twins(triangles: IntArray, n_vertices: int) -> IntArray:
-    """Match every half-edge with its opposite one; -1 where there is none."""
+    """Match every half-edge with its opposite; -1 where there is none."""
     origins, targets = triangles.reshape(-1), triangles[:, [1, 2, 0]].reshape(-1)
     half_edges = np.arange(len(origins), dtype=np.int32)
     shape = (n_vertices, n_vertices)
@@ -222,14 +222,14 @@ def _twins(triangles: IntArray, n_vertices: int) -> IntArray:
 
 
 def _entry_keys(matrix: sparse.csr_array) -> LongArray:
-    """Return the stored places of a row-compressed matrix as ascending numbers."""
+    """Return the stored entries of a row-compressed matrix as ascending n · row + column."""
     n_rows, n_columns = matrix.shape
     rows = np.repeat(np.arange(n_rows, dtype=np.int64), np.diff(matrix.indptr))
     return rows * n_columns + matrix.indices
 
 
 def _edge_error(origins: IntArray, targets: IntArray, n_vertices: int) -> TopologyError:
-    """Say which edges have more than two triangles, or two that run the same way."""
+    """Error that names edges with more than two triangles, or with two that run the same way."""
     low, high = np.minimum(origins, targets), np.maximum(origins, targets)
     keys, counts = np.unique(low.astype(np.int64) * n_vertices + high, return_counts=True)
     crowded = keys[counts > 2]

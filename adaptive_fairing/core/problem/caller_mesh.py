@@ -12,7 +12,7 @@ from ..runtime.arrays import FloatArray, IntArray
 
 
 class CallerMesh(NamedTuple):
-    """A mesh as the caller sees it, checked.
+    """The caller's mesh, checked.
 
     Attributes
     ----------

@@ -18,19 +18,19 @@ MARGIN = 1 - 8 * np.finfo(np.float64).eps
 def limited(
     positions: NDArray[Real], start: FloatArray, limit: float | FloatArray | None
 ) -> NDArray[Real]:
-    """Bring points that are too far from their start back to the sphere of that radius around it.
+    """Bring points that are too far from their start back to within the limit.
 
     Parameters
     ----------
     positions, start : (n, 3)
         The start must be exact in the precision of the positions.
     limit : float or (n,), optional
-        Largest distance of all or of each, in the units of the positions; None is no limit.
+        Largest distance of all points or of each, in the units of the positions; None for no limit.
 
     Returns
     -------
     (n, 3)
-        Not one point is farther than `limit`, rounding included.
+        No point is farther than `limit` from its start, rounding included.
     """
     if limit is None:
         return positions

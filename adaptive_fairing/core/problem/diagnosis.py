@@ -1,7 +1,7 @@
 """Diagnosis of a mesh before or beside the solve: notes for the user, and culprits.
 
-The rules are those of `mesh.manifold` and `fem.differential_geometry`; here it is only counted and
-located where they apply.
+The rules are those of `mesh.manifold` and `fem.differential_geometry`; here the vertices to which
+they apply are only counted and located.
 """
 
 from __future__ import annotations
@@ -26,18 +26,18 @@ TRIANGLES_PER_CHUNK = 32768
 
 @dataclass(frozen=True)
 class MeshProblems:
-    """Vertices of a mesh that the solve cannot treat as it treats others, ascending indices.
+    """Vertices of a mesh that the solve cannot treat like the others, as ascending indices.
 
     Attributes
     ----------
     not_finite : (k,) int
-        Coordinates that are no numbers: the mesh is refused.
+        Vertices whose coordinates are not finite: the mesh is refused.
     held : (k,) int
         Vertices where the mesh is cut for the solve; they do not move.
     left_out : (k,) int
-        Corners of triangles that are left out: a vertex twice, or the same triangle twice.
+        Corners of triangles that are left out, because they repeat a vertex or another triangle.
     thin : (k,) int
-        Corners of triangles without area, which get a bounded metric.
+        Corners of triangles without area, whose metric is bounded for the solve.
     """
 
     not_finite: IndexArray
@@ -47,7 +47,7 @@ class MeshProblems:
 
     @property
     def vertices(self) -> IndexArray:
-        """All of them together."""
+        """Indices of all these vertices together, ascending."""
         parts = (self.not_finite, self.held, self.left_out, self.thin)
         return np.unique(np.concatenate(parts))
 
@@ -82,7 +82,7 @@ def find_problems(vertices: ArrayLike, faces: ArrayLike) -> MeshProblems:
 
 
 def surface_notes(points: FloatArray, surface: SolverSurface) -> tuple[str, ...]:
-    """Say what is wrong with a mesh and how it was made solvable, one line each.
+    """Describe the defects of a mesh and how it was made solvable, one line each.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def surface_notes(points: FloatArray, surface: SolverSurface) -> tuple[str, ...]
 
 
 def _is_thin(points: FloatArray, triangles: IntArray) -> BoolArray:
-    """Tell which flat triangles have a metric that `metric_at` bounds, (m,)."""
+    """Whether each flat triangle has a metric that `metric_at` bounds, (m,)."""
     columns = np.ascontiguousarray(points.T)
     firsts = range(0, len(triangles), TRIANGLES_PER_CHUNK)
 

@@ -12,14 +12,14 @@ from ..runtime.arrays import IntArray
 
 
 class MeshCounts(NamedTuple):
-    """What a mesh is made of.
+    """Parts, boundaries and crowded edges of a mesh.
 
     Attributes
     ----------
     n_parts : int
         Connected parts: of triangles that share a vertex.
     largest_part : float
-        Fraction of the triangles that the largest one has.
+        Fraction of the triangles that lies in the largest part.
     n_boundaries : int
         Connected boundaries: holes and outer boundaries.
     n_crowded_edges : int
@@ -33,7 +33,7 @@ class MeshCounts(NamedTuple):
 
 
 def mesh_counts(triangles: IntArray) -> MeshCounts:
-    """Count what (m, 3) triangles make, at least one of them."""
+    """Count the parts, boundaries and crowded edges of triangles (m, 3), m ≥ 1."""
     n = int(triangles.max()) + 1
     ends = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1).astype(np.int64)
     # One number per edge sorts much faster than pairs do.

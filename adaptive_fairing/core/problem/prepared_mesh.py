@@ -20,10 +20,10 @@ DEFAULT_TOLERANCE = 1e-3
 class PreparedMesh(PreparedSurface):
     """Cuts, numbering, patches, tables and sparsity pattern of a mesh, for any run.
 
-    They depend on the triangles; the order of the solver's vertices, hence the last bits of the
-    result, also on the positions that the mesh was prepared with.  Frames of a moving surface that
-    are all solved with the preparation of the first have results that do not depend on which of
-    them are solved where.
+    All of it depends on the triangles alone, but for the order of the solver's vertices, which also
+    depends on the positions that the mesh was prepared with and changes the last bits of a result.
+    So frames of a moving surface are all solved with the preparation of the first frame: their
+    results then do not depend on which frames one process solves.
 
     Parameters
     ----------
@@ -36,9 +36,9 @@ class PreparedMesh(PreparedSurface):
     normalize : "box", "sphere" or False
         As in `FairingSettings`.
     scale : float, optional
-        Factor from every mesh into the solver's frame, such as `own_scale` of another preparation,
-        instead of one from each mesh's own size: one τ then means the same time, in the units of
-        the meshes, for all of them.
+        Factor from object units into the solver's frame, such as `own_scale` of another
+        preparation; by default it follows from the size of each mesh.  With one factor for several
+        meshes one τ means the same time for all of them.
 
     Attributes
     ----------
@@ -92,9 +92,9 @@ class PreparedMesh(PreparedSurface):
     def region(
         self, points: FloatArray, moves: BoolArray, n_rings: int, least: int = 0
     ) -> Region | None:
-        """Give the part of the surface around vertices that may move; see `part_around`.
+        """Part of the surface around the vertices that may move, see `part_around`.
 
-        That of the last call is kept: a second run on the same vertices prepares nothing.
+        The part of the last call is kept: a second run on the same vertices prepares nothing.
         """
         key = np.packbits(moves).tobytes(), n_rings, least
         if key != self._region_key:
@@ -107,12 +107,12 @@ class PreparedMesh(PreparedSurface):
         return is_same_size and np.array_equal(triangles, self.triangles)
 
     def require(self, triangles: IntArray, n_vertices: int, tolerance: float | None = None) -> None:
-        """Check that this is the preparation of a mesh, and for a tolerance if one is given.
+        """Check that this preparation is for a mesh, and for a tolerance if one is given.
 
         Raises
         ------
         InputError
-            It was made for other triangles or another quadrature.
+            The preparation is for other triangles or another quadrature tolerance.
         """
         if not self.serves(triangles, n_vertices):
             raise InputError("the prepared mesh has other triangles than the one to fair")

@@ -20,7 +20,7 @@ NOTABLE_VALENCE = 100
 
 
 class PreparedSurface:
-    """A surface with everything that a solve on it needs and that depends on its triangles alone.
+    """A surface with everything that a solve needs and that depends on the triangles alone.
 
     Parameters
     ----------
@@ -28,7 +28,7 @@ class PreparedSurface:
     quadrature_tolerance : float
         As in `FairingSettings`.
     part_of : TriangleTopology, optional
-        What the surface is a part of, see `PatchSet`.
+        Larger surface that this one is a part of, see `PatchSet`.
     """
 
     def __init__(
@@ -44,12 +44,12 @@ class PreparedSurface:
         self._admitted: set[Algorithm] = set()
 
     def space_for(self, algorithm: Algorithm) -> LoopSpace:
-        """Finite element space of the surface, made once, if it can serve an algorithm.
+        """Finite element space of the surface for an algorithm, made once.
 
         Raises
         ------
         MemoryNeededError
-            The solve cannot fit into memory.
+            The solve does not fit into memory.
         InputError
             Vertices with so many neighbours that assembling the matrices would take minutes.
         """
@@ -65,18 +65,18 @@ class PreparedSurface:
         return self._space
 
     def free_space(self) -> None:
-        """Free the finite element space, most of the memory: the next solve makes it anew."""
+        """Free the finite element space, which holds most of the memory; a solve makes it anew."""
         self._space = None
         self._admitted.clear()
 
     def needed_bytes(self, algorithm: Algorithm) -> int:
-        """Upper bound of the memory that a solve takes, this preparation included."""
+        """Upper bound of the memory that a solve takes, in bytes, this preparation included."""
         patches = PatchSet(self.surface.topology, self._part_of)
         return estimated_bytes(patches, self.quadrature_tolerance, algorithm)
 
 
 def _require_moderate_poles(surface: SolverSurface, most_entries: float) -> None:
-    """Refuse vertices with so many neighbours that a run would take minutes or hours."""
+    """Refuse a mesh with so many neighbours at a vertex that a run would take minutes or hours."""
     valence = surface.topology.ring_size
     poles = np.flatnonzero(valence > NOTABLE_VALENCE)
     if np.sum(valence[poles].astype(np.float64) ** 3) / 2 > most_entries:

@@ -18,7 +18,7 @@ from .prepared_mesh import PreparedMesh
 
 
 class Margin(NamedTuple):
-    """How much around the vertices that may move is solved on.
+    """Size of the part around the moving vertices that is solved on.
 
     Attributes
     ----------
@@ -31,7 +31,7 @@ class Margin(NamedTuple):
 
 
 class WholeSurface(NamedTuple):
-    """All of the surface of which a part may be solved on.
+    """The whole surface, of which the solve may cover a part.
 
     Attributes
     ----------
@@ -48,13 +48,13 @@ class WholeSurface(NamedTuple):
 
     @property
     def topology(self) -> TriangleTopology:
-        """Connectivity of all of it."""
+        """Connectivity of the whole surface."""
         return self.frame.surface.topology
 
     def to_caller(self, values: FloatArray, elsewhere: FloatArray) -> FloatArray:
-        """Values (k,) of the vertices solved on as values of the caller's vertices.
+        """Values (k,) at the vertices that are solved on, as values at the caller's vertices.
 
-        `elsewhere` (n,) are those of the whole surface.
+        `elsewhere` (n,) are the values at the other vertices of the whole surface.
         """
         of_all = elsewhere.copy()
         of_all[self.part] = values
@@ -75,11 +75,11 @@ class SolverProblem(NamedTuple):
     is_held : (n,) bool
         Vertices that must stay: of weight 0, loose, on cuts, and on a fixed boundary.
     notes : tuple of str
-        What is wrong with the mesh and how it was made solvable, one line each.
+        Defects of the mesh and how it was made solvable, one line each.
     whole : WholeSurface
-        What the vertices are a part of, in the same frame.
+        Surface that the vertices are a part of, in the same frame.
     is_part : bool
-        Whether they are not all of it.
+        Whether they are fewer than those of the whole surface.
     """
 
     space: LoopSpace
@@ -102,12 +102,12 @@ class SolverProblem(NamedTuple):
         normalize: Frame = "box",
         margin: Margin | None = None,
     ) -> SolverProblem:
-        """Go over to the solver's mesh; with a margin to a part of it if only a part may move.
+        """Pose the problem on the solver's mesh; with a margin, on the part of it that may move.
 
         Raises
         ------
         MemoryNeededError
-            The solve cannot fit into memory.
+            The solve does not fit into memory.
         """
         frame = prepared.frame(mesh.points, normalize)
         start = frame.inward(mesh.points)

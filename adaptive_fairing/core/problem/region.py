@@ -1,8 +1,8 @@
 """Part of a surface around the vertices that may move: all that a solve with weights looks at.
 
-A vertex of weight 0 is held: its equation is dropped.  So the equations of the others are all
-there is, and they come from the triangles that their basis functions reach.  With those in the
-part the solve on it is the solve on the whole, not an approximation of it.
+A vertex of weight 0 is held: its equation is dropped.  The equations of the others come from the
+triangles that their basis functions reach.  If all those triangles are in the part, the solve on it
+equals the solve on the whole surface; it is not an approximation.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class Region(PreparedSurface):
     Attributes
     ----------
     surface : SolverSurface
-        The part.  Its `vertex_of` are the caller's vertices.
+        The part.  Its `vertex_of` refers to the caller's vertices.
     inner_of : (k,) int
         The vertex of the whole surface behind each of the part's.
     """
@@ -46,7 +46,7 @@ class Region(PreparedSurface):
 def rings_around(
     topology: TriangleTopology, is_start: BoolArray, n_rings: int, least: int = 0
 ) -> BoolArray:
-    """Find the vertices around some, all but those of the last ring.
+    """Vertices within some rings around a set of vertices, without the last ring.
 
     Parameters
     ----------
@@ -55,12 +55,12 @@ def rings_around(
     n_rings : int
         Rings of neighbours around the vertices to start from, at least 1.
     least : int
-        Further rings are added until so many vertices are found, or no others can be reached.
+        Further rings are added until this many vertices are found, or no others can be reached.
 
     Returns
     -------
     (n,) bool
-        Those whose neighbours have all been reached.
+        Vertices whose neighbours have all been reached.
     """
     is_inside = has_ring = is_start.copy()
     front = np.flatnonzero(is_start)
@@ -87,7 +87,7 @@ def part_around(
         Positions of the solver's vertices; they only decide the order of the part's.
     whole : PreparedSurface
     moves : (n,) bool
-        Of the solver's vertices.
+        Which of the solver's vertices may move.
     n_rings, least : int
         As in `rings_around`.
 

@@ -1,4 +1,4 @@
-"""Checks of settings: each raises `SettingsError`, which names the field and what it may be."""
+"""Checks of settings: each raises `SettingsError`, which names the field and its valid values."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Settings = TypeVar("Settings")
 
 
 def checked_settings(settings: object | None, kind: type[Settings]) -> Settings:
-    """Give the settings of an algorithm, by default all as they come."""
+    """Check the type of the settings of an algorithm; None stands for the default settings."""
     if settings is None:
         return kind()
     if not isinstance(settings, kind):
@@ -29,14 +29,14 @@ def checked_settings(settings: object | None, kind: type[Settings]) -> Settings:
 
 
 def require_choice(settings: object, name: str, choices: tuple[str, ...]) -> None:
-    """Require one of a few words."""
+    """Require one of several words."""
     value = getattr(settings, name)
     if not (isinstance(value, str) and value in choices):
         raise SettingsError(f"{name} must be one of {', '.join(choices)}, not {value!r}")
 
 
 def require_integer(settings: object, name: str, *, least: int, most: int | None = None) -> None:
-    """Require a whole number from `least` to `most`; keep one of numpy's as Python's own."""
+    """Require a whole number from `least` to `most`, and store it as Python's int."""
     value = getattr(settings, name)
     is_whole = isinstance(value, Integral) and not isinstance(value, bool)
     if not is_whole or value < least or (most is not None and value > most):
@@ -46,7 +46,7 @@ def require_integer(settings: object, name: str, *, least: int, most: int | None
 
 
 def require_number(settings: object, name: str, *, above: float, below: float = math.inf) -> None:
-    """Require a number between two bounds, which are left out; keep it as Python's own."""
+    """Require a number strictly between two bounds, and store it as Python's float."""
     value = getattr(settings, name)
     is_number = isinstance(value, Real) and not isinstance(value, (bool, np.bool_))
     if not is_number or not above < value < below:

@@ -19,26 +19,27 @@ Precision: TypeAlias = type[np.floating[Any]]
 
 @dataclass(frozen=True)
 class SinglePrecision:
-    """Bounds within which single precision changes nothing that counts.
+    """Bounds within which single precision makes no relevant difference.
 
     Attributes
     ----------
     least_triangles : float
-        From this number on the time of a step counts.
+        Least number of triangles for which the saved time matters.
     least_tolerance : float
-        Of the quadrature: a hundred times the rounding of matrix entries.
+        Least quadrature tolerance: a hundred times the rounding of matrix entries.
     times : two floats
-        Bounds of the largest timestep or diffusivity in the [-3, 3]³ frame: no number overflows.
+        Bounds of the largest timestep or diffusivity in the [-3, 3]³ frame, so that no number
+        overflows.
     thinnest : float
-        Least area element over the squared lengths of the tangents.  Rounding makes the metric of
-        thinner triangles indefinite.
+        Least ratio of the area element to the squared lengths of the tangents.  Rounding makes the
+        metric of thinner triangles indefinite.
     shortest : float
         Least length of tangents in the [-3, 3]³ frame: its sixth power must not underflow.
     least_mass : float
-        Least row sum of M over the diagonal of M + L.  Rows of L add up to 0, but rounding leaves
-        1e-7 of the diagonal.
+        Least ratio of a row sum of M to the diagonal of M + L.  Rows of L add up to 0, but rounding
+        leaves 1e-7 of the diagonal.
     least_reduction : float
-        Least ratio of the residuals after and before a solve.
+        Least ratio of the residual after a solve to the one before it.
     """
 
     least_triangles: float = 20_000
@@ -50,7 +51,7 @@ class SinglePrecision:
     least_reduction: float = 1e-4
 
     def serves_mesh(self, n_triangles: int, tolerance: float, is_normalized: bool) -> bool:
-        """Whether it pays for a mesh, and is as exact as the quadrature."""
+        """Whether it saves relevant time on a mesh, and is as exact as the quadrature."""
         is_large = n_triangles >= self.least_triangles
         return is_large and is_normalized and tolerance >= self.least_tolerance
 
@@ -60,17 +61,17 @@ class SinglePrecision:
         return bool(low < times.max(initial=0) < high)
 
     def serves_metric(self, g11: RealArray, g22: RealArray, area_element: RealArray) -> bool:
-        """Whether it resolves a metric at points (n,)."""
+        """Whether it resolves the metric at points (n,)."""
         # Not "<": a surface that has shrunk to a point has 0 on both sides.
         is_thick = area_element > self.thinnest * (g11 + g22)
         return bool(is_thick.all() and g11.min() >= self.shortest**2)
 
     def serves_masses(self, masses: RealArray, diagonal: RealArray) -> bool:
-        """Whether M + L, with this diagonal (n,), tells its row sums (n,) from rounding errors."""
+        """Whether row sums (n,) of M + L, with this diagonal (n,), stand above rounding errors."""
         return bool((masses > self.least_mass * diagonal).all())
 
     def serves_solve(self, before: float, after: float) -> bool:
-        """Whether a residual can be reduced so far."""
+        """Whether a solve can reduce the residual by this factor."""
         return after >= self.least_reduction * before
 
 

@@ -1,4 +1,4 @@
-"""Memory that a process can still get, as far as the system tells."""
+"""Memory that a process can still get, as far as the system reports it."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from pathlib import Path
 
 
 def available_bytes() -> int | None:
-    """Memory that this process can still get, or None if the system does not tell.
+    """Bytes of memory that this process can still get, or None if the system does not say.
 
-    Free or reclaimable memory with swap space, within the limits of the control groups and of the
-    address space.  Linux tells in a file; elsewhere psutil is asked where it is installed.  Blender
-    does not bring it along, so the last to be asked is the system: macOS tells only how much memory
-    the machine has.
+    That is free or reclaimable memory with swap space, within the limits of the control groups and
+    of the address space.  Linux reports it in a file.  Elsewhere psutil is asked if it is
+    installed; Blender does not bring it along.  The last resort is a system call, which on macOS
+    reports only the whole memory of the machine.
     """
     free = _free_on_linux()
     if free is None:
@@ -49,7 +49,7 @@ def _memory_of_machine() -> int | None:
 
 
 def _free_in_address_space(process: Path = Path("/proc/self")) -> int | None:
-    """Read what a limit of the address space leaves (``ulimit -v``)."""
+    """Bytes that the limit of the address space leaves (``ulimit -v``)."""
     try:
         resource = importlib.import_module("resource")
         limit, _ = resource.getrlimit(resource.RLIMIT_AS)
@@ -62,10 +62,10 @@ def _free_in_address_space(process: Path = Path("/proc/self")) -> int | None:
 def _free_in_groups(
     root: Path = Path("/sys/fs/cgroup"), own: Path = Path("/proc/self/cgroup")
 ) -> int | None:
-    """Read what the limits of this process's control groups leave: a container's, or a user's.
+    """Bytes that the limits of this process's control groups leave, of a container or a user.
 
-    Version 2 has one tree of groups, version 1 one for memory; limits of the groups above count
-    as well.  Within a container the root is often its own group.
+    Version 2 has one tree of groups, version 1 a tree for memory.  Limits of the groups above count
+    as well.  Inside a container the root is often the container's own group.
     """
     found = [_free_in_group(root)]
     try:
@@ -106,7 +106,7 @@ def _free_in_group(group: Path) -> int | None:
 
 
 def _numbers(path: Path) -> dict[str, int]:
-    """Read lines of a name and a number."""
+    """Read lines that consist of a name and a number."""
     words = [line.split() for line in path.read_text().splitlines()]
     return {line[0]: int(line[1]) for line in words if len(line) > 1 and line[1].isdigit()}
 

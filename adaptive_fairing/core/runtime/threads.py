@@ -7,7 +7,7 @@ a time (`chunks`).  `ordered_map` is the only way to run them, and its rules are
 order       results come back in the order of the items, whatever thread was first: sums over them
             are the same to the last bit from run to run
 exceptions  the first exception in this order is raised; items that no thread has begun are dropped
-nesting     a thread that is at work computes the items of another call itself: it never waits for
+nesting     a thread at work computes the items of a nested call itself, so it never waits for
             threads that wait for it
 context     a thread sees the context variables of the caller
 """
@@ -39,7 +39,7 @@ LARGEST_KEPT = 64_000_000
 
 
 def limit_threads(limit: int) -> None:
-    """Use so many threads at most from now on; 0 goes back to `MOST_THREADS`."""
+    """Use at most this many threads from now on; 0 goes back to `MOST_THREADS`."""
     global _limit  # one number for the process, as are the threads
     if limit != _limit:
         _limit = limit
@@ -61,10 +61,11 @@ def n_threads() -> int:
 
 
 def chunks(n: int, size: int) -> list[slice]:
-    """Cut n numbers into slices of at most `size`; or leave fewer than two such slices whole.
+    """Cut n numbers into slices of at most `size`; one slice if there would be fewer than two.
 
-    To hand over less work takes longer than to do it.  The number of slices is even, for an even
-    number of threads; it does not depend on that number, and so neither do sums over the slices.
+    Handing over less work would take longer than doing it.  The number of slices is even, which
+    suits an even number of threads.  It does not depend on the number of threads, and so neither do
+    sums over the slices.
     """
     n_slices = 1 if n < 2 * size else 2 * -(-n // (2 * size))
     ends = [n * index // n_slices for index in range(n_slices + 1)]
@@ -112,13 +113,13 @@ def _pool() -> ThreadPoolExecutor:
 
 
 class Workspace(threading.local):
-    """Arrays that every thread uses again and again: fresh memory costs more than filling it."""
+    """Arrays that each thread uses again: fresh memory costs more than filling it."""
 
     def __init__(self) -> None:
         self._buffers: dict[tuple[str, Number], NDArray[Any]] = {}
 
     def array(self, name: str, *shape: int, dtype: Number = np.float64) -> NDArray[Any]:
-        """Return an array of any content, valid until this thread asks for `name` again."""
+        """Return an uninitialised array, valid until this thread asks for `name` again."""
         size = math.prod(shape)
         if size * np.dtype(dtype).itemsize > LARGEST_KEPT:
             return np.empty(shape, dtype)

@@ -77,7 +77,7 @@ def curvature(mesh: RefinedTopology, control: FloatArray, finer_control: FloatAr
 def refined_curvature(mesh: RefinedTopology, control: FloatArray) -> FloatArray:
     """Compute the same on a mesh that was refined at least once, (2, n_vertices).
 
-    There the neighbours of the vertices without a value have one: these get their mean.
+    There all neighbours of a vertex without a value have one; the vertex gets their mean.
     """
     result = regular_curvature(mesh, control)
     rest = np.flatnonzero(np.isnan(result[0]) & (mesh.ring_size > 0))

@@ -1,4 +1,4 @@
-"""Surfaces made of any triangles, for refinement: cut where not manifold, and joined again.
+"""Surfaces for refinement, made from any triangles: cut where not manifold, and joined again.
 
 The cuts are those of the solver, see `mesh.manifold`.  Both sides of a cut keep its curve, and
 vertices where the sides would not agree stay where they are, so that the refined mesh is joined
@@ -21,7 +21,7 @@ from .refined_topology import edge_keys
 
 @dataclass(frozen=True)
 class CutSurface:
-    """A surface to refine, and which part of the caller's mesh is behind each of its own.
+    """A surface to refine, and the caller's vertices and corners behind its own.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class CutSurface:
     notes: tuple[str, ...]
 
     def joined_vertices(self, level: int) -> LongArray:
-        """Give the vertices of a level numbers, the same to copies at cuts, (n_level,).
+        """Assign numbers to the vertices of a level, (n_level,); copies at cuts share one.
 
         The caller's vertices keep their numbers; the others follow without gaps.
         """
@@ -111,7 +111,7 @@ def _edges(topology: TriangleTopology) -> IntArray:
 
 
 def _apart(topology: TriangleTopology, vertex_of: LongArray, creases: IntArray) -> BoolArray:
-    """Choose copies of vertices that would move apart: they do not lie on one curve."""
+    """Choose copies of vertices that would move apart, because they do not lie on one curve."""
     n = int(vertex_of.max()) + 1
     ends = np.stack([topology.origins, topology.triangles[:, [1, 2, 0]].reshape(-1)], axis=1)
     sharp = np.concatenate([ends[topology.twin < 0], creases])

@@ -1,6 +1,6 @@
 """Edge points of a refinement: control points, limit positions and normals.
 
-They are most of a refined mesh, and all regular: no matrix is needed, only their neighbours.
+They are most vertices of a refined mesh, and all regular: no matrix is needed, only neighbours.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def edge_control_points(mesh: RefinedTopology, control: FloatArray, result: Floa
     control : (n_vertices, 3)
         Control points before it.
     result : (e, 3)
-        To be written.
+        Receives the control points.
     """
     opposite = mesh.opposite
 
@@ -55,7 +55,7 @@ def edge_limits(
     control : (n_vertices + e, 3)
         Control points after it.
     points, normals : (e, 3), optional
-        To be written.  Normals on sharp edges mean nothing; elsewhere the tangents are
+        Receive the results.  Normals on sharp edges are meaningless; elsewhere the tangents are
         Σ cos(jπ/3) x_j and Σ sin(jπ/3) x_j.
     """
     own, rings = control[mesh.n_vertices :], mesh.edge_point_rings
@@ -82,7 +82,7 @@ def _taken(control: FloatArray, indices: IntArray) -> list[FloatArray]:
 
 
 def unit_cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Compute unit vectors along a × b, (n, 3), 0 where there is none."""
+    """Compute unit vectors along a × b, (n, 3); 0 where a × b is 0."""
     # By columns: four times as fast as np.cross.
     x, y = np.ascontiguousarray(a.T), np.ascontiguousarray(b.T)
     cross = np.stack([x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)], axis=1)

@@ -41,7 +41,7 @@ class Refined(NamedTuple):
 
 
 class RefinementLevels:
-    """What refinement needs beside positions: meshes and matrices by level, each made once.
+    """Meshes and matrices of each level of refinement, made once, for any positions.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class RefinementLevels:
     Raises
     ------
     InputError
-        A crease is no edge, or a corner no vertex.
+        A crease is not an edge, or a corner is not a vertex.
     """
 
     def __init__(
@@ -75,7 +75,7 @@ class RefinementLevels:
 
     @cached_property
     def limit_matrix(self) -> sparse.csr_array:
-        """From the control points of level 0 to its vertices' places on the limit surface."""
+        """Map from the control points of level 0 to the limit positions of its vertices."""
         return limit_matrix(self.mesh(0))
 
     @cached_property
@@ -88,7 +88,7 @@ class RefinementLevels:
         Raises
         ------
         InputError
-            The level is no whole number from 0 on.
+            The level is not a whole number of at least 0.
         """
         if not isinstance(level, Integral) or isinstance(level, bool) or level < 0:
             raise InputError(f"levels must be a whole number from 0 on, not {level!r}")
@@ -97,7 +97,7 @@ class RefinementLevels:
         return self._meshes[level]
 
     def refinement_matrix(self, level: int) -> sparse.csr_array:
-        """Step from the control points of level `level - 1` to those of `level`, from 1 on."""
+        """Map from the control points of level `level - 1` to those of `level` ≥ 1."""
         while len(self._steps) < level:
             self._steps.append(refinement_matrix(self.mesh(len(self._steps))))
         return self._steps[level - 1]
@@ -110,12 +110,12 @@ class RefinementLevels:
 
     @cached_property
     def patch_evaluation(self) -> PatchEvaluation:
-        """What evaluates single points.
+        """Evaluation of single points of the surface.
 
         Raises
         ------
         InputError
-            There are creases or corners, which no patch has.
+            There are creases or corners; the patches have none.
         """
         if self.has_creases or (self.mesh(0).kind == CORNER).any():
             raise InputError(
@@ -145,14 +145,14 @@ class RefinementLevels:
     def limit_points(self, control: list[FloatArray]) -> FloatArray:
         """Points of the limit surface at the vertices of the last level, (n, 3).
 
-        A vertex keeps its point on all finer levels, so each is computed where it comes first.
+        A vertex keeps its point on all finer levels, so each is computed on its first level.
         """
         return self._limits(control, has_normals=False)[0]
 
     def _limits(
         self, control: list[FloatArray], has_normals: bool = True
     ) -> tuple[FloatArray, FloatArray]:
-        """Points, and on request normals of the inside, at the vertices of the last level."""
+        """Limit points at the vertices of the last level, and on request normals inside."""
         n = [len(points) for points in control]
         points = np.empty((n[-1], 3))
         normals = np.empty((n[-1] if has_normals else 0, 3))
@@ -211,17 +211,17 @@ class LimitSurface:
     positions : (n_vertices, 3) float
         Control points.
     creases : (k, 2) int
-        Vertex pairs of edges that stay sharp.  A vertex with two sharp edges, the boundary's
-        included, lies on a curve, one with more is a corner, and where a single one ends the
-        surface is smooth.
+        Vertex pairs of edges that stay sharp.  Boundary edges count as sharp.  A vertex with two
+        sharp edges lies on a smooth curve, a vertex with more is a corner, and at the end of a
+        single sharp edge the surface is smooth.
     corners : (j,) int
-        More vertices that stay where they are.
+        Further vertices that stay where they are.
 
     Raises
     ------
     InputError
-        A topology that is none, such as the faces themselves; positions of another shape or not
-        finite; a crease is no edge.
+        The topology is not a `TriangleTopology`, positions have another shape or are not finite, or
+        a crease is not an edge.
 
     Examples
     --------
@@ -249,18 +249,18 @@ class LimitSurface:
 
     @classmethod
     def from_levels(cls, levels: RefinementLevels, positions: ArrayLike) -> LimitSurface:
-        """Make a surface of given refinement levels, which it shares with others."""
+        """Make a surface that shares these refinement levels with others."""
         result = object.__new__(cls)
         result.levels = levels
         result.positions = _control_points(positions, levels.mesh(0).n_vertices)
         return result
 
     def moved(self, positions: ArrayLike) -> LimitSurface:
-        """Make the surface of other positions, which shares all matrices with this one."""
+        """Make the surface with other positions; it shares all matrices with this one."""
         return LimitSurface.from_levels(self.levels, positions)
 
     def refinement_matrix(self, level: int) -> sparse.csr_array:
-        """Step from the control points of level `level - 1` to those of `level`, from 1 on."""
+        """Map from the control points of level `level - 1` to those of `level` ≥ 1."""
         return self.levels.refinement_matrix(level)
 
     @cached_property
@@ -281,7 +281,7 @@ class LimitSurface:
         triangles : (k,) int
             Triangle of the control mesh that each point belongs to.
         barycentric : (k, 3) float
-            Its place there: how much of each corner, at least 0, 1 together.
+            Barycentric coordinates in that triangle, at least 0, with the sum 1.
 
         Returns
         -------
@@ -291,8 +291,8 @@ class LimitSurface:
         Raises
         ------
         InputError
-            Arrays of the wrong shape or type, unknown triangles, points outside their triangle;
-            a surface with creases or corners.
+            Arrays have the wrong shape or type, a triangle does not exist, a point lies outside its
+            triangle, or the surface has creases or corners.
 
         Source: J. Stam, *Evaluation of Loop Subdivision Surfaces*, 1998, by subdividing towards
         the point instead of eigenvectors.
@@ -314,7 +314,7 @@ class LimitSurface:
         return result
 
     def refined(self, levels: int) -> Refined:
-        """Cut every triangle into 4 ** levels ones, all vertices on the limit surface.
+        """Cut every triangle into 4 ** levels triangles, with all vertices on the limit surface.
 
         The vertices of the control mesh come first.  Triangles 4 f … 4 f + 3 of a level come from
         triangle f of the level before, see `refined_topology`.

@@ -110,7 +110,8 @@ def _edge_rows(mesh: RefinedTopology) -> sparse.csr_array:
 def tangent_matrices(mesh: RefinedTopology) -> tuple[sparse.csr_array, sparse.csr_array]:
     """Assemble two maps from control points to limit tangents inside, Σ cos(2πj/n) x_j and sin.
 
-    Their cross product points outward.  Rows of vertices on creases and the boundary mean nothing.
+    Their cross product points outward.  Rows of vertices on creases and the boundary are
+    meaningless.
     """
     valences = np.arange(mesh.ring_size.max(initial=0) + 1)
     table_start = np.append(0, np.cumsum(valences))

@@ -13,7 +13,7 @@ BYTES_PER_VALUE = 60
 
 
 def require_memory(n_triangles: int, levels: int, n_arrays: int) -> None:
-    """Refuse a refinement that cannot fit into memory.
+    """Refuse a refinement that does not fit into memory.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def require_memory(n_triangles: int, levels: int, n_arrays: int) -> None:
     Raises
     ------
     MemoryNeededError
-        With the numbers. Not where the system does not tell how much memory it has.
+        The message has the numbers.  Nothing is raised if the system does not report its memory.
     """
     available = available_bytes()
     n_refined = n_triangles * 4**levels

@@ -36,7 +36,7 @@ class SurfacePoints(NamedTuple):
 
 
 class PatchEvaluation:
-    """Where the patches of a mesh without creases are, to evaluate single points.
+    """Patches of a mesh without creases, for the evaluation of single points.
 
     Parameters
     ----------
@@ -101,7 +101,8 @@ def checked_places(
     Raises
     ------
     InputError
-        Arrays of the wrong shape or type, unknown triangles, points outside their triangle.
+        Arrays have the wrong shape or type, a triangle does not exist, or a point lies outside its
+        triangle.
     """
     numbers, places = plain_array(triangles, "triangles"), plain_array(barycentric, "barycentric")
     if numbers.ndim != 1 or (numbers.dtype.kind not in "iu" and numbers.size):

@@ -1,8 +1,8 @@
 """Refined mesh in one piece, with the transfer of values from the caller's mesh.
 
-Values at vertices and at corners are mixed half and half at every edge point: numbers by their
-mean (whole ones rounded), true or false where both ends are true, anything else from the first end.
-Children of a triangle inherit from it, halves of an edge from the edge.
+An edge point gets the mean of the two values at its ends, rounded for whole numbers.  A flag is
+true there if it is true at both ends; anything else is taken from the first end.  Children of a
+triangle inherit its values, halves of an edge those of the edge.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ Values = NDArray[Any]
 
 
 class RefinedNet:
-    """Vertices, edges and triangles after `levels` steps, joined where the caller's are.
+    """Vertices, edges and triangles after `levels` steps, joined where the caller's mesh is.
 
     Parameters
     ----------
@@ -75,11 +75,11 @@ class RefinedNet:
         return len(self._vertex_choice) if self.cut.is_cut else self._mesh(self.levels).n_vertices
 
     def joined(self, values: Values) -> Values:
-        """Take values of the surface's vertices, such as limit positions, for the net's."""
+        """Take values at the surface's vertices, such as limit positions, to the net's vertices."""
         return values[self._vertex_choice] if self.cut.is_cut else values
 
     def corner_normals(self, normals: Values) -> Values:
-        """Take normals (m, 3, 3) of the surface's triangle corners for the net's."""
+        """Take normals (m, 3, 3) at the surface's triangle corners to those of the net."""
         if self.cut.is_turned.any():
             normals = normals.copy()
             normals[self._is_turned] = -normals[self._is_turned, ::-1]
@@ -108,11 +108,11 @@ class RefinedNet:
         return corners.reshape(-1, *corners.shape[2:])
 
     def of_triangles(self, values: Values) -> Values:
-        """Hand values (m, …) of the caller's triangles on to their children."""
+        """Pass values (m, …) of the caller's triangles on to their children."""
         return np.repeat(values[self.cut.corner_of[:, 0] // 3], 4**self.levels, axis=0)
 
     def of_edges(self, values: Values, ends: LongArray, default: object) -> Values:
-        """Hand values (k, …) of the caller's edges on to their parts.
+        """Pass values (k, …) of the caller's edges on to their parts.
 
         Parameters
         ----------

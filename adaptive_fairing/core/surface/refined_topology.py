@@ -30,7 +30,7 @@ SMOOTH, DART, CREASE, CORNER = np.arange(4, dtype=np.int8)
 
 
 class RefinedTopology:
-    """A level of refinement: an oriented manifold of triangles, whose finer levels are cheap.
+    """A level of refinement: an oriented manifold of triangles that is cheap to refine.
 
     Attributes
     ----------

@@ -32,7 +32,7 @@ class Sectors:
     neighbour : (entries,) int
         Vertices p_0 … p_k, sector after sector.
     half_edge : (entries,) int
-        From the vertex to the neighbour; nothing useful at the last entry of a sector.
+        From the vertex to the neighbour; meaningless at the last entry of a sector.
     """
 
     vertex: IndexArray

@@ -1,9 +1,9 @@
 """Inspection of a mesh file before Blender's importer, without Blender.
 
-The importers trust what a file says of itself. A lying count or a cut file ends the process, a
-face whose vertex does not exist is dropped, a coordinate that is not a number becomes 0. Here such
-files are refused, with the number of culprits and the first of them. What it costs is a pass over
-the file with numpy, a small part of the time that a solve takes.
+The importers trust what a file says of itself. With a wrong count or a truncated file they crash;
+they drop a face whose vertex does not exist, and turn a coordinate that is not a number into 0.
+Here such files are refused, with the number of culprits and the first of them. That costs one pass
+over the file with numpy, little beside a solve.
 """
 
 from __future__ import annotations
@@ -42,13 +42,13 @@ def inspect(path: Path) -> Contents:
     Parameters
     ----------
     path
-        A file that exists. Of formats without a reader here nothing is known.
+        An existing file. For formats without a reader here the counts are None.
 
     Raises
     ------
     FileError
-        The file is cut short, contradicts itself, holds coordinates that are not finite numbers
-        in single precision, or faces whose vertices do not exist.
+        The file is cut short or contradicts itself, coordinates are not finite numbers in single
+        precision, or faces name vertices that do not exist.
     OSError
         The file cannot be read.
     """

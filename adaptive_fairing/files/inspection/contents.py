@@ -22,7 +22,7 @@ precision."""
 
 
 class DamagedError(Exception):
-    """The file is not what it says; the message is the reason alone."""
+    """A file that is damaged or contradicts itself; the message is the reason alone."""
 
 
 @dataclass(frozen=True)
@@ -32,16 +32,15 @@ class Contents:
     Attributes
     ----------
     n_vertices, n_faces
-        As the file counts them; None where that cannot be compared with Blender's mesh.
+        Counts in the file; None where they cannot be compared with Blender's mesh.
     n_points
-        Positions that a file holds whose vertices may be split; None for other formats.
+        Number of positions, in a format whose vertices may be split; None for other formats.
     readable
-        What the importer is to read instead of the file, because it would misread that; None if it
-        reads the file.
+        Corrected content for the importer, if it would misread the file; None if it would not.
     has_faces_before_groups
         Whether an .obj file has groups, and faces before the first of them.
     far
-        Coordinates that single precision would round much; None if there are none.
+        Coordinates that single precision would round too coarsely; None if there are none.
     """
 
     n_vertices: int | None = None
@@ -59,10 +58,10 @@ class FarPoints:
     Attributes
     ----------
     points
-        (n, 3) as the file holds them.
+        (n, 3) coordinates in the file.
     parts
-        Numbers of the points that a mesh of Blender may have, in its order: those of the whole
-        file, and those of each object in it.
+        Indices of the points of each mesh that Blender may make, in its order: the whole file, and
+        each object in it.
     """
 
     points: NDArray[np.float64]
@@ -70,7 +69,7 @@ class FarPoints:
 
 
 def is_far(points: ArrayLike) -> bool:
-    """Whether points, (n, 3), are `FAR` times as far from the origin as from each other."""
+    """Whether points (n, 3) are `FAR` times as far from the origin as from each other."""
     given = np.asarray(points)
     if len(given) == 0:
         return False
@@ -79,7 +78,7 @@ def is_far(points: ArrayLike) -> bool:
 
 
 def require_single_precision(points: ArrayLike) -> None:
-    """Refuse points, (n, 3), that are not finite, or all too small, in single precision."""
+    """Refuse points (n, 3) that are not finite in single precision, or all too small for it."""
     size = np.abs(np.asarray(points))
     with np.errstate(invalid="ignore"):
         refuse_not_finite(np.flatnonzero(~(size <= LARGEST).all(axis=1)))
@@ -92,7 +91,7 @@ def require_single_precision(points: ArrayLike) -> None:
 
 
 def refuse_not_finite(vertices: ArrayLike) -> None:
-    """Refuse a file in which these vertices, (k,), are not finite, if there are any."""
+    """Refuse a file if there are any such vertices (k,)."""
     bad = np.asarray(vertices)
     if len(bad):
         raise DamagedError(
@@ -102,7 +101,7 @@ def refuse_not_finite(vertices: ArrayLike) -> None:
 
 
 def refuse_unknown_vertices(faces: ArrayLike, n_vertices: int) -> None:
-    """Refuse a file in which these faces, (k,), name vertices that do not exist, if there are."""
+    """Refuse a file if there are any such faces (k,), which name vertices that do not exist."""
     bad = np.asarray(faces)
     if len(bad):
         raise DamagedError(
@@ -119,12 +118,12 @@ def repeated(corners: ArrayLike, starts: ArrayLike) -> NDArray[np.int64]:
     corners
         Vertices of all faces, one face after the other.
     starts
-        (m + 1,) where each face starts in them, and where the last one ends.
+        (m + 1,) start of each face in `corners`, and the end of the last one.
 
     Returns
     -------
     (k,) array
-        Their numbers, ascending; the order of the corners and their sense do not matter.
+        Indices of the faces, ascending; neither the order nor the sense of the corners matters.
     """
     corners, starts = np.asarray(corners, dtype=np.int64), np.asarray(starts, dtype=np.int64)
     sizes = np.diff(starts)

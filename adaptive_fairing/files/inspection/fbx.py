@@ -27,16 +27,16 @@ _DEEPEST = 64
 
 
 class Node(NamedTuple):
-    """A node: its path of names, such as ``Objects/Geometry/Vertices``, and its arrays."""
+    """A node with its path of names, such as ``Objects/Geometry/Vertices``, and its arrays."""
 
     path: str
     arrays: list[NDArray[Any]]
 
 
 def inspect_fbx(path: Path) -> Contents:
-    """Check that all nodes and arrays are there, the coordinates and the vertices of faces.
+    """Check that all nodes and arrays are complete, and check coordinates and faces.
 
-    The number of vertices is not compared: a file may hold shapes beside its meshes.
+    The number of vertices is not compared, because a file may hold shapes beside its meshes.
     """
     data = path.read_bytes()
     if not data.startswith(_MAGIC):
@@ -65,10 +65,10 @@ def _check_faces(corners: NDArray[Any], n_vertices: int) -> None:
 def _nodes(
     data: bytes, place: int, end: int, is_wide: bool, path: str, depth: int
 ) -> Iterator[Node]:
-    """Walk the nodes between two places, and those in them; arrays are read of geometry only."""
+    """Walk the nodes between two offsets, and the nodes in them; read only arrays of geometry."""
     layout = struct.Struct("<QQQB" if is_wide else "<IIIB")
     if depth > _DEEPEST:
-        raise DamagedError("its nodes are nested without end")
+        raise DamagedError("its nodes are nested too deeply")
     while place < end:
         node_end, n_properties, n_bytes, name_length = layout.unpack_from(data, place)
         if node_end == 0:
@@ -85,7 +85,7 @@ def _nodes(
 
 
 def _arrays(data: bytes, place: int, end: int, count: int, name: str) -> list[NDArray[Any]]:
-    """Check the properties of a node; give its arrays if they are of geometry."""
+    """Check the properties of a node, and return its arrays if they are geometry."""
     found = []
     for _ in range(count):
         kind = chr(data[place]) if place < end else ""
@@ -105,10 +105,10 @@ def _arrays(data: bytes, place: int, end: int, count: int, name: str) -> list[ND
                 piece = data[place - n_bytes : place] if is_packed else data[place - wanted : place]
                 piece = zlib.decompress(piece) if is_packed else piece
                 if len(piece) != wanted:
-                    raise DamagedError(f"{name} promises {length} numbers, it holds another number")
+                    raise DamagedError(f"{name} promises {length} numbers, but holds more or fewer")
                 found.append(np.frombuffer(piece, dtype))
         else:
-            raise DamagedError(f"cut short or damaged: a property of {name} is of no known kind")
+            raise DamagedError(f"cut short or damaged: a property of {name} has an unknown type")
         if place > end:
             raise DamagedError(f"cut short or damaged: a property of {name} ends beyond its node")
     return found

@@ -23,9 +23,9 @@ _JSON_CHUNK, _BINARY_CHUNK = 0x4E4F534A, 0x004E4942
 
 
 def inspect_gltf(path: Path) -> Contents:
-    """Check that all buffers are there, the coordinates and the vertices of faces.
+    """Check that all buffers are complete, and check coordinates and faces.
 
-    Blender joins and splits vertices of such files, so their number tells nothing.
+    Blender joins and splits vertices of such files, so their number is not compared.
     """
     try:
         n_points = _check(path)
@@ -35,7 +35,7 @@ def inspect_gltf(path: Path) -> Contents:
 
 
 def _check(path: Path) -> int:
-    """Check everything; give the number of positions of all meshes."""
+    """Check everything, and count the positions of all meshes."""
     data = path.read_bytes()
     text, binary = _chunks(data) if data[:4] == b"glTF" else (data, None)
     scene: Json = json.loads(text.decode("utf-8"))
@@ -59,7 +59,7 @@ def _check(path: Path) -> int:
 
 
 def _chunks(data: bytes) -> tuple[bytes, bytes | None]:
-    """Take a .glb file apart into its JSON and its binary buffer."""
+    """Split a .glb file into its JSON and its binary buffer."""
     length = struct.unpack_from("<I", data, 8)[0] if len(data) >= 20 else -1
     if length > len(data) or length < 0:
         raise DamagedError(f"cut short: its header promises {length} bytes, it has {len(data)}")
@@ -135,7 +135,7 @@ def _check_primitive(
 
 
 def _read(accessor: Json, views: list[Json], buffers: list[bytes]) -> NDArray[Any]:
-    """Numbers of an accessor, (count, width); all that it needs was checked to be there."""
+    """Numbers of an accessor (count, width), whose bytes were checked to be there."""
     values = _read_view(accessor, views, buffers)
     parts = _sparse_parts(accessor)
     if parts:
@@ -143,7 +143,7 @@ def _read(accessor: Json, views: list[Json], buffers: list[bytes]) -> NDArray[An
         bad = np.flatnonzero(places >= len(values))
         if len(bad):
             raise DamagedError(
-                f"{len(bad)} values that a sparse accessor changes are not there: {listed(bad)}"
+                f"a sparse accessor replaces {len(bad)} values that do not exist: {listed(bad)}"
             )
         values = values.copy()
         values[places.reshape(-1)] = changed
@@ -151,7 +151,7 @@ def _read(accessor: Json, views: list[Json], buffers: list[bytes]) -> NDArray[An
 
 
 def _sparse_parts(accessor: Json) -> list[Json]:
-    """Describe the places and the values of a sparse accessor as accessors of their own."""
+    """Describe the indices and the values of a sparse accessor as plain accessors."""
     if "sparse" not in accessor:
         return []
     sparse, values = accessor["sparse"], {"componentType": accessor["componentType"]}

@@ -45,7 +45,7 @@ _UNUSUAL_VERTEX = re.compile(
 
 
 def inspect_obj(path: Path) -> Contents:
-    """Check coordinates and the vertices of faces; count both."""
+    """Check coordinates and faces, and count vertices and faces."""
     data = path.read_bytes()
     if b"\\" in data:
         data = re.sub(rb"\\\r?\n", b"  ", data)
@@ -102,8 +102,8 @@ def _corners(
     Yields
     ------
     face_of, corners, known
-        (k,) each: the number of the face, the vertex, and how many vertices stand above the face,
-        which are all that it may name.
+        (k,) each: the index of the face, its vertex, and the number of vertices above the face in
+        the file, which are all that it may name.
     """
     lines = (match[1] for match in _FACE.finditer(data))
     for start in range(0, len(faces), _CHUNK):
@@ -121,7 +121,7 @@ def _corners(
 
 
 def _numbers(text: bytes) -> NDArray[np.int64]:
-    """Read whole numbers, up to the first thing that is none."""
+    """Read whole numbers, up to the first text that is not one."""
     with warnings.catch_warnings():
         # numpy warns of text that is no number.
         warnings.simplefilter("ignore", DeprecationWarning)
@@ -152,6 +152,6 @@ def _far_points(
 
 
 def _points(data: bytes, limit: int | None = None) -> NDArray[np.float64]:
-    """Read the coordinates of the first vertices, or of all; they were checked before."""
+    """Read the coordinates of the first vertices, or of all; they are already checked."""
     words = [match.groups() for match in islice(_POINT.finditer(data), limit)]
     return np.array(words, dtype=np.bytes_).astype(np.float64).reshape(-1, 3)

@@ -34,7 +34,7 @@ _LONGEST_NUMBER = 64
 
 
 class Property(NamedTuple):
-    """A property of an element: one number a row, or a list with its length in front."""
+    """A property of an element: one number in each row, or a list after its length."""
 
     name: str
     dtype: np.dtype[Any]
@@ -43,7 +43,7 @@ class Property(NamedTuple):
 
 @dataclass(frozen=True)
 class Element:
-    """Rows that the header promises."""
+    """A kind of rows that the header announces, and how many there are."""
 
     name: str
     count: int
@@ -52,7 +52,7 @@ class Element:
 
 @dataclass(frozen=True)
 class Header:
-    """What stands above the rows: their layout, and the number of bytes before them."""
+    """Header of a file: the layout of the rows, and the number of bytes before them."""
 
     elements: list[Element]
     is_text: bool
@@ -66,12 +66,12 @@ class Rows:
     Attributes
     ----------
     columns
-        Numbers of the plain properties, (n,) each.
+        (n,) values of each plain property.
     lists
-        Of each list property all values, one row after the other, and (n + 1,) where each row
-        starts in them.
+        All values of each list property, one row after the other, and (n + 1,) the start of each
+        row in them.
     starts
-        (n + 1,) where each row starts in the file, and where the last one ends.
+        (n + 1,) start of each row in the file, and the end of the last one.
     """
 
     columns: Mapping[str, NDArray[Any]]
@@ -80,7 +80,7 @@ class Rows:
 
 
 def inspect_ply(path: Path) -> Contents:
-    """Check that all rows are there, the coordinates and the vertices of faces; count both."""
+    """Check that all rows are there, check coordinates and faces, and count both."""
     data = path.read_bytes()
     header = read_header(data)
     rows = read_rows(data, header)
@@ -106,7 +106,7 @@ def inspect_ply(path: Path) -> Contents:
 def _without_faces(
     data: bytes, header: Header, starts: NDArray[np.int64], faces: NDArray[np.int64]
 ) -> bytes:
-    """Give a .ply file without some of its faces, (k,) numbers; all else stays byte by byte."""
+    """Copy of a .ply file without the faces of these indices (k,), otherwise byte for byte."""
     kept = np.ones(len(starts) - 1, dtype=bool)
     kept[faces] = False
     lines = [
@@ -171,7 +171,7 @@ def read_rows(data: bytes, header: Header) -> dict[str, Rows]:
     Raises
     ------
     DamagedError
-        Rows that the header promises are missing, or a row is malformed.
+        Rows that the header announces are missing, or a row is malformed.
     """
     found, place = {}, header.n_bytes
     read = _read_text if header.is_text else _read_binary
@@ -182,7 +182,7 @@ def read_rows(data: bytes, header: Header) -> dict[str, Rows]:
 
 
 def _corners(rows: Mapping[str, Rows]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Vertices of all faces, and where each face starts in them."""
+    """Vertices of all faces, and the start of each face in them."""
     face = rows.get("face")
     if face is not None:
         for name in ("vertex_indices", "vertex_index"):
@@ -219,7 +219,7 @@ def _read_binary(data: bytes, place: int, element: Element) -> Rows:
 
 
 def _row_dtype(data: bytes, place: int, properties: Sequence[Property]) -> np.dtype[Any] | None:
-    """Layout of a row whose lists are as long as in the row at a place; None if it is cut."""
+    """Layout of a row with lists as long as in the row at this offset; None if that is cut off."""
     fields: list[tuple[Any, ...]] = []
     for each in properties:
         if each.length_dtype is None:
@@ -253,7 +253,7 @@ def _rows_of_table(table: NDArray[Any], element: Element, place: int) -> Rows:
 
 
 def _walk_binary(data: bytes, place: int, element: Element) -> Rows:
-    """Read rows one by one, because their lengths differ."""
+    """Read rows of different lengths one by one."""
     places: dict[str, list[int]] = {each.name: [] for each in element.properties}
     lengths: dict[str, list[int]] = {each.name: [] for each in element.properties}
     starts = [place]
@@ -329,7 +329,7 @@ def _read_text(data: bytes, place: int, element: Element) -> Rows:
 def _require_whole_numbers(
     words: Sequence[bytes], index: NDArray[np.int64], element: Element
 ) -> None:
-    """Refuse 1e1 and 10.0 where 10 should be, of which the importer would read the 1 or nothing."""
+    """Refuse whole numbers written as 1e1 or 10.0: the importer would read a 1, or nothing."""
     chosen = [words[at] for at in index.tolist()]
     if b"".join(chosen).translate(None, b"+-0123456789"):
         bad = next(word for word in chosen if not word.lstrip(b"+-").isdigit())

@@ -17,7 +17,7 @@ _CORNER = re.compile(rb"\bvertex\s+(\S+)\s+(\S+)\s+(\S+)")
 
 
 def inspect_stl(path: Path) -> Contents:
-    """Check triangles and coordinates; Blender joins corners, so their number tells nothing."""
+    """Check triangles and coordinates; Blender joins corners, so no number is compared."""
     data, readable = path.read_bytes(), None
     promised = int.from_bytes(data[80:84], "little") if len(data) >= HEADER_BYTES else -1
     if len(data) == HEADER_BYTES + TRIANGLE_BYTES * promised:
@@ -31,13 +31,13 @@ def inspect_stl(path: Path) -> Contents:
         raise DamagedError(f"it has {len(data)} bytes, too few for a .stl file")
     else:
         there = (len(data) - HEADER_BYTES) // TRIANGLE_BYTES
-        raise DamagedError(f"its header promises {promised} triangles, it has room for {there}")
+        raise DamagedError(f"its header promises {promised} triangles, but {there} fit into it")
     require_single_precision(corners)
     return Contents(readable=readable)
 
 
 def _lower_case(data: bytes) -> bytes:
-    """Give text in lower case, without what may stand before it."""
+    """Text of a file in lower case, without a byte order mark or white space in front."""
     return data.removeprefix(codecs.BOM_UTF8).lstrip().lower()
 
 

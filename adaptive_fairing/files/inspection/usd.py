@@ -1,7 +1,7 @@
 """Inspection of .usd files, text or binary, and of packages of them: the faces of their meshes.
 
-Blender's importer believes the counts of corners. Where they contradict the corners it reads
-beyond them: another result at every run, or the end of the process.
+Blender's importer trusts the number of corners of each face. If they add up to more corners than
+there are, it reads beyond the end: the result differs from run to run, or it crashes.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ _NAME = re.compile(rb'"([^"]*)"')
 
 
 class Faces(NamedTuple):
-    """Faces of a mesh: its name, how many corners each has, the corners, the number of points."""
+    """Faces of a mesh: its name, the corners of each counted, all corners, the number of points."""
 
     mesh: str
     counts: NDArray[np.int64]
@@ -37,7 +37,7 @@ class Faces(NamedTuple):
 
 
 def inspect_usd(path: Path) -> Contents:
-    """Check that the corners of all faces are there; what changes in time is not looked at."""
+    """Check that the corners of all faces are there; animated values are not checked."""
     for faces in _meshes(path.read_bytes()):
         _check(faces)
     return Contents()
@@ -64,7 +64,7 @@ def _meshes(data: bytes) -> Iterator[Faces]:
 def _check(faces: Faces) -> None:
     bad = np.flatnonzero(faces.counts < 0)
     if len(bad):
-        raise DamagedError(f"{len(bad)} faces of {faces.mesh!r} have less than no corners")
+        raise DamagedError(f"{len(bad)} faces of {faces.mesh!r} have a negative number of corners")
     promised, there = int(faces.counts.sum()), len(faces.corners)
     if promised != there:
         raise DamagedError(

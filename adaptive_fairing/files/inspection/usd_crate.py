@@ -1,7 +1,7 @@
 """Crates, which are binary .usd files: the values of their attributes.
 
-A crate has sections: texts ("tokens"), fields (a name and where its value is), sets of fields,
-paths, and specs, which give a path its set of fields. All numbers in them are packed.
+A crate has sections: texts ("tokens"), fields (a name and the place of its value), sets of fields,
+paths, and specs, which assign a set of fields to a path. All their numbers are packed.
 
 Source: the public description of the format in OpenUSD, pxr/usd/usd/crateFile.h.
 """
@@ -32,7 +32,7 @@ _LEAF, _CHILD = -2, -1
 
 
 class Attribute(NamedTuple):
-    """An attribute: its prim, its name, and where its value is."""
+    """An attribute: its prim, its name, and the place of its value."""
 
     prim: str
     name: str
@@ -40,7 +40,7 @@ class Attribute(NamedTuple):
 
 
 class Crate:
-    """A crate whose sections have been read; all errors are those of numpy, struct and Python.
+    """A crate whose sections have been read; a damaged one raises errors of numpy and struct.
 
     Raises
     ------
@@ -59,7 +59,7 @@ class Crate:
         self._sections = {name.rstrip(b"\0"): start for name, start, _ in sections}
 
     def attributes(self) -> Iterator[Attribute]:
-        """Find all attributes that have a value which does not change in time."""
+        """All attributes with a value that is not animated."""
         tokens, paths, fields, sets = self._tokens(), self._paths(), self._fields(), self._sets()
         names = [tokens[token] for token, _ in fields]
         section = _Section(self._data, self._sections[b"SPECS"])
@@ -75,7 +75,7 @@ class Crate:
     def integers(self, value: int) -> NDArray[np.int64]:
         """Read an array of whole numbers."""
         if not value & _IS_ARRAY or value >> 48 & 0xFF != _INT:
-            raise ValueError("a value that is no array of whole numbers")
+            raise ValueError("a value that is not an array of whole numbers")
         count, place = self._array(value)
         if value & _IS_PACKED and count >= _SMALLEST_PACKED:
             return _Section(self._data, place).integers(count)
@@ -86,7 +86,7 @@ class Crate:
         return self._array(value)[0]
 
     def _array(self, value: int) -> tuple[int, int]:
-        """Give the number of elements of an array, and where they are."""
+        """Count the elements of an array, and return the offset of the first too."""
         place = value & (1 << 48) - 1
         if place == 0:
             return 0, 0
@@ -113,7 +113,7 @@ class Crate:
         return section.integers(section.number()).tolist()
 
     def _paths(self) -> dict[int, tuple[str, int]]:
-        """Parent and token of every path by its number; the token of a property is negative."""
+        """Parent and token of every path by its index; the token of a property is negative."""
         section = _Section(self._data, self._sections[b"PATHS"])
         section.number()
         count = section.number()
@@ -149,7 +149,7 @@ class _Section:
         return int(number)
 
     def unpacked(self) -> bytes:
-        """Read bytes with their packed size in front."""
+        """Read a block of bytes that begins with its packed size."""
         size = self.number()
         piece = self._data[self._place : self._place + size]
         self._place += size
@@ -158,7 +158,7 @@ class _Section:
         return _unpacked(piece[1:])
 
     def integers(self, count: int) -> NDArray[np.int64]:
-        """Read whole numbers: differences, of which the most common one takes no room."""
+        """Read whole numbers stored as differences; the most common difference takes no room."""
         data = self.unpacked()
         codes = np.frombuffer(data, np.uint8, (2 * count + 7) // 8, 4)
         code = (codes[:, None] >> np.array([0, 2, 4, 6], dtype=np.uint8) & 3).reshape(-1)[:count]
@@ -178,7 +178,7 @@ def _group(sets: list[int], first: int) -> list[int]:
 
 
 def _unpacked(data: bytes) -> bytes:
-    """Unpack a block of LZ4: pieces of text, each followed by a repetition of what was before."""
+    """Unpack a block of LZ4: pieces of text, each followed by a copy of earlier output."""
     found, place = bytearray(), 0
     while place < len(data):
         mark = data[place]
@@ -191,14 +191,14 @@ def _unpacked(data: bytes) -> bytes:
         length, place = _length(data, place + 2, mark & 15)
         start = len(found) - back
         if start < 0 or back == 0:
-            raise ValueError("a repetition of what is not there")
+            raise ValueError("a copy from before the beginning")
         piece = found[start : start + length + 4]
         found += (piece * (length // back + 5))[: length + 4] if back < length + 4 else piece
     return bytes(found)
 
 
 def _length(data: bytes, place: int, length: int) -> tuple[int, int]:
-    """Read a length that goes on in further bytes if it is 15; give it and the place behind."""
+    """Read a length, which continues in further bytes if it is 15, and the offset behind it."""
     if length == 15:
         while True:
             length += data[place]

@@ -188,5 +188,5 @@ def test_ctrl_c_says_how_to_go_on(five_meshes, tmp_path):
     _, err = process.communicate()
     assert process.returncode == 130
     assert err.splitlines()[-1] == (
-        "adaptive-fairing: error: interrupted: what is finished stays, run again to go on"
+        "adaptive-fairing: error: interrupted: finished outputs stay, run again to continue"
     )
