@@ -7,6 +7,9 @@ took longer than the patience), the processor time of all threads for the last o
 root mean square of the displacement ("moved"), and the process's memory in bytes "before" the
 smoothing and at its "peak". speed.py starts it.
 
+The clock of a run on a known mesh starts after another run on the whole of it. `denoise` has no
+steps: one and four are the same.
+
 A step is one iteration of the program. What it does differs: ours, CGAL's and libigl's diffuse for
 the same time; Blender's Laplacian Smooth solves a system as well; the others replace every vertex
 by an average of its neighbours.
@@ -17,10 +20,12 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping
 from functools import partial
+from itertools import count
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -28,6 +33,9 @@ from tools.geometry.triangles import FloatArray
 
 from . import meshes
 from .measuring import peak_memory, resident_memory
+
+if TYPE_CHECKING:
+    from adaptive_fairing.core import DenoiseResult, FairingStep
 
 CG_TOLERANCE = 1e-6
 """Relative residual, as in our default settings."""
@@ -52,15 +60,35 @@ Smoother = Callable[[int], Timed]
 """Takes the number of steps."""
 
 
-def ours(mesh: meshes.Mesh, amount: Amount) -> Smoother:
-    """Adaptive fairing: set-up, then steps; a step is the time between two results."""
-    from adaptive_fairing.core import FairingSettings, fair_steps
+def ours(
+    mesh: meshes.Mesh,
+    amount: Amount,
+    *,
+    denoises: bool = False,
+    is_known: bool = False,
+    part: float | None = None,
+) -> Smoother:
+    """Adaptive fairing: set-up, then steps; a step is the time between two results.
+
+    Or `denoise`.  On a mesh that is known, and on a part of the vertices: another one each run.
+    """
+    from adaptive_fairing.core import FairingSettings, PreparedMesh, denoise, fair_steps
+
+    options: dict[str, object] = {}
+    places = count(0, len(mesh.vertices) // 3)
+
+    def results(steps: int) -> Iterable[DenoiseResult | FairingStep]:
+        if denoises:
+            return [denoise(mesh.vertices, mesh.triangles, **options)]
+        settings = FairingSettings(tau=amount.tau, steps=steps, cg_tolerance=CG_TOLERANCE)
+        return fair_steps(mesh.vertices, mesh.triangles, settings, **options)
 
     def run(steps: int) -> Timed:
-        settings = FairingSettings(tau=amount.tau, steps=steps, cg_tolerance=CG_TOLERANCE)
+        if part is not None:
+            options["weights"] = meshes.weights_around(mesh.vertices, next(places), part)
         times = []
         start = time.perf_counter()
-        for result in fair_steps(mesh.vertices, mesh.triangles, settings):
+        for result in results(steps):
             times.append(time.perf_counter() - start)
             positions = result.positions
         # The first interval has the set-up; the last has no system for a next step.
@@ -68,6 +96,9 @@ def ours(mesh: meshes.Mesh, amount: Amount) -> Smoother:
         step = float(whole.mean()) if len(whole) else None
         return Timed(times[-1], positions, step)
 
+    if is_known:
+        options["prepared"] = PreparedMesh(mesh.vertices, mesh.triangles)
+        deque(results(1), maxlen=0)
     return run
 
 
@@ -167,10 +198,27 @@ def blender(mesh: meshes.Mesh, amount: Amount, modifier: str, **options: object)
 
 
 OURS = "Adaptive Fairing"
+DENOISE = "Denoise"
+AGAIN, PART, PRESS, SMALL_PRESS = "second run", "1 %", "1 %, mesh known", "0.1 %, mesh known"
 KEPT = "Adaptive Fairing, first matrices"
 
+_KINDS = {
+    AGAIN: {"is_known": True},
+    PART: {"part": 0.01},
+    PRESS: {"is_known": True, "part": 0.01},
+    SMALL_PRESS: {"is_known": True, "part": 0.001},
+}
+
+
+def _of_ours(name: str, **options: bool) -> dict[str, Callable[[meshes.Mesh, Amount], Smoother]]:
+    """All kinds of runs of one of our algorithms, by name."""
+    whole = {name: partial(ours, **options)}
+    return whole | {f"{name}, {kind}": partial(ours, **options, **_KINDS[kind]) for kind in _KINDS}
+
+
 PROGRAMS: Mapping[str, Callable[[meshes.Mesh, Amount], Smoother]] = {
-    OURS: ours,
+    **_of_ours(OURS),
+    **_of_ours(DENOISE, denoises=True),
     KEPT: ours_on_the_first_surface,
     "libigl, cotangent + CG": libigl,
     "libigl, cotangent + Cholesky": partial(libigl, cholesky=True),

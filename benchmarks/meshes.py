@@ -149,6 +149,12 @@ def _framed(name: str, vertices: FloatArray, triangles: Faces) -> Mesh:
     return Mesh(name, np.ascontiguousarray(moved), np.ascontiguousarray(triangles, np.int32))
 
 
+def weights_around(vertices: FloatArray, place: int, part: float) -> FloatArray:
+    """Weights (n,) of 1 at a part of the vertices, those nearest to one of them."""
+    distance = np.linalg.norm(vertices - vertices[place % len(vertices)], axis=1)
+    return (distance <= np.quantile(distance, part)).astype(float)
+
+
 SHAPES = {"sphere": sphere, "irregular": irregular, "classes": many_classes}
 
 

@@ -8,7 +8,11 @@ CGAL, libigl and Blender's Laplacian Smooth keep the Laplacian of the first surf
 steps. Ours sees the current surface in every step; the row "first matrices" keeps the first ones
 too, so that equal work is compared, with scipy's solver as libigl's.
 
+With the folder of an earlier commit our algorithms of then take part too, run by the scripts of
+now.
+
     python -m benchmarks.speed [--sizes 10000 100000 1000000] [--mesh FILE] [--plot speed.png]
+        [--earlier FOLDER]
 """
 
 from __future__ import annotations
@@ -25,7 +29,7 @@ from adaptive_fairing.core.diffusion.smoothing_radius import equivalent_uniform_
 from tools.geometry.triangles import edge_lengths
 
 from . import cgal_program, meshes
-from .competitors import KEPT, OURS, PROGRAMS
+from .competitors import AGAIN, DENOISE, KEPT, OURS, PART, PRESS, PROGRAMS, SMALL_PRESS
 from .measuring import MEGABYTE, Result, load, log_slope, machine, seconds_text, table
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -47,19 +51,36 @@ SETUP_TO_STEP, SETUP_GOAL = "set-up and last measuring / step", 1.5
 
 FOUR = "four steps from scratch"
 
+EARLIER = " at the earlier commit"
+
 RATIOS = (
-    ("step / step of CGAL", "step", CGAL, "step", 0.35),
-    (f"{FOUR} / those of CGAL", "four", CGAL, "four", 0.5),
-    (f"processor time of {FOUR} / that of CGAL", "processor", CGAL, "processor", None),
-    ("step / step of CGAL with the same parameter", "step", CGAL_AS_NAMED, "step", 0.35),
-    (f"{FOUR} / those of CGAL with the same parameter", "four", CGAL_AS_NAMED, "four", 0.5),
+    ("step / step of CGAL", OURS, "step", CGAL, "step", 0.35),
+    (f"{FOUR} / those of CGAL", OURS, "four", CGAL, "four", 0.5),
+    (f"processor time of {FOUR} / that of CGAL", OURS, "processor", CGAL, "processor", None),
+    ("step / step of CGAL with the same parameter", OURS, "step", CGAL_AS_NAMED, "step", 0.35),
+    (
+        f"{FOUR} / those of CGAL with the same parameter",
+        *(OURS, "four", CGAL_AS_NAMED, "four", 0.5),
+    ),
     # From scratch: its further steps keep the first Laplacian, ours see the current surface.
-    ("step / step from scratch of libigl with CG", "step", LIBIGL, "one", 1.0),
+    ("step / step from scratch of libigl with CG", OURS, "step", LIBIGL, "one", 1.0),
     # Its further iterations keep the factorized matrix of the first.
-    ("step / one iteration of Blender's Laplacian Smooth", "step", BLENDER, "one", 0.02),
+    ("step / one iteration of Blender's Laplacian Smooth", OURS, "step", BLENDER, "one", 0.02),
+    (f"{FOUR} with the first matrices / those of {CGAL}", KEPT, "four", CGAL, "four", None),
+    (f"{FOUR} with the first matrices / those of {LIBIGL}", KEPT, "four", LIBIGL, "four", None),
+    (f"{DENOISE} / {FOUR}", DENOISE, "four", OURS, "four", 3.0),
+    *(
+        (f"{name}, {kind} / all of it", f"{name}, {kind}", "four", name, "four", goal)
+        for name in (OURS, DENOISE)
+        for kind, goal in ((AGAIN, None), (PART, 0.12), (PRESS, 0.12), (SMALL_PRESS, None))
+    ),
+    *(
+        (f"{name}, {figure} / earlier", name, figure, name + EARLIER, figure, None)
+        for name, figure in ((OURS, "step"), *((name, "four") for name in PROGRAMS))
+    ),
 )
-"""Name, figure of ours, program, its figure, and what the ratio should be on meshes of 200,000
-triangles and more."""
+"""Name, program of ours, its figure, other program, its figure, and what the ratio should be on
+meshes of 200,000 triangles and more."""
 
 NOTES = f"""
 one step, four: from scratch, with everything that has to be set up; step: one more step, on a
@@ -67,6 +88,8 @@ surface that has changed. {OURS}, libigl and CGAL diffuse for the same time; CGA
 libigl keep the Laplacian of the first surface. CGAL with the same parameter has the number that is
 our diffusion time as its own `time`, and so diffuses four times as long, and solves longer.
 For the others a step is one iteration of theirs.
+{AGAIN}: once more on the same triangles. 1 %, 0.1 %: of the vertices have a weight; mesh known:
+after a run on all of it. {DENOISE} has no steps: one and four are the same run of it.
 processor: of all threads together, for the four steps (or the one, where four were not tried).
 memory: peak of the whole process, and its growth by the smoothing per triangle.
 moved: root mean square displacement after the last step, in mean edges; CGAL keeps the volume."""
@@ -102,13 +125,18 @@ class Contest:
         For the mesh files and CGAL's compiled program.
     wanted : list of str
         Names of the programs.
+    earlier : Path, optional
+        Folder of an earlier commit: its algorithms take part, too.
     patience : float
         Seconds that a program may take for a step. One that is expected to take longer, as time
         grows with the power 1.5 of the size, is left out; one step is then all that is tried.
     """
 
-    def __init__(self, folder: Path, wanted: list[str], patience: float) -> None:
+    def __init__(
+        self, folder: Path, wanted: list[str], earlier: Path | None, patience: float
+    ) -> None:
         self._folder = folder
+        self._roots: dict[str, Path] = {}
         self._patience = patience
         self._commands: dict[str, list[str]] = {}
         self._last: dict[str, tuple[int, float]] = {}
@@ -123,6 +151,10 @@ class Contest:
                 print(f"{name}: left out, needs the Python module {module}")
             else:
                 self._commands[name] = [sys.executable, "-m", "benchmarks.competitors", name]
+                if earlier is not None and name.split(",")[0] in (OURS, DENOISE):
+                    then = name + EARLIER
+                    self._commands[then] = self._commands[name]
+                    self._roots[then] = _with_core_of(earlier, folder)
 
     def run(self, mesh: meshes.Mesh, radius: float, repeats: int) -> dict[str, Result]:
         """Let all programs smooth a mesh in turns; results by name, in the order of the table."""
@@ -169,7 +201,7 @@ class Contest:
                 text=True,
                 timeout=5 * self._patience,
                 check=True,
-                cwd=ROOT,
+                cwd=self._roots.get(name, ROOT),
             )
         except subprocess.TimeoutExpired:
             print(f"{name}: given up after {5 * self._patience:.0f} s")
@@ -181,6 +213,17 @@ class Contest:
         # Blender may write lines of its own first, and when it ends.
         line = next(line for line in done.stdout.splitlines() if line.startswith('{"one"'))
         return json.loads(line)
+
+
+def _with_core_of(earlier: Path, folder: Path) -> Path:
+    """Make a folder with the package of an earlier commit and the benchmarks of now."""
+    root = folder / "earlier"
+    if not root.exists():
+        root.mkdir()
+        for name in ("benchmarks", "tools"):
+            (root / name).symlink_to(ROOT / name)
+        (root / "adaptive_fairing").symlink_to(earlier.resolve() / "adaptive_fairing")
+    return root
 
 
 def print_results(mesh: meshes.Mesh, results: dict[str, Result]) -> None:
@@ -213,19 +256,17 @@ def print_results(mesh: meshes.Mesh, results: dict[str, Result]) -> None:
 
 def ratios_of(results: dict[str, Result]) -> dict[str, float]:
     """Ratios of one mesh; less is better."""
+    ratios = {}
     ours = results.get(OURS)
-    if ours is None or ours.four is None or ours.step is None:
-        return {}
-    ratios = {SETUP_TO_STEP: (ours.four - 4 * ours.step) / ours.step}
-    for name, own, program, theirs, _ in RATIOS:
-        other = getattr(results.get(program), theirs, None)
-        if other:
-            ratios[name] = getattr(ours, own) / other
-    kept = getattr(results.get(KEPT), "four", None)
-    for program in (CGAL, LIBIGL):
-        other = getattr(results.get(program), "four", None)
-        if kept and other:
-            ratios[f"{FOUR} with the first matrices / those of {program}"] = kept / other
+    if ours is not None and ours.four and ours.step:
+        ratios[SETUP_TO_STEP] = (ours.four - 4 * ours.step) / ours.step
+    for name, program, figure, other, other_figure, _ in RATIOS:
+        own, theirs = (
+            getattr(results.get(each), which, None)
+            for each, which in ((program, figure), (other, other_figure))
+        )
+        if own and theirs:
+            ratios[name] = own / theirs
     return ratios
 
 
@@ -256,12 +297,13 @@ def main() -> None:
     parser.add_argument("--repeats", type=int, default=3, help="runs of each program")
     parser.add_argument("--patience", type=float, default=160, help="seconds for a step, at most")
     parser.add_argument("--programs", nargs="*", default=[*PROGRAMS, *CGAL_TIMES], metavar="NAME")
+    parser.add_argument("--earlier", type=Path, help="folder of an earlier commit")
     parser.add_argument("--plot", type=Path, default=Path("speed.png"), help="picture to write")
     arguments = parser.parse_args()
     print(machine())
     sizes: dict[str, list[tuple[int, dict[str, Result]]]] = {}
     with tempfile.TemporaryDirectory() as folder:
-        contest = Contest(Path(folder), arguments.programs, arguments.patience)
+        contest = Contest(Path(folder), arguments.programs, arguments.earlier, arguments.patience)
         for mesh in meshes.chosen(arguments):
             results = contest.run(mesh, arguments.radius, arguments.repeats)
             print_results(mesh, results)
