@@ -40,15 +40,16 @@ def entries_of_chunks(
 
     The vertices of a slab are few enough for a table of their entries.
     """
-    entries = list(ordered_map(lambda chunk: _entries_without_numbers(chunk, pattern), chunks))
+    numbers = [np.empty(chunk.n_entries, dtype=np.int32) for chunk in chunks]
+    lows, highs = pattern.row_starts[[[c.low for c in chunks], [c.high for c in chunks]]].tolist()
     # A workspace of its own: its large tables are not needed again.
     workspace = Workspace()
 
     def look_up(slab: slice) -> None:
         parts = [
             part
-            for chunk, own in zip(chunks, entries, strict=True)
-            for part in _parts_in_slab(chunk, own, slab)
+            for each in zip(chunks, numbers, lows, strict=True)
+            for part in _parts_in_slab(*each, slab)
         ]
         low = min(int(part.vertices.min()) for part in parts)
         high = max(int(part.vertices.max()) for part in parts) + 1
@@ -63,19 +64,8 @@ def entries_of_chunks(
                 part.numbers[:, part.columns] = found
 
     for_each(look_up, triangle_slabs(n_triangles))
-    return entries
-
-
-def _entries_without_numbers(chunk: Chunk, pattern: SymmetricPattern) -> ChunkEntries:
-    """Make the entries of a chunk, all but what is in `numbers`."""
-    low, high = pattern.row_starts[[chunk.low, chunk.high]].tolist()
-    doubled = [np.empty(0, dtype=np.intp)]
-    for block in chunk.blocks:
-        for group in block.groups:
-            vertices = group.of_control(block.control_points)
-            doubled.append(group.entries.start + _doubled(vertices, group.pairs))
-    numbers = np.empty(chunk.n_entries, dtype=np.int32)
-    return ChunkEntries(low, high, numbers, np.concatenate(doubled))
+    doubled = ordered_map(lambda each: _doubled(*each), list(zip(chunks, numbers, strict=True)))
+    return [ChunkEntries(*each) for each in zip(lows, highs, numbers, doubled, strict=True)]
 
 
 class _Part(NamedTuple):
@@ -106,7 +96,7 @@ class _Part(NamedTuple):
         return len(self.columns) == self.numbers.shape[1]
 
 
-def _parts_in_slab(chunk: Chunk, entries: ChunkEntries, slab: slice) -> Iterator[_Part]:
+def _parts_in_slab(chunk: Chunk, numbers: IntArray, low: int, slab: slice) -> Iterator[_Part]:
     """Find what a chunk has in a slab: most chunks lie in one, those of uncommon classes do not."""
     for block in chunk.blocks:
         inside = (block.triangles >= slab.start) & (block.triangles < slab.stop)
@@ -119,26 +109,27 @@ def _parts_in_slab(chunk: Chunk, entries: ChunkEntries, slab: slice) -> Iterator
                 yield _Part(
                     vertices + np.int32(chunk.low),
                     group.pairs,
-                    group.of_entries(entries.numbers),
+                    group.of_entries(numbers),
                     columns,
-                    entries.low,
+                    low,
                 )
 
 
-def _doubled(vertices: IntArray, pairs: Pairs) -> IndexArray:
-    """Find the entries (a, b), a ≠ b, of local matrices (p, n), flattened, with one vertex twice.
+def _doubled(chunk: Chunk, numbers: IntArray) -> IndexArray:
+    """Find the local entries (a, b), a ≠ b, with one vertex twice: those that go where (a, a) goes.
 
     Parameters
     ----------
-    vertices : (K, n)
-    pairs : two arrays (p,)
+    chunk : Chunk
+    numbers : (n_entries,)
+        Where its local entries go.
     """
-    ordered = np.sort(vertices, axis=0)
-    triangles = np.flatnonzero((ordered[1:] == ordered[:-1]).any(axis=0))
-    if not len(triangles):
-        return triangles
-    own = vertices[:, triangles]
-    a, b = pairs
-    found = np.flatnonzero((own[a] == own[b]) & (a != b)[:, None])
-    pair, place = np.divmod(found, len(triangles))
-    return pair * vertices.shape[1] + triangles[place]
+    found = [np.empty(0, dtype=np.intp)]
+    for block in chunk.blocks:
+        for group in block.groups:
+            a, b = group.pairs
+            own = group.of_entries(numbers)
+            same = own == own[a == b][a]
+            same[a == b] = False
+            found.append(group.entries.start + np.flatnonzero(same))
+    return np.concatenate(found)

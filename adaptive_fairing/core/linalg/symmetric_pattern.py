@@ -18,8 +18,10 @@ from ..runtime.threads import Workspace, ordered_map
 
 Pairs = tuple[IndexArray, IndexArray]
 
-# Rows of a chunk: its entries should stay in the cache while several columns are multiplied.
-ROWS_PER_CHUNK = 16384
+# Rows of a chunk: its entries should stay in the cache while several columns are multiplied.  With
+# fewer rows than two such chunks have, there are two, for two threads, but for so few rows that to
+# hand them over takes longer.
+MOST_ROWS, FEWEST_ROWS = 16384, 4096
 
 # Places in a table of entries, mostly of a byte each, and as many tables as threads.  Where a pole
 # of high valence needs more, entries are searched for in the pattern, which takes three times as
@@ -73,7 +75,8 @@ class SymmetricPattern:
     def __init__(self, adjacency: sparse.csr_array) -> None:
         self.n = adjacency.shape[0]
         self._near = _with_diagonal(adjacency)
-        rows = [slice(k, min(k + ROWS_PER_CHUNK, self.n)) for k in range(0, self.n, ROWS_PER_CHUNK)]
+        size = min(max(-(-self.n // 2), FEWEST_ROWS), MOST_ROWS)
+        rows = [slice(k, min(k + size, self.n)) for k in range(0, self.n, size)]
         two_edges = _near_of_near(self._near, rows)
         self.chunks = list(ordered_map(lambda own: _row_chunk(self._near, two_edges, own), rows))
         self.row_starts = np.zeros(self.n + 1, dtype=np.int32)

@@ -35,7 +35,7 @@ def numbered(pattern):
 
 @pytest.fixture(params=[7, 10**6], ids=["many chunks", "one chunk"])
 def rows_per_chunk(request, monkeypatch):
-    monkeypatch.setattr(symmetric_pattern, "ROWS_PER_CHUNK", request.param)
+    monkeypatch.setattr(symmetric_pattern, "MOST_ROWS", request.param)
 
 
 @pytest.mark.usefixtures("rows_per_chunk")
