@@ -108,5 +108,5 @@ def examine(
         is_clean=is_clean,
         notes=verdict.notes,
         counts=mesh_counts(mesh.triangles),
-        problems=find_problems(mesh.points, mesh.triangles),
+        problems=find_problems(mesh.points, mesh.triangles, surface),
     )

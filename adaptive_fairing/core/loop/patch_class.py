@@ -49,10 +49,15 @@ class Corner(NamedTuple):
     @property
     def own_entries(self) -> tuple[int, ...]:
         """Ring entries, relative to the triangle, that this corner adds to the control points."""
-        if not self.is_boundary:
-            return tuple(range(2, self.ring_size - 1))
-        entries = range(-self.fan_position, self.ring_size - self.fan_position)
-        return tuple(entry for entry in entries if entry not in (-1, 0, 1))
+        return _own_entries(self)
+
+
+@lru_cache(maxsize=4096)
+def _own_entries(corner: Corner) -> tuple[int, ...]:
+    if not corner.is_boundary:
+        return tuple(range(2, corner.ring_size - 1))
+    entries = range(-corner.fan_position, corner.ring_size - corner.fan_position)
+    return tuple(entry for entry in entries if entry not in (-1, 0, 1))
 
 
 PatchClass = tuple[Corner, Corner, Corner]

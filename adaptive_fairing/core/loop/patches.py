@@ -93,11 +93,15 @@ class PatchSet:
 
     def quadrature(self, tolerance: float) -> QuadratureChoice:
         """Pick the rules that keep M and L of this mesh within a tolerance."""
+        n_triangles = max(self._part_of.n_triangles, 1)
+        return quadrature_choice(tolerance, n_triangles, self._n_regular / n_triangles)
+
+    @cached_property
+    def _n_regular(self) -> int:
+        """Number of regular triangles of what decides the quadrature."""
         whole = self._part_of
         is_regular = whole.ring_size == np.where(whole.on_boundary, 4, 6)
-        n_regular = np.count_nonzero(is_regular[whole.triangles].all(axis=1))
-        n_triangles = max(whole.n_triangles, 1)
-        return quadrature_choice(tolerance, n_triangles, n_regular / n_triangles)
+        return int(np.count_nonzero(is_regular[whole.triangles].all(axis=1)))
 
     def _segments(self, chunk: IndexArray) -> list[Segment]:
         """Sort the triangles of a chunk by class."""

@@ -61,19 +61,18 @@ def refine(patch_class: PatchClass) -> tuple[FloatArray, tuple[Child, ...]]:
     children : four Child
     """
     control = ControlPoints(patch_class)
-    rows: list[FloatArray] = []
+    rings = [control.ring(i) for i in range(3)]
+    firsts = [0 if not corner.is_boundary else -corner.fan_position for corner in patch_class]
+    rows = [_vertex_stencil(control, i, rings[i]) for i in range(3)]
     spoke: list[dict[int, int]] = [{}, {}, {}]
-    for i in range(3):
-        rows.append(_vertex_stencil(control, i))
     for i in range(3):  # the patch's own edges first: entry 0 of a corner is entry 1 of the next
         spoke[i][0] = spoke[(i + 1) % 3][1] = len(rows)
-        rows.append(_edge_stencil(control, i, 0))
+        rows.append(_edge_stencil(control, i, rings[i], -firsts[i]))
     for i, corner in enumerate(patch_class):
-        first = 0 if not corner.is_boundary else -corner.fan_position
-        for entry in range(first, first + corner.ring_size):
+        for place, entry in enumerate(range(firsts[i], firsts[i] + corner.ring_size)):
             if entry not in spoke[i]:
                 spoke[i][entry] = len(rows)
-                rows.append(_edge_stencil(control, i, entry))
+                rows.append(_edge_stencil(control, i, rings[i], place))
         if not corner.is_boundary:
             spoke[i][-1] = spoke[i][corner.ring_size - 1]
     matrix = np.array(rows)
@@ -81,10 +80,10 @@ def refine(patch_class: PatchClass) -> tuple[FloatArray, tuple[Child, ...]]:
     return matrix, _children(patch_class, spoke)
 
 
-def _vertex_stencil(control: ControlPoints, i: int) -> FloatArray:
+def _vertex_stencil(control: ControlPoints, i: int, ring: list[int]) -> list[float]:
+    """Weights of the control points in the vertex point of corner i, with this one-ring."""
     corner = control.patch_class[i]
-    ring = control.ring(i)
-    row = np.zeros(control.count)
+    row = [0.0] * control.count
     if corner.is_boundary:  # cubic B-spline knot insertion along the boundary curve
         row[i] = 3 / 4
         for slot in (ring[0], ring[-1]):
@@ -97,17 +96,17 @@ def _vertex_stencil(control: ControlPoints, i: int) -> FloatArray:
     return row
 
 
-def _edge_stencil(control: ControlPoints, i: int, entry: int) -> FloatArray:
-    corner = control.patch_class[i]
-    row = np.zeros(control.count)
-    on_boundary = corner.is_boundary and entry + corner.fan_position in (0, corner.ring_size - 1)
-    if on_boundary:
-        for slot in (i, control.slot(i, entry)):
+def _edge_stencil(control: ControlPoints, i: int, ring: list[int], place: int) -> list[float]:
+    """Weights of the control points in the edge point from corner i to a place in its one-ring."""
+    row = [0.0] * control.count
+    last = len(ring) - 1
+    if control.patch_class[i].is_boundary and place in (0, last):
+        for slot in (i, ring[place]):
             row[slot] += 1 / 2
     else:
-        for slot in (i, control.slot(i, entry)):
+        for slot in (i, ring[place]):
             row[slot] += 3 / 8
-        for slot in (control.slot(i, entry - 1), control.slot(i, entry + 1)):
+        for slot in (ring[place - 1], ring[place + 1 if place < last else 0]):
             row[slot] += 1 / 8
     return row
 

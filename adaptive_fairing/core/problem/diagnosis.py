@@ -52,7 +52,9 @@ class MeshProblems:
         return np.unique(np.concatenate(parts))
 
 
-def find_problems(vertices: ArrayLike, faces: ArrayLike) -> MeshProblems:
+def find_problems(
+    vertices: ArrayLike, faces: ArrayLike, surface: SolverSurface | None = None
+) -> MeshProblems:
     """Locate what `fair_steps` refuses, holds or bounds in a mesh.
 
     Parameters
@@ -60,6 +62,8 @@ def find_problems(vertices: ArrayLike, faces: ArrayLike) -> MeshProblems:
     vertices : (n, 3) float
         Coordinates that are not finite are allowed here.
     faces : (m, 3) int
+    surface : SolverSurface, optional
+        What is solved on, where it is known already.
 
     Raises
     ------
@@ -72,7 +76,8 @@ def find_problems(vertices: ArrayLike, faces: ArrayLike) -> MeshProblems:
     triangles = checked_triangles(faces, len(points))
     is_finite = np.isfinite(points).all(axis=1)
     measurable = triangles[is_finite[triangles].all(axis=1)]
-    surface = solvable_surface(np.where(is_finite[:, None], points, 0), triangles)
+    if surface is None:
+        surface = solvable_surface(np.where(is_finite[:, None], points, 0), triangles)
     return MeshProblems(
         not_finite=np.flatnonzero(~is_finite),
         held=np.unique(surface.vertex_of[surface.is_cut]),

@@ -40,6 +40,7 @@ class PreparedSurface:
         self.surface = surface
         self.quadrature_tolerance = quadrature_tolerance
         self._part_of = part_of
+        self._patches: PatchSet | None = None
         self._space: LoopSpace | None = None
         self._admitted: set[Algorithm] = set()
 
@@ -53,15 +54,14 @@ class PreparedSurface:
         InputError
             Vertices with so many neighbours that assembling the matrices would take minutes.
         """
-        patches = None
         if algorithm not in self._admitted:
             _require_moderate_poles(self.surface, MOST_POLE_ENTRIES[algorithm])
-            patches = PatchSet(self.surface.topology, self._part_of)
-            require_memory(patches, self.quadrature_tolerance, algorithm)
+            require_memory(self._known_patches(), self.quadrature_tolerance, algorithm)
             self._admitted.add(algorithm)
         if self._space is None:
             tolerance = self.quadrature_tolerance
-            self._space = LoopSpace(self.surface.topology, tolerance, patches)
+            self._space = LoopSpace(self.surface.topology, tolerance, self._known_patches())
+        self._patches = None  # the space has what it needs of them
         return self._space
 
     def free_space(self) -> None:
@@ -71,8 +71,13 @@ class PreparedSurface:
 
     def needed_bytes(self, algorithm: Algorithm) -> int:
         """Upper bound of the memory that a solve takes, in bytes, this preparation included."""
-        patches = PatchSet(self.surface.topology, self._part_of)
-        return estimated_bytes(patches, self.quadrature_tolerance, algorithm)
+        return estimated_bytes(self._known_patches(), self.quadrature_tolerance, algorithm)
+
+    def _known_patches(self) -> PatchSet:
+        """Patches of the surface, kept until there is a space."""
+        if self._patches is None:
+            self._patches = PatchSet(self.surface.topology, self._part_of)
+        return self._patches
 
 
 def _require_moderate_poles(surface: SolverSurface, most_entries: float) -> None:

@@ -145,3 +145,20 @@ def test_poles_of_a_few_hundred_neighbours_are_solved():
     result = fair(vertices + 0.002 * noise, faces, FairingSettings(steps=1))
     assert result.stop_reason == "steps"
     assert np.isfinite(result.positions).all()
+
+
+def test_the_patches_of_an_estimate_serve_the_solve(monkeypatch):
+    made = []
+
+    class Counted(prepared_surface.PatchSet):
+        def __init__(self, *arguments):
+            made.append(self)
+            super().__init__(*arguments)
+
+    monkeypatch.setattr(prepared_surface, "PatchSet", Counted)
+    vertices, faces = MESHES["closed"]
+    mesh = PreparedMesh(vertices, faces)
+    assert min(mesh.needed_bytes("fair"), mesh.needed_bytes("denoise")) > 0
+    fair(vertices, faces, SETTINGS, prepared=mesh)
+    fair(vertices, faces, SETTINGS, prepared=mesh)
+    assert len(made) == 1
