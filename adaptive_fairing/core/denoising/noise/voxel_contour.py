@@ -15,15 +15,21 @@ from ..parameters import parameters
 # Directions and edges are of one kind if they differ by at most this, relative to the longest edge.
 COARSE = 1e-3
 
+# Any other mesh has too many kinds of edges in so few triangles: to count them all takes long.
+FIRST_TRIANGLES = 512
+
 
 def is_voxel_contour(triangles: IntArray, positions: FloatArray) -> bool:
     """Tell if triangles (m, 3) are the contour of a volume of whole voxels."""
     tuned = parameters()
+    most = tuned.most_kinds_of_edges
     corners = positions[triangles]
     edges = (corners - np.roll(corners, 1, axis=1)).reshape(-1, 3)
     longest = float(np.linalg.norm(edges, axis=1).max(initial=0))
-    n_edges = _n_kinds(edges / longest) if longest > 0 else 0
-    if not 0 < n_edges <= tuned.most_kinds_of_edges:
+    if not longest > 0 or _n_kinds(edges[: 3 * FIRST_TRIANGLES] / longest) > most:
+        return False
+    n_edges = _n_kinds(edges / longest)
+    if n_edges > most:
         return False
     if _n_kinds(unit_vectors(triangle_normals(positions, triangles))) < tuned.least_directions:
         return False
