@@ -29,7 +29,6 @@ from .folds import unfolded
 from .given_width import verdict_of_width
 from .mixture import Mixture
 from .noise.level import beyond_clean
-from .noise.own_numbers import WHITE_NOISE
 from .noise_verdict import NoiseVerdict, noise_verdict
 from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
@@ -102,6 +101,7 @@ def mixed_surfaces(
     solves = _Solves(progress)
     progress.begin("noise")
     stage = Stage(topology, positions, is_still, solves.count)
+    before = stage.track.start
     notes: tuple[str, ...] = ()
     other_readings: tuple[str, ...] = ()
     if plan is None:
@@ -113,9 +113,9 @@ def mixed_surfaces(
         stage, level, impulsive = verdict.stage, verdict.level, verdict.impulsive
         notes, other_readings = verdict.notes, verdict.other_readings
         plan = DenoisePlan.idle(level, impulsive, verdict.reach)
-        undented = stage.undented(level, impulsive)
+        undented = verdict.undented
         if undented is None and beyond_clean(max(STRENGTHS) * settings.strength * level).any():
-            plan = _planned(verdict, settings, progress)
+            plan = _planned(before, verdict, settings, progress)
             if plan.is_idle:
                 notes, other_readings = (*notes, UNLIKE_NOISE), ("denoise",)
     else:
@@ -124,7 +124,7 @@ def mixed_surfaces(
         undented = stage.undented(plan.noise, plan.impulsive) if plan.is_idle else None
         if not plan.is_idle:
             stage.track.repeat(plan, progress)
-    start, before = stage.track.start, TriangleSurface(topology, positions)
+    start = stage.track.start
     if undented is not None:
         results = [Sliding(before, stage.frame, True, plan.reach).limited(undented)]
     elif plan.is_idle:
@@ -150,9 +150,15 @@ def mixed_surfaces(
 
 
 def _planned(
-    verdict: NoiseVerdict, settings: DenoiseSettings, progress: ProgressReport
+    before: TriangleSurface,
+    verdict: NoiseVerdict,
+    settings: DenoiseSettings,
+    progress: ProgressReport,
 ) -> DenoisePlan:
-    """Filter in all rounds, and choose the coefficients of the filters after each."""
+    """Filter in all rounds, and choose the coefficients of the filters after each.
+
+    What is removed from the surface before, spikes included, must look like noise.
+    """
     tuned, stage, correlation = parameters(), verdict.stage, verdict.correlation
     track, frame, parts = stage.track, stage.frame, stage.parts
     seen = verdict.level
@@ -215,9 +221,8 @@ def _planned(
     if not is_told:
         sliding = Sliding(track.start, frame, saw_creases, noise)
         after = sliding.limited(track.mixed(of_noise.spread(usable)))
-        white = stage.noisy.own.noise(WHITE_NOISE)
-        as_noise = track.start.positions - frame.raised(noise * correlation.applied(white, frame))
-        found, expected = (parts.clustering(track.start, each, noise) for each in (after, as_noise))
+        as_noise = before.positions - frame.raised(verdict.example())
+        found, expected = (parts.clustering(before, each, noise) for each in (after, as_noise))
         is_noise = found - expected <= tuned.most_clustered
         mixtures = [each.within(is_noise) for each in mixtures]
     counted, kept = parts.is_counted, np.ones(len(mixtures))

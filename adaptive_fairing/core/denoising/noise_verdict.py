@@ -13,7 +13,9 @@ from .noise.contrast import hinges
 from .noise.correlation import noise_correlation
 from .noise.face_noise import FaceNoise
 from .noise.level import beyond_clean
+from .noise.own_numbers import WHITE_NOISE
 from .noise.smooth_noise import SmoothNoise, smooth_noise
+from .noise.spikes import left_of_spikes
 from .noise_correlation import NoiseCorrelation
 from .parameters import parameters
 from .stage import Stage
@@ -50,6 +52,10 @@ class NoiseVerdict:
     notes : tuple of str
     other_readings : tuple of str
         See `DenoiseResult`.
+    undented : (n, 3), optional
+        The surface with flat faces made flat, where that is all there is to do after spikes.
+    spiky : (n,), optional
+        Random noise with spikes like those that were put back: heights in local edge lengths.
     """
 
     stage: Stage
@@ -59,6 +65,8 @@ class NoiseVerdict:
     reach: FloatArray
     notes: tuple[str, ...]
     other_readings: tuple[str, ...] = ()
+    undented: FloatArray | None = None
+    spiky: FloatArray | None = None
 
     @cached_property
     def correlation(self) -> NoiseCorrelation:
@@ -75,6 +83,14 @@ class NoiseVerdict:
         """
         return seen / self.correlation.seen * self.correlation.deviation
 
+    def example(self) -> FloatArray:
+        """Return random noise like all that was found: heights in local edge lengths, (n,)."""
+        if self.spiky is not None:
+            return self.spiky
+        noisy, correlation = self.stage.noisy, self.correlation
+        white = noisy.own.noise(WHITE_NOISE)
+        return self.whole(self.level) * correlation.applied(white, noisy.frame)
+
 
 def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     """Judge the noise of a surface.
@@ -89,14 +105,12 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     """
     keeps_clean = clean != "denoise"
     found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
-    impulsive, reach = found.impulsive, found.level
-    if impulsive.any():
-        stage, found, impulsive, reach = _spikes_put_back(stage, found, strength, keeps_clean)
-    had_spikes = bool(impulsive.any())
-    notes = (IMPULSIVE,) if had_spikes else found.notes
-    was_kept = bool(found.notes) and keeps_clean and not had_spikes
+    kept = _noisy_spikes(stage, found, strength, keeps_clean)
+    if kept.any():
+        return _without_spikes(stage, found, kept, strength, keeps_clean)
+    was_kept = bool(found.notes) and keeps_clean
     others = ("denoise",) if was_kept and found.roughness.any() else ()
-    verdict = NoiseVerdict(stage, found.level, None, impulsive, reach, notes, others)
+    verdict = NoiseVerdict(stage, found.level, None, kept, found.level, found.notes, others)
     # White noise that is stronger hides the smooth kind; a handful of vertices shows neither.
     counted = stage.parts.is_counted
     enough = np.count_nonzero(counted) >= parameters().fewest_vertices
@@ -105,10 +119,12 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     return verdict
 
 
-def _spikes_put_back(
+def _noisy_spikes(
     stage: Stage, found: NoiseFound, strength: float, keeps_clean: bool
-) -> tuple[Stage, NoiseFound, FloatArray, FloatArray]:
-    """Put spikes back where they are noise: the stage, its noise, how surely, and all noise."""
+) -> FloatArray:
+    """How surely vertices that stand out are noise, (n,): nowhere if they are the shape's."""
+    if not found.impulsive.any():
+        return found.impulsive
     tuned, parts = parameters(), stage.parts
     calm = stage.calmed(found.impulsive)
     after = calm.parts.noise(calm.noisy, strength, keeps_clean=keeps_clean)
@@ -123,14 +139,25 @@ def _spikes_put_back(
     are_anywhere = clustering <= n_moved / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
     is_noise = parts.at_vertices(are_many) | (after.level > tuned.clean_roughness)
     is_noise &= parts.at_vertices(are_anywhere) & (after.roughness <= most)
-    kept = np.where(is_noise, found.impulsive, 0)
-    reach = np.maximum(after.level, np.where(kept > 0, found.roughness, 0))
-    if np.array_equal(kept, found.impulsive):
-        return calm, after, kept, reach
-    if kept.any():
-        stage = stage.calmed(kept)
-        found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
-    return stage, found, kept, reach
+    return np.where(is_noise, found.impulsive, 0)
+
+
+def _without_spikes(
+    stage: Stage, found: NoiseFound, impulsive: FloatArray, strength: float, keeps_clean: bool
+) -> NoiseVerdict:
+    """Put spikes back, and judge what is left: other noise, low spikes, and what was put back."""
+    calm = stage.calmed(impulsive)
+    after = calm.parts.noise(calm.noisy, strength, keeps_clean=keeps_clean)
+    parts, had_spikes = calm.parts, impulsive > 0
+    reach = np.maximum(after.level, np.where(had_spikes, found.roughness, 0))
+    only_spikes = NoiseVerdict(calm, after.level, None, impulsive, reach, (IMPULSIVE,))
+    undented = calm.undented(after.level, impulsive)
+    if undented is not None:
+        return replace(only_spikes, undented=undented)
+    moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
+    noise, more = left_of_spikes(calm.noisy, moved, after.level, parts.is_counted, parts.may_move)
+    level = np.sqrt(np.square(after.level) + np.where(had_spikes & parts.is_counted, more, 0))
+    return replace(only_spikes, level=level, reach=np.maximum(level, reach), spiky=noise)
 
 
 def _with_smooth_noise(verdict: NoiseVerdict, strength: float, clean: str) -> NoiseVerdict:

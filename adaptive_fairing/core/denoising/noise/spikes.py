@@ -13,11 +13,14 @@ theirs.  In the end all vertices that were moved settle together.
 from __future__ import annotations
 
 import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ndtr
 
 from ...runtime.arrays import BoolArray, FloatArray
 from ..parameters import parameters
 from .line_roughness import OppositeLines
 from .noisy_surface import NoisySurface
+from .own_numbers import LINE_NOISE, SEEDS, WHITE_NOISE
 
 
 def impulsive_certainty(surface: NoisySurface, level: FloatArray, is_counted: BoolArray) -> float:
@@ -60,11 +63,17 @@ def without_spikes(surface: NoisySurface, is_counted: BoolArray, may_move: BoolA
     may_move : (n,) bool
         Vertices that may be spikes: on boundaries too.
     """
+    return _put_back(surface, surface.positions, is_counted, may_move)
+
+
+def _put_back(
+    surface: NoisySurface, positions: FloatArray, is_counted: BoolArray, may_move: BoolArray
+) -> FloatArray:
     tuned = parameters()
     topology, frame = surface.topology, surface.frame
     lines = OppositeLines(frame)
     unit = np.median(surface.lines.least_of_noise[is_counted])
-    result = surface.positions.copy()
+    result = positions.copy()
     centre = np.repeat(np.arange(topology.n_vertices), topology.ring_size)
     was_moved = np.zeros(len(result), dtype=bool)
     for _ in range(tuned.most_spike_rounds):
@@ -86,3 +95,77 @@ def without_spikes(surface: NoisySurface, is_counted: BoolArray, may_move: BoolA
         # Half of the way: neighbours move at the same time.
         result -= frame.raised(np.where(was_moved, (height - frame.mean @ height) / 2, 0))
     return result
+
+
+def left_of_spikes(
+    calm: NoisySurface,
+    moved: FloatArray,
+    level: FloatArray,
+    is_counted: BoolArray,
+    may_move: BoolArray,
+) -> tuple[FloatArray, float]:
+    """Tell what spikes leave behind when they are put back, by doing it to spikes that are known.
+
+    Low spikes do not stand out, and those that do come to lie on lines through noisy neighbours.
+    So noise and spikes like those that were found are laid on the slightly smoothed surface.
+
+    Parameters
+    ----------
+    calm : NoisySurface
+        After spikes were put back.
+    moved : (n,)
+        How far they were, along the normals, in local edge lengths; 0 where no spike was.
+    level : (n,)
+        Standard deviation of the other noise in local edge lengths.
+    is_counted, may_move : (n,) bool
+        As of `without_spikes`.
+
+    Returns
+    -------
+    noise : (n,)
+        Heights of all known noise in local edge lengths.
+    more : float
+        By how much its spikes, put back, make the variance of the noise larger.
+    """
+    frame = calm.frame
+    size, part = spike_law(np.abs(moved[is_counted]))
+    other = level * calm.own.noise(WHITE_NOISE)
+    is_hit = may_move & (calm.own.phases(SEEDS) < part)
+    noise = other + np.where(is_hit, size * calm.own.noise(LINE_NOISE), 0)
+
+    def left(heights: FloatArray) -> float:
+        noisy = frame.positions + frame.raised(heights)
+        put_back = _put_back(calm, noisy, is_counted, may_move)
+        return float(np.mean(np.square(frame.along_normal(put_back - frame.positions)[is_counted])))
+
+    return noise, max(left(noise) - left(other), 0.0)
+
+
+def spike_law(moved: FloatArray) -> tuple[float, float]:
+    """Fit normal-distributed spikes to those that were found, the low ones of which are missing.
+
+    Parameters
+    ----------
+    moved : (n,)
+        How far they were; 0 where no spike was.
+
+    Returns
+    -------
+    size, part
+        Standard deviation of all spikes, and the part of the vertices that they hit.  The mean of
+        those beyond the median of what was found tells the one, their number the other.
+    """
+    found = moved[moved > 0]
+    if not len(found):
+        return 0.0, 0.0
+    least = float(np.median(found))
+    beyond = found[found >= least]
+    excess = max(float(beyond.mean()) / least, 1.001)
+
+    def density(x: float) -> float:
+        return float(np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi))
+
+    # The mean of a normal deviate beyond x is that density over the probability.
+    at = brentq(lambda x: density(x) / (x * ndtr(-x)) - excess, 1e-6, 30.0)
+    part = len(beyond) / len(moved) / (2 * float(ndtr(-at)))
+    return least / at, min(part, 1.0)

@@ -6,7 +6,12 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
-from adaptive_fairing.core.denoising.noise.spikes import impulsive_certainty, without_spikes
+from adaptive_fairing.core.denoising.noise.spikes import (
+    impulsive_certainty,
+    left_of_spikes,
+    spike_law,
+    without_spikes,
+)
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
 SHAPES = {"sphere": meshes.icosphere(4), "graded": meshes.graded_sphere(4)}
@@ -121,3 +126,47 @@ def test_steps_of_voxels_are_no_spikes():
     steps = np.random.default_rng(0).choice([-2.0, 0.0, 0.0, 2.0], len(vertices))
     points = vertices + frame.raised(frame.spread(steps, 2))
     assert not denoise(points, faces).plan.impulsive.any()
+
+
+@pytest.mark.parametrize("least", [0.05, 0.2, 0.4])
+@pytest.mark.parametrize("part", [0.1, 0.5])
+def test_the_law_of_spikes_is_found_from_the_high_ones(least, part):
+    generator = np.random.default_rng(1)
+    n = 40_000
+    moved = np.abs((generator.random(n) < part) * generator.normal(0, 0.3, n))
+    size, found = spike_law(np.where(moved > least, moved, 0))
+    assert size == pytest.approx(0.3, rel=0.1)
+    assert found == pytest.approx(part, rel=0.15)
+
+
+def test_where_no_spike_was_there_is_no_law():
+    assert spike_law(np.zeros(10)) == (0, 0)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("part", [0.2, 0.4])
+def test_what_is_left_of_spikes_is_as_large_as_it_really_is(shape, part):
+    """The median of what is left is less than half of its root mean square."""
+    vertices, _ = SHAPES[shape]
+    frame, n = frame_of(shape), len(vertices)
+    everywhere, generator = np.ones(n, dtype=bool), np.random.default_rng(2)
+    heights = (generator.random(n) < part) * generator.normal(0, 0.3, n)
+    noisy = NoisySurface(vertices + frame.raised(heights), frame)
+    calm = NoisySurface(without_spikes(noisy, everywhere, everywhere), frame)
+    moved = frame.along_normal(noisy.positions - calm.positions)
+    _, more = left_of_spikes(calm, moved, np.zeros(n), everywhere, everywhere)
+    true = frame.along_normal(calm.positions - vertices)
+    assert np.sqrt(more) == pytest.approx(np.std(true), rel=0.25)
+    assert np.median(np.abs(true)) < 0.5 * np.std(true)
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("part", [0.2, 0.4, 0.6])
+def test_the_filters_remove_what_is_left_of_spikes(shape, part):
+    vertices, faces = SHAPES[shape]
+    frame, n = frame_of(shape), len(vertices)
+    generator = np.random.default_rng(3)
+    heights = (generator.random(n) < part) * generator.normal(0, 0.3, n)
+    result = denoise(vertices + frame.raised(heights), faces)
+    error = np.std(frame.along_normal(result.positions - vertices))
+    assert error < 0.35 * np.std(heights)
