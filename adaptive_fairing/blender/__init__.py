@@ -9,7 +9,7 @@ from types import ModuleType
 
 
 def _modules() -> tuple[ModuleType, ...]:
-    """Import the modules that have something to register; what a class refers to comes first."""
+    """Import the modules that register something; a class comes after those it refers to."""
     from . import command, preferences, properties
     from .data import record_properties
     from .operators import (
@@ -96,6 +96,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take back everything that `register` did, last things first."""
+    """Unregister everything that `register` has registered, in reverse order."""
     for module in reversed(_modules()):
         module.unregister()

@@ -1,4 +1,4 @@
-"""Algorithms, schemes and kinds of results, as the panel and the preferences offer them.
+"""Choices of the panel and the preferences: algorithms, schemes and kinds of results.
 
 The identifiers of schemes, densities and frames are the core's words in capitals.
 """
@@ -28,17 +28,18 @@ SCHEMES = (
     (
         "TIMESTEP",
         "Adaptive Timestep",
-        "Coarse parts run through more time than dense ones: details in dense parts stay",
+        "Coarse parts are smoothed for a longer time than dense ones, so details in dense parts "
+        "stay",
     ),
     (
         "TENSOR",
         "Adaptive Tensor",
-        "The same time everywhere, but dense parts conduct less",
+        "The time is the same everywhere, but dense parts diffuse less",
     ),
     (
         "UNIFORM",
         "Uniform",
-        "The same smoothing everywhere, whatever the density; its τ is much smaller",
+        "The same smoothing everywhere, whatever the density; it needs a much smaller τ",
     ),
 )
 

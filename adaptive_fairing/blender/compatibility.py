@@ -9,9 +9,10 @@ import bpy
 
 
 def fcurves(datablock: bpy.types.ID) -> Iterable[bpy.types.FCurve]:
-    """Animation curves of the action that drives a datablock; empty if there is none.
+    """Animation curves of the action of a datablock; empty without one.
 
-    Actions have layers since Blender 4.4, and the flat list `Action.fcurves` is gone in 5.0.
+    Actions have layers since Blender 4.4, and Blender 5.0 has removed the flat list
+    `Action.fcurves`.
     """
     animation = datablock.animation_data
     if animation is None or animation.action is None:
@@ -32,17 +33,17 @@ def fcurves(datablock: bpy.types.ID) -> Iterable[bpy.types.FCurve]:
 def known_options(operator: Callable[..., set[str]], options: dict[str, Any]) -> dict[str, Any]:
     """Keep the options that this Blender's version of an operator has.
 
-    Importers and exporters gain options over the years; one that does not exist yet stands for
-    behaviour that this version does not have.
+    Importers and exporters gain options over the years; an option that this version lacks stands
+    for behaviour that it lacks too.
     """
     properties = operator.get_rna_type().properties.keys()
     return {name: value for name, value in options.items() if name in properties}
 
 
 def modifier_input(modifier: bpy.types.NodesModifier, identifier: str) -> float:
-    """Read a number that a Geometry Nodes modifier hands to its nodes.
+    """Read a number that a Geometry Nodes modifier passes to its nodes.
 
-    The inputs are custom properties until Blender 5.1, and properties of their own in 5.2.
+    The inputs are custom properties up to Blender 5.1, and properties of their own in 5.2.
     """
     if hasattr(modifier, "properties"):
         return getattr(modifier.properties.inputs, identifier).value
@@ -50,7 +51,7 @@ def modifier_input(modifier: bpy.types.NodesModifier, identifier: str) -> float:
 
 
 def set_modifier_input(modifier: bpy.types.NodesModifier, identifier: str, value: float) -> None:
-    """Set a number that a Geometry Nodes modifier hands to its nodes."""
+    """Set a number that a Geometry Nodes modifier passes to its nodes."""
     if hasattr(modifier, "properties"):
         getattr(modifier.properties.inputs, identifier).value = value
     else:
@@ -58,7 +59,7 @@ def set_modifier_input(modifier: bpy.types.NodesModifier, identifier: str, value
 
 
 def set_modifier_attribute(modifier: bpy.types.NodesModifier, identifier: str, name: str) -> None:
-    """Let an attribute or a vertex group stand for an input of a Geometry Nodes modifier."""
+    """Connect an attribute or a vertex group to an input of a Geometry Nodes modifier."""
     if hasattr(modifier, "properties"):
         socket = getattr(modifier.properties.inputs, identifier)
         socket.type, socket.attribute_name = "ATTRIBUTE", name
@@ -68,7 +69,7 @@ def set_modifier_attribute(modifier: bpy.types.NodesModifier, identifier: str, n
 
 
 def weight_paint_settings(context: bpy.types.Context) -> bpy.types.UnifiedPaintSettings:
-    """Give the settings of the brush in Weight Paint; since Blender 5.0 every mode has its own."""
+    """Return the settings of the brush in Weight Paint; since 5.0 every mode has its own."""
     tools = context.tool_settings
     return (
         getattr(tools, "unified_paint_settings", None) or tools.weight_paint.unified_paint_settings
@@ -76,7 +77,7 @@ def weight_paint_settings(context: bpy.types.Context) -> bpy.types.UnifiedPaintS
 
 
 def sculpt_brush_radius(context: bpy.types.Context) -> tuple[float, bool]:
-    """Give the radius of the brush in Sculpt Mode, and whether it is a length, not in pixels.
+    """Radius of the brush in Sculpt Mode, and whether it is a length instead of pixels.
 
     Since Blender 5.0 the size is the diameter, and every mode has settings of its own.
     """
@@ -91,10 +92,10 @@ def sculpt_brush_radius(context: bpy.types.Context) -> tuple[float, bool]:
 
 
 def show_scene(scene: bpy.types.Scene) -> None:
-    """Make a scene that of the present window, if there is one.
+    """Show a scene in the present window, if there is one.
 
-    The window is reached through its manager: the one of the context has no owner in Blender 4.2,
-    which then may crash when its scene is set.
+    The window is reached through its manager: in Blender 4.2 the window of the context has no
+    owner, and setting its scene may crash.
     """
     for window in bpy.context.window_manager.windows:
         if window == bpy.context.window:

@@ -1,4 +1,4 @@
-"""Preferences of the add-on: what new files begin with, and how many processors a run uses."""
+"""Preferences of the add-on: defaults for new files, and the number of processors for a run."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ DEFAULTS = ("algorithm", "result")
 
 
 def addon_name() -> str:
-    """Name under which Blender knows the add-on: an extension has that of its repository before."""
+    """Name under which Blender knows the add-on; for an extension it begins with its repository."""
     parts = __package__.split(".")
     return ".".join(parts[:3]) if parts[0] == "bl_ext" else parts[0]
 
 
 def _set_in_all_scenes(name: str) -> Callable[[FairingPreferences, bpy.types.Context], None]:
-    """Make what hands a default on to the scenes of the open file when it was changed."""
+    """Make the callback that passes a changed default on to the scenes of the open file."""
 
     def update(preferences: FairingPreferences, context: bpy.types.Context) -> None:
         for scene in bpy.data.scenes:
@@ -64,14 +64,14 @@ class FairingPreferences(bpy.types.AddonPreferences):
 
 
 def preferences() -> FairingPreferences | None:
-    """Give the preferences; None where the add-on was not enabled as one, as in scripts."""
+    """Preferences of the add-on; None if it was not enabled as an add-on, as in scripts."""
     addon = bpy.context.preferences.addons.get(addon_name())
     return None if addon is None else addon.preferences
 
 
 @bpy.app.handlers.persistent
 def _set_up_scenes(*_arguments) -> None:
-    """Give the scenes of a file that was loaded what was not chosen in them."""
+    """Set the defaults in the scenes of a loaded file, where nothing was chosen."""
     wanted = preferences()
     if wanted is None or not hasattr(bpy.data, "scenes"):  # while Blender starts
         return
@@ -87,13 +87,13 @@ _register_classes, _unregister_classes = bpy.utils.register_classes_factory((Fai
 
 
 def register() -> None:
-    """Offer the preferences, and heed them from now on."""
+    """Register the preferences, and apply them from now on."""
     _register_classes()
     bpy.app.handlers.load_post.append(_set_up_scenes)
     _set_up_scenes()
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Unregister everything that `register` has added."""
     bpy.app.handlers.load_post.remove(_set_up_scenes)
     _unregister_classes()

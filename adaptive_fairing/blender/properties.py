@@ -1,4 +1,4 @@
-"""The settings of a scene, and how the core's settings are made of them and of an operator's."""
+"""Settings of a scene, and the core's settings made from them or from an operator's."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class FairingSceneSettings(SolverProperties, OutputProperties, bpy.types.PropertyGroup):
-    """What the panel shows, one set per scene."""
+    """Settings in the panel, one set per scene."""
 
     __slots__ = ()  # Blender 5.2 warns of groups without
 
@@ -54,18 +54,17 @@ FAIRING_NAMES = tuple(
 
 
 def names_of(algorithm: str) -> tuple[str, ...]:
-    """Names of the settings that an algorithm has, the algorithm itself among them."""
+    """Names of the settings of an algorithm, including the choice of the algorithm."""
     return ("algorithm", *(DENOISE_NAMES if algorithm == DENOISE else FAIRING_NAMES))
 
 
 def solver_settings(properties: SolverProperties) -> DenoiseSettings | FairingSettings:
-    """Make the core's settings of the algorithm that was chosen.
+    """Make the core's settings for the chosen algorithm.
 
     Raises
     ------
     SettingsError
-        A value makes no sense, such as τ = 0; or a script has given a setting that belongs to the
-        other algorithm.
+        A value is invalid, such as τ = 0, or a script has given a setting of the other algorithm.
     """
     from ..core import DenoiseSettings, SettingsError
 
@@ -85,7 +84,7 @@ def fairing_settings(properties: SolverProperties) -> FairingSettings:
     Raises
     ------
     SettingsError
-        A value makes no sense, such as τ = 0.
+        A value is invalid, such as τ = 0.
     """
     from ..core import FairingSettings
     from ..core.diffusion.settings import DENSITIES, SCHEMES
@@ -101,20 +100,20 @@ def fairing_settings(properties: SolverProperties) -> FairingSettings:
 
 
 def uses_tau(properties: SolverProperties) -> bool:
-    """Whether τ counts, not the radius: it was chosen, or a script has given nothing else."""
+    """Whether τ counts instead of the radius: it was chosen, or a script has given only τ."""
     is_implied = _is_given(properties, "tau") and not _is_given(properties, "use_tau")
     return properties.use_tau or is_implied
 
 
 def has_width(properties: SolverProperties) -> bool:
-    """Whether the width of the noise was given, and is not to be found by itself."""
+    """Whether the width of the noise was given, so that it is not estimated."""
     return properties.width >= 1
 
 
 def in_object_units(
     settings: DenoiseSettings | FairingSettings, obj: bpy.types.Object
 ) -> DenoiseSettings | FairingSettings:
-    """Take the largest deviation, which is a length of the world, into an object that is scaled."""
+    """Convert the largest deviation from a length in the world to the units of a scaled object."""
     deviation = settings.max_deviation
     if deviation is None:
         return settings
@@ -122,13 +121,13 @@ def in_object_units(
 
 
 def _is_given(properties: SolverProperties, name: str) -> bool:
-    """Whether a script or a button has given an operator a setting."""
+    """Whether a script or a button has set a property of an operator."""
     is_operator = isinstance(properties, bpy.types.Operator)
     return is_operator and properties.properties.is_property_set(name)
 
 
 def _values(properties: SolverProperties, names: tuple[str, ...]) -> dict[str, object]:
-    """Read settings; 0 is none where 0 has no other meaning, and a width below 1 none at all."""
+    """Read settings; 0 becomes None where it means "no limit", and a width below 1 "auto"."""
     values = {name: _typed(getattr(properties, name)) for name in names}
     for name in {"max_deviation", "stop_curvature", "stop_rate"} & values.keys():
         values[name] = values[name] or None
@@ -138,20 +137,20 @@ def _values(properties: SolverProperties, names: tuple[str, ...]) -> dict[str, o
 
 
 def _typed(value: object) -> object:
-    """Give back the number that was typed: Blender keeps float32, which has seven digits."""
+    """Recover the number that was typed; Blender stores float32, which has seven digits."""
     return float(f"{value:.7g}") if isinstance(value, float) else value
 
 
 def copy_solver(
     source: SolverProperties, target: SolverProperties, algorithm: str | None = None
 ) -> None:
-    """Hand an algorithm, by default the one of the source, and its settings on to a button."""
+    """Copy an algorithm, by default that of the source, and its settings to a button."""
     copy_settings(source, target, names_of(algorithm or source.algorithm))
     target.algorithm = algorithm or source.algorithm
 
 
 def copy_settings(source: object, target: object, names: tuple[str, ...]) -> None:
-    """Hand the named properties on."""
+    """Copy the named properties."""
     for name in names:
         setattr(target, name, getattr(source, name))
 

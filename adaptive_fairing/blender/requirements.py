@@ -10,7 +10,7 @@ SCIPY_MINIMUM = (1, 15)
 
 @cache
 def scipy_problem() -> str | None:
-    """Say in one line what is wrong with scipy and what to do; None if it can be used."""
+    """Message in one line: what is wrong with scipy and what to do; None if it can be used."""
     if util.find_spec("scipy") is None:
         return (
             "scipy is missing: install the package of this extension for your platform, "

@@ -1,4 +1,4 @@
-"""Settings of a run as Blender properties: what a run computes, and what becomes of its result.
+"""Settings of a run as Blender properties: its computation and its result.
 
 `SolverProperties` and `OutputProperties` are mix-ins. The operators have them as their own
 properties, so that scripts, the redo panel and undo work; the scene keeps another set that the
@@ -20,7 +20,7 @@ class SolverProperties:
 
     algorithm: EnumProperty(
         name="Algorithm",
-        description="What removes the noise",
+        description="Algorithm that removes the noise",
         items=ALGORITHMS,
         default=DENOISE,
     )
@@ -33,8 +33,8 @@ class SolverProperties:
     strength: FloatProperty(
         name="Strength",
         description=(
-            "Factor of the estimated noise: raise it if noise is left, lower it if details "
-            "disappear"
+            "How much of the estimated noise to remove: raise it if noise is left, lower it if "
+            "details disappear"
         ),
         default=1.0,
         min=0.01,
@@ -50,7 +50,7 @@ class SolverProperties:
         description="Whether the smoothing keeps sharp edges",
         items=(
             ("auto", "Automatic", "Decide for every part of the mesh"),
-            ("sharp", "Keep Sharp", "The mesh has sharp edges, which stay where they can"),
+            ("sharp", "Keep Sharp", "The mesh has sharp edges, which are kept as far as possible"),
             ("smooth", "Smooth", "The mesh has no sharp edges: what looks like one is noise"),
         ),
         default="auto",
@@ -58,9 +58,9 @@ class SolverProperties:
     width: FloatProperty(
         name="Noise Size",
         description=(
-            "Distance in edges over which the noise is alike, about half the size of its bumps: 1 "
-            "if it differs from vertex to vertex, up to 16. Below 1 the size is estimated; noise "
-            "of a given size is removed, whatever it looks like"
+            "Size of the noise in edges, up to 16: about half the size of its bumps, 1 if it "
+            "differs from vertex to vertex. Below 1 it is estimated; noise of a given size is "
+            "removed even from a mesh that looks clean"
         ),
         default=0.0,
         min=0.0,
@@ -76,8 +76,8 @@ class SolverProperties:
             (
                 "detail",
                 "Keep Fine Detail",
-                "The same, and keep what looks like the smooth noise of a scanner, because it is "
-                "detail",
+                "Leave clean meshes alone, and also keep detail that looks like the smooth noise "
+                "of a scanner",
             ),
             ("denoise", "Denoise", "Treat all roughness as noise"),
         ),
@@ -99,8 +99,8 @@ class SolverProperties:
     use_tau: BoolProperty(
         name="τ of the Paper",
         description=(
-            "Give the time of a step, as the paper does, instead of the radius. Its effect depends "
-            "on how dense the mesh is"
+            "Give the timestep τ of the paper instead of the radius. Its effect depends on how "
+            "dense the mesh is"
         ),
         default=False,
     )
@@ -163,13 +163,13 @@ class SolverProperties:
     keep_volume: BoolProperty(
         name="Keep Volume",
         description=(
-            "Move every closed part along its normals after a step, so that its volume stays"
+            "Move every closed part along its normals after each step, so that it keeps its volume"
         ),
         default=False,
     )
     max_deviation: FloatProperty(
         name="Max Deviation",
-        description="No vertex moves further than this from where it was; 0 sets no limit",
+        description="No vertex moves further than this from where it started; 0 sets no limit",
         default=0.0,
         min=0.0,
         soft_max=10.0,
@@ -180,7 +180,7 @@ class SolverProperties:
     stop_curvature: FloatProperty(
         name="Stop at H",
         description=(
-            "Stop once this part of the bending (curvature energy H) is left; 0 takes every step"
+            "Stop once this fraction of the curvature energy H is left; 0 takes every step"
         ),
         default=0.0,
         min=0.0,
@@ -190,8 +190,8 @@ class SolverProperties:
     stop_rate: FloatProperty(
         name="Stop at Rate",
         description=(
-            "Stop once the part of the bending changes by less than this per unit of time; "
-            "0 takes every step"
+            "Stop once the fraction of the curvature energy H that is left changes by less than "
+            "this per unit of time; 0 takes every step"
         ),
         default=0.0,
         min=0.0,
@@ -217,7 +217,7 @@ class SolverProperties:
     )
     quadrature_tolerance: FloatProperty(
         name="Integration",
-        description="Error of the integrals over the surface, relative to the largest",
+        description="Error of the integrals over the surface, relative to the largest one",
         default=1e-3,
         min=1e-6,
         max=0.1,
@@ -228,7 +228,8 @@ class SolverProperties:
         name="Scale To",
         translation_context=CONTEXT,
         description=(
-            "What the mesh is scaled to where τ is given, so that τ does not depend on its size"
+            "Size that the mesh is scaled to if τ is given, so that τ does not depend on the "
+            "size of the mesh"
         ),
         items=(
             ("BOX", "Box", "The box [-3, 3]³"),
@@ -244,7 +245,7 @@ class SolverProperties:
 
 
 class OutputProperties:
-    """Where the smoothing works and what becomes of the result."""
+    """Region of the smoothing, and kind of the result."""
 
     use_region: BoolProperty(
         name="Selection or Mask",

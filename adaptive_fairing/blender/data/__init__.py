@@ -1,1 +1,1 @@
-"""Meshes, attributes, colours and shape keys of Blender, as numpy arrays and back."""
+"""Blender's meshes, attributes, colours and shape keys as numpy arrays, and back."""

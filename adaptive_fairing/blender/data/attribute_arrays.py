@@ -1,4 +1,4 @@
-"""Attributes of a mesh as arrays, of any type and domain, and back onto another mesh."""
+"""Attributes of any type and domain as arrays, and back onto another mesh."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ GEOMETRY = ("position", ".edge_verts", ".corner_vert", ".corner_edge")
 
 
 class AttributeArray(NamedTuple):
-    """An attribute: values (n,) or (n, width), or objects (n,) of a text."""
+    """An attribute: numbers (n,) or (n, width), or texts (n,)."""
 
     name: str
     data_type: str
@@ -41,7 +41,7 @@ class AttributeArray(NamedTuple):
 
 
 def read_attributes(mesh: bpy.types.Mesh, without: tuple[str, ...] = ()) -> list[AttributeArray]:
-    """Read every attribute of a mesh in Object Mode but its geometry and some names."""
+    """Read every attribute of a mesh in Object Mode, except its geometry and the given names."""
     arrays = []
     for attribute in mesh.attributes:
         if attribute.name in GEOMETRY or attribute.name in without:
@@ -61,7 +61,7 @@ def read_attributes(mesh: bpy.types.Mesh, without: tuple[str, ...] = ()) -> list
 
 
 def write_attribute(mesh: bpy.types.Mesh, array: AttributeArray) -> None:
-    """Write an attribute to a mesh in Object Mode, over one of the same name."""
+    """Write an attribute to a mesh in Object Mode; it replaces one of the same name."""
     present = mesh.attributes.get(array.name)
     if present is not None and (present.data_type, present.domain) != array[1:3]:
         mesh.attributes.remove(present)
@@ -76,7 +76,7 @@ def write_attribute(mesh: bpy.types.Mesh, array: AttributeArray) -> None:
 
 
 def remove_attributes(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
-    """Remove attributes by their names; one that is absent is no error."""
+    """Remove attributes by their names; a missing one is not an error."""
     attributes = mesh.attributes
     for name in names:
         if name in attributes:
@@ -88,7 +88,7 @@ def remove_attributes(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
 
 
 def read_boolean(mesh: bpy.types.Mesh, name: str, size: int) -> NDArray[np.bool_]:
-    """Read a flag, (size,); absent means no."""
+    """Read a flag, (size,); False where the attribute is missing."""
     values = np.zeros(size, dtype=bool)
     attribute = mesh.attributes.get(name)
     if attribute is not None and size:
@@ -97,7 +97,7 @@ def read_boolean(mesh: bpy.types.Mesh, name: str, size: int) -> NDArray[np.bool_
 
 
 def read_float(mesh: bpy.types.Mesh, name: str, size: int) -> NDArray[np.float32]:
-    """Read a number, (size,); absent means 0."""
+    """Read a number, (size,); 0 where the attribute is missing."""
     values = np.zeros(size, dtype=np.float32)
     attribute = mesh.attributes.get(name)
     if attribute is not None and size:

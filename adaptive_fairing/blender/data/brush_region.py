@@ -25,7 +25,7 @@ class BrushRegion(NamedTuple):
     polygon: int
 
     def weights(self, mesh: bpy.types.Mesh) -> NDArray[np.float64]:
-        """Weigh the vertices of a mesh in Object Mode, (n,) in [0, 1]."""
+        """Weights (n,) in [0, 1] of the vertices of a mesh in Object Mode."""
         away = read_mesh_coordinates(mesh) - np.float32(self.centre)
         rest = (1 - np.linalg.norm(away, axis=1).astype(np.float64) / self.radius) / (1 - FULL_PART)
         rest = np.clip(rest, 0.0, 1.0)
@@ -34,7 +34,7 @@ class BrushRegion(NamedTuple):
         return weights
 
     def _is_beyond(self, mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
-        """Tell which vertices are hidden or have a face of another face set, (n,)."""
+        """Whether each vertex is hidden or has a face of another face set, (n,)."""
         is_beyond = read_boolean(mesh, ".hide_vert", len(mesh.vertices))
         if FACE_SET in mesh.attributes and self.polygon < len(mesh.polygons):
             face_set = integers(mesh.attributes[FACE_SET].data, "value", 1)

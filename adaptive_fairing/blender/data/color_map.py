@@ -1,8 +1,8 @@
-"""Numbers to colours, by two maps: one from low to high, one for both sides of zero.
+"""Two colour maps for numbers: one from low to high, one for both sides of zero.
 
-Equal steps of the value look like equal steps of colour, and both maps can be told apart by
-colour-blind eyes. From dark violet over green to yellow, low is dark, also in grey; from blue over
-near white to red, zero is bright. numpy only.
+Equal steps of the value look like equal steps of colour, and colour-blind eyes can read both maps.
+The first goes from dark violet over green to yellow, so that low values are dark in grey too. The
+second goes from blue over near white to red, so that zero is bright. numpy only.
 """
 
 from __future__ import annotations
@@ -77,7 +77,7 @@ NO_VALUE = (0.5, 0.5, 0.5)
 def color_range(
     values: ArrayLike, percentiles: tuple[float, float] = RANGE_PERCENTILES
 ) -> tuple[float, float]:
-    """Choose the values of the darkest and the brightest colour; (0, 0) without a finite value."""
+    """Values of the darkest and the brightest colour; (0, 0) if no value is finite."""
     array = np.asarray(values, dtype=np.float64)
     finite = array[np.isfinite(array)]
     if not len(finite):
@@ -89,13 +89,13 @@ def color_range(
 def symmetric_range(
     values: ArrayLike, percentiles: tuple[float, float] = RANGE_PERCENTILES
 ) -> tuple[float, float]:
-    """Choose the values of the end colours with 0 in the middle; (0, 0) without a finite value."""
+    """Values of the end colours with 0 in the middle; (0, 0) if no value is finite."""
     array = np.asarray(values, dtype=np.float64)
     return color_range(np.concatenate([array, -array]), percentiles)
 
 
 def field_range(field: str, values: ArrayLike) -> tuple[float, float]:
-    """Choose the values of the end colours of a field."""
+    """Values of the end colours of a field."""
     percentiles = RANGE_PERCENTILES if field not in CURVATURE_FIELDS else CURVATURE_PERCENTILES
     choose = symmetric_range if field in SIGNED_FIELDS else color_range
     return choose(values, percentiles)
@@ -104,7 +104,7 @@ def field_range(field: str, values: ArrayLike) -> tuple[float, float]:
 def normalized(
     values: ArrayLike, low: float | None = None, high: float | None = None
 ) -> NDArray[np.float64]:
-    """Map values from [low, high] to [0, 1]; what lies outside takes the nearer end.
+    """Map values from [low, high] to [0, 1]; values outside take the nearer end.
 
     Parameters
     ----------

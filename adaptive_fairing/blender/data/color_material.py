@@ -1,7 +1,7 @@
 """A material that renders the colours of a field, in place of the materials of an object.
 
-The object gets it in every slot of its own, over the materials of the mesh, which stay where they
-are. What the object's slots had before is noted in its record, and comes back.
+Every material slot of the object gets it, in place of the material of the mesh, which does not
+change. The earlier materials of the object's slots are noted in its record, and come back.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ FIELD = "fairing_field"
 
 
 def assign(obj: bpy.types.Object, field: str) -> None:
-    """Let an object be rendered in the colours of a field.
+    """Render an object in the colours of a field.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ def assign(obj: bpy.types.Object, field: str) -> None:
 
 
 def take_off(obj: bpy.types.Object) -> None:
-    """Give an object its materials back. A slot with another material by now stays as it is."""
+    """Give an object its materials back; a slot that has another material by now keeps it."""
     record = obj.adaptive_fairing
     for slot, before in zip(obj.material_slots, record.slots_before, strict=False):
         if slot.link == "OBJECT" and slot.material is not None and FIELD in slot.material:
@@ -56,7 +56,7 @@ def take_off(obj: bpy.types.Object) -> None:
 
 
 def field_material(field: str) -> bpy.types.Material:
-    """Find the material of a field, or make it."""
+    """Find or make the material of a field."""
     for material in bpy.data.materials:
         if material.get(FIELD) == field and material.library is None:
             return material

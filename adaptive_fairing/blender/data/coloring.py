@@ -1,7 +1,7 @@
 """Colours of a field on a mesh, and their meaning in the record.
 
-While a field is shown its colours are the active ones of the mesh, which 3D views show, and those
-of renders. What was active before is noted on the mesh and comes back.
+While a field is shown, its colours are the active ones of the mesh, in 3D views and in renders. The
+colours that were active before are noted on the mesh, and become active again.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ def color_by_field(
     field: str,
     settings: FairingSettings,
 ) -> None:
-    """Store a field of the shape that an object shows, as numbers and as the active colours.
+    """Store a field of the shape that an object shows, as numbers and as active colours.
 
     Parameters
     ----------
@@ -36,7 +36,7 @@ def color_by_field(
     Raises
     ------
     InputError
-        The mesh is linked from another file, or as in `measure_field`.
+        The mesh is linked from another file; also as in `measure_field`.
     """
     mesh, record = obj.data, obj.adaptive_fairing
     if mesh.library is not None:
@@ -64,18 +64,18 @@ def color_by_field(
 
 
 def end_view(obj: bpy.types.Object) -> None:
-    """Take the colours of a view off for good: nothing of it is left."""
+    """Remove the colours of a view, and everything that they changed."""
     obj.adaptive_fairing.wants_material = False
     pause_view(obj)
 
 
 def pause_view(obj: bpy.types.Object) -> str:
-    """Remove the colours of a view and the numbers behind them, but for a density to keep.
+    """Remove the colours of a view and their numbers; a density that was asked for stays.
 
     Returns
     -------
     str
-        The field, for `color_by_field`; empty if there was no view.
+        The field that was shown, for `color_by_field`; empty if none was.
     """
     mesh, record = obj.data, obj.adaptive_fairing
     view = record.view

@@ -1,4 +1,4 @@
-"""The control mesh behind a refined result, which comes back with what is shown now."""
+"""The control mesh behind a refined result, and its return with the shape shown now."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ LEVELS = {"LIMIT": 0, "REFINED_1": 1, "REFINED_2": 2, "REFINED_3": 3}
 
 
 def has_control(obj: bpy.types.Object) -> bool:
-    """Whether an object has another mesh than the control mesh of its result."""
+    """Whether an object shows its result on a mesh other than the control mesh."""
     return obj.adaptive_fairing.control not in (None, obj.data)
 
 
 def is_refined(obj: bpy.types.Object) -> bool:
-    """Whether an object shows its result on another mesh than the control mesh, as it was made."""
+    """Whether an object shows its result on a refined mesh that nobody has changed."""
     display = display_of(obj)
     return has_control(obj) and display.is_whole and not display.has_strokes
 
 
 @contextmanager
 def control_read(obj: bpy.types.Object) -> Iterator[None]:
-    """Let an object have its control mesh, with what is shown now, for the body to read."""
+    """Give an object its control mesh, with the shape shown now, while the body reads it."""
     record = obj.adaptive_fairing
     if not is_refined(obj):
         yield
@@ -46,7 +46,7 @@ def control_read(obj: bpy.types.Object) -> Iterator[None]:
 
 
 def take_control(obj: bpy.types.Object) -> None:
-    """Put the control mesh in place of the refined one, which is left as it is."""
+    """Replace the refined mesh of an object by its control mesh; neither is changed."""
     refined, record, display = obj.data, obj.adaptive_fairing, display_of(obj)
     place = display.place if display.is_whole else None
     groups = read_groups(obj)

@@ -1,4 +1,4 @@
-"""How an object shows a result: three ways behind one interface.
+"""Displays of a result on an object: three kinds behind one interface.
 
 A run leaves one of these on an object, named by `FairingRecord.result`:
 
@@ -8,7 +8,7 @@ A run leaves one of these on an object, named by `FairingRecord.result`:
 - "KEYS": the steps of `fair` as shape keys, see `shape_keys`.
 - "", nothing that can be changed any more.
 
-Nobody else asks which one it is: `display_of` gives the one of an object.
+No other module asks which kind it is: `display_of` returns that of an object.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _DISPLAYS = {each.name: each for each in (LiveDisplay, ModifierDisplay, KeysDisp
 
 
 def display_of(obj: bpy.types.Object) -> Display:
-    """Give the way in which a mesh object shows its result."""
+    """Display of the result of a mesh object."""
     name, mesh = obj.adaptive_fairing.result, obj.data
     if name == ModifierDisplay.name and modifier.find(obj) is None and ORIGINAL in mesh.attributes:
         return LiveDisplay(obj)  # Blender's own Apply has made it that
@@ -35,7 +35,7 @@ def display_of(obj: bpy.types.Object) -> Display:
 
 
 def new_display(obj: bpy.types.Object, name: str) -> ResultDisplay:
-    """Give a way to show a result, by the name of the setting that chooses it."""
+    """Display for a new result, by the name of the setting that chooses it."""
     return {**_DISPLAYS, "ABSOLUTE_KEYS": KeysDisplay, "RELATIVE_KEYS": RelativeKeysDisplay}[name](
         obj
     )

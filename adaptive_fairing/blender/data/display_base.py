@@ -1,4 +1,4 @@
-"""Interface of the ways to show a result, see `display`."""
+"""Interface of the displays of a result, see `display`."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Display:
     ----------
     obj
     slider
-        Name of the property of the record that moves through the result; empty without.
+        Name of the record's property that moves through the result; empty for none.
     has_weights
         Whether painted weights scale the result.
     """
@@ -41,31 +41,31 @@ class Display:
 
     @property
     def is_whole(self) -> bool:
-        """Whether all of the result is still there, and the slider can move something."""
+        """Whether the whole result is still stored, so that the slider works."""
         return False
 
     @property
     def has_original(self) -> bool:
-        """Whether the original can be brought back; it may be where the result is not whole."""
+        """Whether the original can be restored, even if the result is no longer whole."""
         return self.is_whole
 
     @property
     def has_strokes(self) -> bool:
-        """Whether somebody has moved vertices since the result was written."""
+        """Whether vertices were moved by hand since the result was written."""
         return False
 
     @property
     def goes_on(self) -> bool:
-        """Whether the original still is that of all that is shown: nobody has changed the mesh."""
+        """Whether the stored original still belongs to the shape shown: the mesh is unchanged."""
         return self.is_whole
 
     @property
     def place(self) -> float:
-        """Strength, or number of the step, that is shown."""
+        """Strength, or index of the step, that is shown."""
         return 0.0
 
     def show(self, place: float) -> None:
-        """Show the path at a place, by the weights and the split of now."""
+        """Show the path at a place, with the present weights and split."""
 
     def original(self) -> SingleArray | None:
         """Positions (n, 3) before the first run that still counts; None if they are not known."""
@@ -79,13 +79,13 @@ class Display:
         return read_mesh_coordinates(mesh)
 
     def apply(self) -> None:
-        """Keep what is shown, and nothing else of the result."""
+        """Keep the shape that is shown, and remove everything else of the result."""
         shown = self.shown()
         self.clear()
         write_positions(self.obj.data, shown)
 
     def forget(self) -> None:
-        """Remove what stores the result, without what it has made of the mesh."""
+        """Remove the stored result; the mesh keeps its shape."""
         modifier.remove(self.obj)
         if self.obj.adaptive_fairing.result:
             remove_paint_group(self.obj)
@@ -100,7 +100,7 @@ class Display:
             remove_fairing_keys(self.obj)
 
     def note_written(self) -> None:
-        """Note that the shapes of the mesh are the result, however they came there."""
+        """Note that the present shapes of the mesh are the result."""
 
     def add_split(self, original: SingleArray) -> None:
         """Show these positions (n, 3) behind the plane of the record."""
@@ -108,37 +108,37 @@ class Display:
         split.add(self.obj, original, is_behind(original, record))
 
     def paint_group(self) -> bpy.types.VertexGroup:
-        """Give the vertex group that scales the result, and let it count."""
+        """Return the vertex group that scales the result, and make it take effect."""
         return made_paint_group(self.obj)
 
 
 class ResultDisplay(Display, ABC):
-    """Display of a result: what stores it, and lets another run go on from it."""
+    """Display of a result, which stores it and lets another run continue from it."""
 
     @abstractmethod
     def write(self, path: StoredPath, place: float) -> None:
-        """Store a path on an object that has no result, and show a place of it."""
+        """Store a path on an object without a result, and show it at a place."""
 
     @abstractmethod
     def so_far(
         self, start: SingleArray, parts: list[float]
     ) -> tuple[SingleArray, list[SingleArray]]:
-        """Give what another run of `denoise`, from the shown shape, adds its own offsets to.
+        """Original and offsets to which a further run of `denoise` adds its own offsets.
 
         Parameters
         ----------
         start
-            (n, 3) that is shown.
+            (n, 3) positions that are shown.
         parts
-            Fractions of the place that is shown.
+            Fractions of the strength that is shown.
 
         Returns
         -------
         array, list of array
-            (n, 3) original, and for every part the offset (n, 3) from it.
+            (n, 3) original, and for each fraction the offset (n, 3) from it.
         """
 
 
 def is_behind(original: SingleArray, record: bpy.types.PropertyGroup) -> NDArray[np.bool_]:
-    """Which vertices (n,) are on the side of the split that shows the original."""
+    """Whether each vertex is on the side of the split that shows the original, (n,)."""
     return (original - np.float32(record.split_point)) @ np.float32(record.split_normal) < 0

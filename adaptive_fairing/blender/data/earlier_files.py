@@ -1,11 +1,11 @@
 """Files saved by earlier states of the add-on.
 
-Some are brought to this state when they are opened. Attributes of ours have names that begin with a
-dot, as Blender's own do, so that exporters skip them; they had none. What a mesh shows is noted on
-the mesh; it was noted on the object.
+Some are brought to this state when they are opened. Names of our attributes begin with a dot now,
+like Blender's own, so that exporters skip them; earlier they did not. What a mesh shows is noted on
+the mesh now; earlier it was noted on the object.
 
-Before that every result was shape keys, with a record of `steps`. They are brought under a result
-when the user wants it.
+Even earlier, every result was shape keys with a record of `steps`. They become a result when the
+user asks for it.
 """
 
 from __future__ import annotations
@@ -62,9 +62,10 @@ def has_earlier_keys(obj: bpy.types.Object) -> bool:
 
 
 def take_keys(obj: bpy.types.Object) -> None:
-    """Make a result of the keys of an earlier run, which `has_earlier_keys` finds; in Object Mode.
+    """Turn the keys of an earlier run, which `has_earlier_keys` finds, into a result.
 
-    Strengths get the slider of strengths, unless their keys are animated or mixed as relative ones.
+    The object must be in Object Mode. Strengths get the slider of strengths, unless their keys are
+    animated or mixed as relative keys.
     """
     if is_shared(obj.data):
         obj.data = obj.data.copy()

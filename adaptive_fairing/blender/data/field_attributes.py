@@ -1,4 +1,4 @@
-"""Numbers per vertex as attributes of the mesh: the value itself, and the same as a colour."""
+"""Numbers per vertex as attributes of the mesh: the value, and its colour."""
 
 from __future__ import annotations
 
@@ -34,18 +34,18 @@ def color_name(name: str) -> str:
 
 
 def own_color(mesh: bpy.types.Mesh) -> str:
-    """Name of the active colour attribute, whatever field is shown; empty if all are of fields."""
+    """Name of the user's active colour attribute, also while a field is shown; empty for none."""
     name = mesh.get(COLORS_BEFORE, {}).get("active", mesh.attributes.active_color_name)
     return "" if is_of_field(name) else name
 
 
 def is_of_field(name: str) -> bool:
-    """Whether an attribute has the numbers of a field, or its colours."""
+    """Whether an attribute holds the numbers or the colours of a field."""
     return any(name in (each, color_name(each)) for each in FIELD_ATTRIBUTES.values())
 
 
 def write_scalar(mesh: bpy.types.Mesh, name: str, values: ArrayLike) -> None:
-    """Store one number per vertex, in place of an earlier attribute of that name.
+    """Store one number per vertex; an earlier attribute of that name is replaced.
 
     Parameters
     ----------
@@ -72,8 +72,7 @@ def write_color(
 ) -> None:
     """Store one colour per vertex.
 
-    On a mesh without colours of its own they are the active ones and those of renders; otherwise
-    those stay what they were.
+    If the mesh has no other colours, they become the active ones and those of renders.
 
     Parameters
     ----------
@@ -82,11 +81,11 @@ def write_color(
     name
         Name of the colour attribute; an earlier one of that name is replaced.
     values
-        (n,) numbers, coloured by `color_map`; grey where not a number.
+        (n,) numbers, coloured by `color_map`; NaN is grey.
     low, high
         Values of the first and the last colour; None takes the range of the values.
     anchors
-        The map, see `colors_srgb`.
+        Colours of the map, see `colors_srgb`.
     """
     values = _per_vertex(mesh, values)
     attribute = _point_attribute(mesh, name, "FLOAT_COLOR")  # the first one is made active
@@ -97,7 +96,7 @@ def write_color(
 
 
 def write_density(mesh: bpy.types.Mesh, density: ArrayLike) -> None:
-    """Store the density of a step under its two names, as number and as colour."""
+    """Store the density of a step under its two names, as numbers and as colours."""
     write_scalar(mesh, DENSITY, density)
     write_color(mesh, color_name(DENSITY), density, *color_range(density))
 
@@ -115,7 +114,7 @@ def _per_vertex(mesh: bpy.types.Mesh, values: ArrayLike) -> np.ndarray:
 
 
 def _point_attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute:
-    """Find or make the attribute; one of another type or domain gives way."""
+    """Find or make the attribute; one of another type or domain is replaced."""
     attribute = mesh.attributes.get(name)
     if attribute is not None and (attribute.data_type, attribute.domain) != (kind, "POINT"):
         mesh.attributes.remove(attribute)

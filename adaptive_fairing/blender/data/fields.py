@@ -22,7 +22,7 @@ from .refined_object import control_surface
 
 
 class Field(NamedTuple):
-    """Numbers per vertex, (n,), and what they are: value · unit is in object units to a power."""
+    """Numbers per vertex (n,) and their unit: value · unit is in object units to a power."""
 
     values: FloatArray
     unit: float
@@ -59,21 +59,21 @@ def field_values(
     field
         "DENSITY", "DISPLACEMENT", "REMOVED", "CURVATURE" or "GAUSSIAN".
     settings
-        Say how the density is measured.
+        Settings that choose how the density is measured.
 
     Returns
     -------
     (n,) array
-        Density d_i in the solver's frame; displacement from the shape before in object units, or
-        of what was removed the part along the normal, positive where a bump was taken off; mean
-        curvature of the limit surface in 1 / object units, positive where it bulges outward, or
-        its Gaussian curvature in 1 / object units². NaN where the field has no value.
+        Density d_i in the solver's frame; displacement from the original shape, in object units;
+        removed noise, which is the displacement along the normal, positive where a bump was
+        removed; mean curvature of the limit surface in 1 / object units, positive where it bulges
+        outward; or its Gaussian curvature in 1 / object units². NaN where there is no value.
 
     Raises
     ------
     InputError
-        The mesh has no faces, which all but the displacement need; or the shape before is not
-        known, which displacement and what was removed are measured from.
+        The mesh has no faces, which all fields but the displacement need; or the original shape is
+        not known, which displacement and removed noise need.
     """
     if field == "DISPLACEMENT":
         return np.linalg.norm(display_of(obj).shown() - _positions_before(obj), axis=1)
@@ -97,7 +97,7 @@ def _surface_shown(obj: bpy.types.Object) -> tuple[FloatArray, NDArray[np.int32]
 
 
 def _positions_before(obj: bpy.types.Object) -> FloatArray:
-    """Read the shape before the runs, (n, 3); the mesh's own if there was none."""
+    """Read the shape (n, 3) before the runs; that of the mesh if there was no run."""
     original = display_of(obj).original()
     if original is None:
         if obj.adaptive_fairing.shapes:
@@ -107,10 +107,7 @@ def _positions_before(obj: bpy.types.Object) -> FloatArray:
 
 
 def _curvatures(obj: bpy.types.Object) -> FloatArray:
-    """Compute both curvatures of the limit surface, (2, n), which the control mesh defines.
-
-    NaN at loose vertices.
-    """
+    """Compute mean and Gaussian curvature of the limit surface, (2, n); NaN at loose vertices."""
     levels = LEVELS[obj.adaptive_fairing.surface] if is_refined(obj) else 0
     with control_read(obj):
         cut = control_surface(obj.data)
@@ -129,7 +126,7 @@ def shown_density(
 def _density_and_scale(
     positions: FloatArray, triangles: NDArray[np.int32], settings: FairingSettings
 ) -> tuple[FloatArray, float]:
-    """Compute the density as `shown_density` does, and the length of a unit in that frame."""
+    """Compute the density as `shown_density` does, and a unit of that frame in object units."""
     surface = solvable_surface(positions, triangles)
     frame = SolverFrame.of(positions, surface, settings.normalize)
     topology = surface.topology

@@ -46,9 +46,9 @@ def write_keys(obj: bpy.types.Object, keys: KeyShapes, positions: Sequence[Array
     Parameters
     ----------
     obj
-        Whose mesh has room for the positions, and a useless copy of the keys or none.
+        Object whose mesh has as many vertices as the positions; its own keys are replaced.
     keys
-        Their source must still exist.
+        Keys to write; their source must still exist.
     positions
         (n, 3) of every key.
     """
@@ -71,7 +71,7 @@ def write_keys(obj: bpy.types.Object, keys: KeyShapes, positions: Sequence[Array
 
 
 def copy_settings(source: bpy.types.Key, target: bpy.types.Key) -> None:
-    """Give keys the values, the time and the animation of others of the same names."""
+    """Copy values, evaluation time and animation from keys of the same names."""
     for block in source.key_blocks:
         new = target.key_blocks.get(block.name)
         if new is None:
@@ -84,7 +84,7 @@ def copy_settings(source: bpy.types.Key, target: bpy.types.Key) -> None:
 
 
 def clear_keys(obj: bpy.types.Object) -> None:
-    """Take all keys off an object's mesh."""
+    """Remove all keys of an object's mesh."""
     if obj.data.shape_keys is not None:
         name = obj.data.shape_keys.name
         obj.shape_key_clear()
@@ -95,7 +95,7 @@ def clear_keys(obj: bpy.types.Object) -> None:
 
 
 def _copy_animation(source: bpy.types.Key, target: bpy.types.Key) -> None:
-    """Let the target be driven by the same action, with drivers of its own."""
+    """Give the target the same action, and copies of the drivers."""
     animation: Any = source.animation_data
     if animation is None:
         return

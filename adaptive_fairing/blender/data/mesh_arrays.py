@@ -1,4 +1,4 @@
-"""Meshes between Blender and numpy: undeformed positions and a triangulation for the solve."""
+"""Meshes between Blender and numpy: undeformed positions, and triangles for the solve."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 
 def is_shared(mesh: bpy.types.Mesh) -> bool:
-    """Whether a mesh has more than one user; the fake one does not count."""
+    """Whether a mesh has more than one user; the fake user does not count."""
     return mesh.users - mesh.use_fake_user > 1
 
 
@@ -22,7 +22,7 @@ def n_triangles(mesh: bpy.types.Mesh) -> int:
 
 @dataclass(frozen=True)
 class MeshData:
-    """What the solver needs of a mesh.
+    """Positions and triangles of a mesh, for the solver.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ def read_mesh(mesh: bpy.types.Mesh) -> MeshData:
     Returns
     -------
     MeshData
-        Copies; nothing of it refers to Blender's memory.
+        Copies, independent of Blender's memory.
     """
     return MeshData(vertices=read_positions(mesh), triangles=read_triangles(mesh))
 
@@ -62,8 +62,8 @@ def welded(data: MeshData) -> tuple[MeshData, NDArray[np.intp]]:
     MeshData
         The connected surface, without the triangles that lose a corner.
     (n,) array
-        Its vertex for every vertex of `data`: positions of the surface, indexed with this, are
-        positions of the mesh as it was, with split vertices still together.
+        Vertex of that surface for every vertex of `data`: positions of the surface, indexed with
+        this, are positions of the mesh, equal at split vertices.
     """
     vertices, surface_vertex = np.unique(data.vertices, axis=0, return_inverse=True)
     surface_vertex = surface_vertex.reshape(-1)  # numpy 2.0 gives it a second axis
@@ -88,7 +88,7 @@ def read_key(block: bpy.types.ShapeKey) -> NDArray[np.float32]:
 
 
 def read_mesh_coordinates(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
-    """Read the coordinates of the mesh itself, (n, 3), whatever its shape keys are."""
+    """Read the coordinates (n, 3) of the mesh itself, without its shape keys."""
     buffer = np.empty(3 * len(mesh.vertices), dtype=np.float32)
     if len(buffer):
         mesh.attributes["position"].data.foreach_get("vector", buffer)
@@ -104,7 +104,7 @@ def read_triangles(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
 
 
 def write_positions(mesh: bpy.types.Mesh, positions: ArrayLike) -> None:
-    """Write the coordinates of the mesh itself, which shape keys may override.
+    """Write the coordinates of the mesh itself; shape keys may override them.
 
     Parameters
     ----------
@@ -118,12 +118,12 @@ def write_positions(mesh: bpy.types.Mesh, positions: ArrayLike) -> None:
 
 
 def checksum(positions: NDArray[np.float32]) -> str:
-    """Tell coordinates from any others; text, since properties hold no unsigned numbers."""
+    """Checksum of coordinates; a text, because properties cannot hold unsigned numbers."""
     return f"{len(positions)}-{zlib.crc32(np.ascontiguousarray(positions))}"
 
 
 def flat_float32(positions: ArrayLike, mesh: bpy.types.Mesh) -> NDArray[np.float32]:
-    """Arrange positions as Blender wants them: one contiguous float32 row.
+    """Positions as the contiguous float32 row that Blender expects.
 
     Raises
     ------

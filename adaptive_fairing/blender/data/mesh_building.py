@@ -1,4 +1,4 @@
-"""Meshes built from arrays: triangles, edges, attributes, normals, without a search."""
+"""Meshes built from arrays: triangles, edges, attributes and normals."""
 
 from __future__ import annotations
 
@@ -31,15 +31,15 @@ def fill(
     Parameters
     ----------
     mesh
-        Without any geometry.
+        Mesh without geometry.
     positions
-        (n, 3).
+        (n, 3) coordinates of the vertices.
     triangles
-        (m, 3) vertices.
+        (m, 3) vertices of each triangle.
     edges
-        (e, 2) vertices, those without a triangle included.
+        (e, 2) vertices of each edge, also of edges without a triangle.
     sides
-        (m, 3) edge from corner k to corner k + 1.
+        (m, 3) edge from corner k to corner k + 1 of each triangle.
     """
     mesh.vertices.add(len(positions))
     mesh.edges.add(len(edges))
@@ -57,7 +57,7 @@ def fill(
 def write_attributes(
     mesh: bpy.types.Mesh, source: bpy.types.Mesh, arrays: Iterable[AttributeArray]
 ) -> None:
-    """Write attributes, and choose the same UV maps and colours as in the source."""
+    """Write attributes; the same UV maps and colours are active as in the source."""
     for array in arrays:
         write_attribute(mesh, array)
     for layer in source.uv_layers:
@@ -72,8 +72,8 @@ def write_attributes(
 def write_normals(mesh: bpy.types.Mesh, normals: NDArray[np.float64], follow_motion: bool) -> None:
     """Shade a mesh with normals of its vertices (n, 3) or of its corners (3 m, 3).
 
-    Normals that follow the motion of keys and modifiers are stored by angles to Blender's own;
-    plain vectors, which Blender takes since 4.5, are ten times as fast to write.
+    Normals that follow the motion of keys and modifiers are stored as angles to Blender's own.
+    Plain vectors, which Blender accepts since 4.5, are ten times as fast to write.
     """
     domain = "POINT" if len(normals) == len(mesh.vertices) else "CORNER"
     values = np.ascontiguousarray(normals, dtype=np.float32)

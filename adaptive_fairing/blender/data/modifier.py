@@ -1,7 +1,8 @@
 """The modifier that shows a stored result: "Adaptive Fairing", made of geometry nodes.
 
-It adds the offset at its strength, which it finds in the attributes of the mesh, so the coordinates
-of the mesh stay as they are. It works on meshes with shape keys, below Subdivision and Armature.
+It reads the offsets from attributes of the mesh and adds the one at its strength, so the
+coordinates of the mesh do not change. It works on meshes with shape keys, before Subdivision and
+Armature.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ _KNOTS = "fairing_strengths"
 
 
 def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
-    """Find the modifier of an object, whatever its name is now."""
+    """Find the modifier of an object, even if it was renamed."""
     return find_marked(obj, _KNOTS)
 
 
@@ -34,16 +35,16 @@ def find_marked(obj: bpy.types.Object, mark: str) -> bpy.types.NodesModifier | N
 def add(
     obj: bpy.types.Object, strengths: Sequence[float], strength: float
 ) -> bpy.types.NodesModifier:
-    """Add the modifier below all others.
+    """Add the modifier before all others.
 
     Parameters
     ----------
     obj
         Object whose mesh has the offsets as attributes.
     strengths
-        Of the offsets, ascending; the first may be 0.
+        Strengths of the offsets, ascending; the first may be 0.
     strength
-        The one to show.
+        Strength to show.
     """
     modifier = obj.modifiers.new(NAME, "NODES")
     modifier.node_group = _node_group(strengths)
@@ -53,12 +54,12 @@ def add(
 
 
 def remove(obj: bpy.types.Object) -> None:
-    """Remove the modifier, and its nodes if nobody else uses them."""
+    """Remove the modifier, and its nodes if nothing else uses them."""
     remove_marked(obj, _KNOTS)
 
 
 def remove_marked(obj: bpy.types.Object, mark: str) -> None:
-    """Remove what `find_marked` finds, and nodes of that kind that nobody uses any more."""
+    """Remove the modifier that `find_marked` finds, and unused nodes of that kind."""
     modifier = find_marked(obj, mark)
     if modifier is not None:
         obj.modifiers.remove(modifier)
@@ -118,7 +119,7 @@ def _add_sockets(nodes: bpy.types.NodeTree) -> None:
 
 
 def _add_nodes(nodes: bpy.types.NodeTree, knots: Sequence[float]) -> None:
-    """Mix from one offset to the next: each mix is over when the following one begins."""
+    """Nodes that mix from one offset to the next; each mix ends where the following one begins."""
 
     def add(kind, column, row=0):
         node = nodes.nodes.new(kind)

@@ -1,6 +1,6 @@
 """Shown level of a multiresolution sculpture, read as a mesh of its own and written back.
 
-Blender moves the finer levels along, and leaves the base mesh and the coarser levels as they are.
+Blender moves the finer levels along; the base mesh and the coarser levels do not change.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from .mesh_arrays import MeshData, is_shared, read_mesh, write_positions
 
 
 def shown_level(obj: bpy.types.Object) -> bpy.types.Modifier | None:
-    """Give the modifier whose sculpted level an object shows; None if it shows its base mesh."""
+    """Find the modifier whose sculpted level an object shows; None if it shows its base mesh."""
     levels = (each for each in obj.modifiers if each.type == "MULTIRES" and each.show_viewport)
     return next((each for each in levels if each.levels > 0), None)
 
@@ -47,19 +47,19 @@ def read_level(obj: bpy.types.Object) -> MeshData:
 
 
 def write_level(obj: bpy.types.Object, start: np.ndarray, positions: np.ndarray) -> None:
-    """Give the shown level new positions.
+    """Write new positions to the shown level.
 
     Parameters
     ----------
     obj
         Mesh object in Object Mode.
     start, positions
-        (n, 3) as they were read, and the new ones.
+        (n, 3) positions that were read, and the new ones.
 
     Raises
     ------
     FairingError
-        The level is not the one that was read any more.
+        The level was changed after it was read.
     """
     modifier = shown_level(obj)
     if modifier is None or not np.array_equal(read_level(obj).vertices, start):
@@ -90,7 +90,7 @@ def _level_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
 
 @contextmanager
 def _only_levels(obj: bpy.types.Object) -> Iterator[None]:
-    """Hide all other modifiers, and simplify nothing."""
+    """Turn off all other modifiers, and the scene's simplification."""
     render, modifier = bpy.context.scene.render, shown_level(obj)
     others = [each for each in obj.modifiers if each != modifier and each.show_viewport]
     is_simplified = render.use_simplify

@@ -1,8 +1,8 @@
 """Results of `denoise` as offsets: in the coordinates of the mesh, or beside them by a modifier.
 
-Whatever somebody else does to the mesh stays. A vertex of a "LIVE" result that lies on the line
-from its place in the original to that in the shape shown is one that nobody has touched; only those
-are moved.
+Changes of the mesh by hand stay. A vertex of a "LIVE" result counts as untouched if it lies on the
+line from its original position to its position in the shape shown. Only untouched vertices are
+moved.
 """
 
 from __future__ import annotations
@@ -113,7 +113,7 @@ class LiveDisplay(_OffsetDisplay):
         return known.startswith(f"{len(self.obj.data.vertices)}-")
 
     def _touched(self) -> NDArray[np.bool_]:
-        """Which vertices (n,) somebody has moved."""
+        """Whether each vertex was moved by hand, (n,)."""
         mesh = self.obj.data
         now = read_mesh_coordinates(mesh)
         if not has_offsets(mesh, self.obj.adaptive_fairing.n_strengths):
@@ -238,7 +238,7 @@ class ModifierDisplay(_OffsetDisplay):
 
 
 def _is_off_line(moves: SingleArray, offsets: SingleArray, size: float) -> NDArray[np.bool_]:
-    """Which moves (n, 3) do not end between the original and the offset (n, 3)."""
+    """Whether each move (n, 3) ends elsewhere than between the original and the offset (n, 3)."""
     lengths = np.maximum(np.einsum("id,id->i", offsets, offsets), np.finfo(np.float32).tiny)
     parts = np.clip(np.einsum("id,id->i", moves, offsets) / lengths, 0, 1)
     return np.abs(moves - parts[:, None] * offsets).max(axis=1) > ROUNDING * size

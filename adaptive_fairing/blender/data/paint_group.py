@@ -1,4 +1,4 @@
-"""The vertex group that brings the original of a result back where it is painted."""
+"""The vertex group by whose weights the original is painted back."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _weights: dict[tuple[int, int], SingleArray] = {}  # of the object that was show
 
 
 def made_paint_group(obj: bpy.types.Object) -> bpy.types.VertexGroup:
-    """Give the group of an object, and make it the active one; a new one shows the whole result."""
+    """Find or make the group of an object, and make it active; a new one shows the whole result."""
     group = obj.vertex_groups.get(PAINT_GROUP)
     if group is None:
         group = obj.vertex_groups.new(name=PAINT_GROUP)
@@ -36,7 +36,7 @@ def remove_paint_group(obj: bpy.types.Object) -> None:
 
 
 def paint_weights(obj: bpy.types.Object) -> SingleArray | None:
-    """Weights of the group, (n,), 0 outside of it; None if there is no such group."""
+    """Weights (n,) of the group, 0 outside of it; None without a group."""
     group = obj.vertex_groups.get(PAINT_GROUP)
     if group is None:
         return None
@@ -48,5 +48,5 @@ def paint_weights(obj: bpy.types.Object) -> SingleArray | None:
 
 
 def forget_weights() -> None:
-    """Have the weights read again: somebody may have painted."""
+    """Have the weights read again at the next use, because they may have been painted."""
     _weights.clear()

@@ -1,4 +1,4 @@
-"""Functions of the record: strengths, measures, the look at the original.
+"""Functions of the record: strengths, measures, comparison with the original.
 
 The record itself, with the sliders, is in `record_properties`.
 """
@@ -34,7 +34,7 @@ def has_slider(record: Record) -> bool:
 
 
 def show_at(record: Record, place: float) -> None:
-    """Show a result at a place of its path, where all of it is still there, and colour it anew."""
+    """Show a result at a place of its path, if it is still whole, and update its colours."""
     display = display_of(record.id_data)
     if record.id_data.mode == "EDIT" or not display.is_whole:
         return
@@ -48,7 +48,7 @@ def show_at(record: Record, place: float) -> None:
 
 
 def toggle_before(record: Record) -> None:
-    """Show the original, or the result again."""
+    """Switch between the original and the result."""
     if record.held != NOT_HELD:
         end_before(record)
         return
@@ -58,7 +58,7 @@ def toggle_before(record: Record) -> None:
 
 
 def end_before(record: Record) -> None:
-    """Show the result again after the original."""
+    """Show the result again if the original is shown."""
     if record.held != NOT_HELD:
         show_at(record, record.held)
         record.held = NOT_HELD
@@ -74,14 +74,14 @@ def end_comparison(record: Record) -> None:
 
 
 def update_shown(obj: bpy.types.Object) -> None:
-    """Show a result by the weights and the split of now."""
+    """Show a result with the present weights and split."""
     display = display_of(obj)
     if display.is_whole:
         display.show(display.place)
 
 
 def is_of_strengths(record: Record) -> bool:
-    """Whether a run was one of `denoise`, whose shapes are strengths; of `fair` they are steps."""
+    """Whether the run was `denoise`, whose shapes are strengths; those of `fair` are steps."""
     return any(shape.strength > 0 for shape in record.shapes)
 
 
@@ -96,7 +96,7 @@ class ShownMeasures:
 
 
 def result_measures(record: Record) -> ShownMeasures:
-    """Interpolate the measures where the slider stands; without a slider take the result's."""
+    """Interpolate the measures at the slider's place; without a slider take those of the result."""
     shapes = record.shapes
     display = display_of(record.id_data)
     if not display.is_whole or not display.slider:

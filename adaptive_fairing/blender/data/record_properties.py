@@ -1,4 +1,4 @@
-"""Properties of the record on an object, and its sliders: saved and undone with the file."""
+"""Properties of the record on an object, and its sliders; Blender saves and undoes them."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ N_SWATCHES = 5
 
 
 def swatch_name(number: int) -> str:
-    """Name of the property with a colour of the legend, from low to high."""
+    """Name of the property for a colour of the legend, counted from low to high."""
     return f"swatch_{number}"
 
 
@@ -36,13 +36,13 @@ def _swatch(number: int) -> object:
         return tuple(colors_srgb([number / (N_SWATCHES - 1)], 0.0, 1.0, anchors)[0])
 
     def ignore(record: FairingRecord, value: object) -> None:
-        """Leave the legend as it is; a colour without a setter would be drawn greyed out."""
+        """Setter that does nothing; a colour without a setter would be drawn greyed out."""
 
     return FloatVectorProperty(subtype="COLOR_GAMMA", size=3, get=color, set=ignore)
 
 
 class FairingShapeMeasures(bpy.types.PropertyGroup):
-    """Measures of one shape of a run: its step or strength; the first is the input.
+    """Measures of one shape of a run, at a step or a strength; the first shape is the input.
 
     `strength` is 0 for the steps of the paper's methods.
     """
@@ -57,7 +57,7 @@ class FairingShapeMeasures(bpy.types.PropertyGroup):
 
 
 class FairingSlotBefore(bpy.types.PropertyGroup):
-    """What a material slot of the object had before it got the colours of a field."""
+    """Content of a material slot of the object before it got the colours of a field."""
 
     __slots__ = ()
 
@@ -91,9 +91,9 @@ def _set_strength(record: FairingRecord, value: float) -> None:
 
 
 class FairingShown(bpy.types.PropertyGroup):
-    """What the shapes that are written to a mesh are: objects that share it show the same.
+    """Result that is written to a mesh; all objects that share the mesh show it.
 
-    `checksum` is that of the coordinates, or of the shape keys, as they were written.
+    `checksum` is that of the coordinates or of the shape keys, as they were written.
     """
 
     __slots__ = ()
@@ -105,10 +105,10 @@ class FairingShown(bpy.types.PropertyGroup):
 # No methods: the bpy module of Blender 4.2 crashes at its end after a group of properties that has
 # some was unregistered.
 class FairingRecord(bpy.types.PropertyGroup):
-    """The runs on an object that still count, and the measures of the last one.
+    """Runs on an object that are still in effect, and the measures of the last one.
 
-    `result` is described in `display`. `shown` is the number of the shape that is the result of
-    the last run. From `noise` to `is_sharp` all is known of `denoise` only, see `DenoiseResult`.
+    `result` is described in `display`. `shown` is the index of the shape that is the result of the
+    last run. The properties from `noise` to `is_sharp` are for `denoise` only, see `DenoiseResult`.
     """
 
     __slots__ = ()
@@ -150,13 +150,13 @@ class FairingRecord(bpy.types.PropertyGroup):
     stop_reason: StringProperty()
     seconds: FloatProperty()
     iterations: IntProperty()
-    notes: StringProperty(description="What had to be done to make the mesh solvable, in lines")
+    notes: StringProperty(description="What was done to make the mesh solvable, one line each")
     shown: IntProperty()
     noise: FloatProperty()
     noise_length: FloatProperty()
     radius: FloatProperty()
     is_sharp: BoolProperty()
-    keeps_density: BoolProperty(description="The density is a result, not only looked at")
+    keeps_density: BoolProperty(description="The density was asked for as a result, not only shown")
     view: StringProperty()
     view_range: FloatVectorProperty(size=2, description="Values at the ends of the legend")
     view_power: IntProperty(description="They are object units of length to this power")
@@ -170,7 +170,9 @@ class FairingRecord(bpy.types.PropertyGroup):
     swatch_4: _swatch(4)
     evolution: FloatProperty(
         name="Evolution",
-        description=("Run through the smoothing: from the mesh before (0) to the last step (1)"),
+        description=(
+            "Evolution of the surface: from the mesh before the run (0) to the last step (1)"
+        ),
         subtype="FACTOR",
         min=0.0,
         max=1.0,
@@ -187,7 +189,7 @@ _register_classes, _unregister_classes = bpy.utils.register_classes_factory(
 
 
 def register() -> None:
-    """Give every object a record, and every mesh what it shows."""
+    """Give every object its record, and every mesh the note of what it shows."""
     _register_classes()
     bpy.types.Mesh.adaptive_fairing = bpy.props.PointerProperty(type=FairingShown)
     bpy.types.Object.adaptive_fairing = bpy.props.PointerProperty(type=FairingRecord)

@@ -1,7 +1,7 @@
-"""Loop subdivision of an object's mesh with everything on it: keys, attributes, groups, normals.
+"""Loop subdivision of an object's mesh with all its data: keys, attributes, groups, normals.
 
-The mesh that the object had is not changed: the object gets a new one, and the old one goes only
-if nothing else uses it.  That is what *Make Single User* does before a destructive edit.
+The mesh of the object is not changed: the object gets a new one, and the old one is removed only if
+nothing else uses it.  *Make Single User* does the same before a destructive edit.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ nothing of it is selected."""
 
 @dataclass(frozen=True)
 class RefineOptions:
-    """How to refine.
+    """Options of a refinement.
 
     Attributes
     ----------
@@ -74,19 +74,19 @@ def refine_object(
         Local mesh object in Object Mode.
     options
     shapes
-        Names of vector attributes of the points that are places, or differences of places, and
-        are refined as the positions are.  Normals then follow motions.
+        Names of vector attributes of the points that are positions or differences of positions,
+        and are refined like the positions.  Normals then follow motions.
 
     Returns
     -------
     tuple of str
-        What had to be cut, turned or left out because the mesh is not an oriented manifold.
+        What was cut, turned or left out because the mesh is not an oriented manifold.
 
     Raises
     ------
     FairingError
-        The mesh has no faces, or positions that are not finite, or the refined mesh does not fit
-        into memory.
+        The mesh has no faces, its positions are not finite, or the refined mesh does not fit into
+        memory.
     """
     mesh = obj.data
     n_keys = len(mesh.shape_keys.key_blocks) if mesh.shape_keys is not None else 0
@@ -139,7 +139,7 @@ def refine_object(
 
 
 def control_surface(mesh: bpy.types.Mesh) -> CutSurface:
-    """Make the surface that a mesh in Object Mode is the control mesh of, with its creases.
+    """Make the limit surface of a mesh in Object Mode, with its creases.
 
     Raises
     ------
@@ -150,7 +150,7 @@ def control_surface(mesh: bpy.types.Mesh) -> CutSurface:
 
 
 class _Source:
-    """A mesh as triangles, and what each of its elements becomes."""
+    """A mesh as triangles, and the refinement of its elements."""
 
     def __init__(self, mesh: bpy.types.Mesh, sharp_creases: bool, levels: int) -> None:
         if not len(mesh.polygons):
@@ -187,7 +187,7 @@ class _Source:
         return self.ends[self._is_loose]
 
     def refined(self, net: RefinedNet, array: AttributeArray) -> NDArray:
-        """Give the values of an attribute on the refined mesh."""
+        """Values of an attribute on the refined mesh."""
         values = array.values
         if array.domain == "POINT":
             return net.of_points(values)
@@ -202,7 +202,7 @@ class _Source:
 def _move_vertices(
     obj: bpy.types.Object, shapes: list[NDArray[np.float32]], attributes: list[AttributeArray]
 ) -> None:
-    """Put the vertices of all shapes elsewhere, on a mesh that is the object's own."""
+    """Move the vertices of all shapes, on a mesh that only this object uses."""
     if is_shared(obj.data):
         obj.data = obj.data.copy()
     mesh = obj.data
@@ -215,7 +215,7 @@ def _move_vertices(
 
 
 def _retire(old: bpy.types.Mesh, new: bpy.types.Mesh) -> None:
-    """Remove a mesh that nothing uses any more, and hand its name on."""
+    """Remove a mesh that nothing uses any more, and pass its name on."""
     if old.users == 0:
         name = old.name
         remove_mesh(old)

@@ -1,4 +1,4 @@
-"""Cache of the last refinement, which the redo panel asks for again and again."""
+"""Cache of the last refinement, which the redo panel repeats again and again."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class RefinedShape(NamedTuple):
 
 @dataclass
 class Refinement:
-    """A control mesh that was made a surface, and what has been computed of it.
+    """Surface of a control mesh, and the results computed on it so far.
 
     Attributes
     ----------
@@ -40,7 +40,7 @@ class Refinement:
     )
 
     def net(self, levels: int) -> RefinedNet:
-        """Give the connectivity after some steps."""
+        """Make the connectivity after some steps, once."""
         if levels not in self._nets:
             self._nets[levels] = RefinedNet(self.cut, levels)
         return self._nets[levels]
@@ -93,9 +93,9 @@ def refinement_of(
     held: NDArray,
     levels: int,
 ) -> Refinement:
-    """Make a refinement, or take the last one if it is the same.
+    """Make a refinement, or return the last one if it is the same.
 
-    Parameters: as for `cut_surface`; `levels` is the number of steps that will be asked for.
+    Parameters as for `cut_surface`; `levels` is the number of steps that will be asked for.
     """
     given = triangles, np.array(n_vertices), creases, held
     if _last and all(map(np.array_equal, _last[0]._input, given)):
@@ -108,5 +108,5 @@ def refinement_of(
 
 
 def forget() -> None:
-    """Give the memory of the last refinement back."""
+    """Free the memory of the last refinement."""
     _last.clear()

@@ -28,7 +28,7 @@ def target_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 
 def refusal(context: bpy.types.Context) -> str | None:
-    """Say why no run can start here, and what to do; None if one can."""
+    """Reason why no run can start here, and what to do; None if one can."""
     active = context.active_object
     if active is not None and active.mode not in MODES:
         return "Change to Object Mode, Edit Mode or Sculpt Mode"
@@ -69,15 +69,15 @@ def vertex_weights(
     obj
         Mesh object in Object Mode, where selection and mask can be read.
     mode
-        Mode in which the user called: decides whether selection or mask count.
+        Mode in which the user started the run; decides whether selection or mask count.
     n
-        Number of vertices, the first of the mesh, that are smoothed: those of the control mesh.
+        Number of vertices to smooth, the first of the mesh: those of the control mesh.
     use_region
         Whether the selection in Edit Mode, or the mask in Sculpt Mode, limits the smoothing.
     vertex_group
         Name of a vertex group whose weights scale the smoothing; empty for none.
     invert
-        Take one minus the weights of the group.
+        Whether to take one minus the weights of the group.
     hold_sharp
         Whether the vertices of edges that are marked sharp stay where they are.
     brush

@@ -1,4 +1,4 @@
-"""Results on an object: what a run stores, and how it ends. How they are shown is in `display`."""
+"""Results on an object, from storing to removing them; `display` shows them."""
 
 from __future__ import annotations
 
@@ -33,10 +33,10 @@ def store_strengths(
 ) -> None:
     """Store the result of `denoise` and show it.
 
-    A second run refines the first: strength 0 stays the first original, and what the first run
-    had moved at a strength is added. Where somebody has moved vertices in between, strength 0 is
-    what they have made. A run on a region has its strength for itself: outside of the region all
-    stays as it is shown now, at strength 0 too.
+    A second run continues the first: strength 0 stays the first original, and the first run's
+    offset at each strength is added. Where vertices were moved by hand in between, strength 0 is
+    that shape. A run on a region has a strength of its own: outside of the region the shape shown
+    now stays, at strength 0 too.
 
     Parameters
     ----------
@@ -47,13 +47,13 @@ def store_strengths(
     shapes, strengths
         (n, 3) positions at each strength.
     strength
-        The one to show.
+        Strength to show.
     way
         "LIVE" or "MODIFIER".
     weights
         (n,) of the run, if it was on a region: 0 outside, 1 inside.
     from_original
-        The run started from the original: earlier ones do not count.
+        Whether the run started from the original, so that earlier ones do not count.
     """
     earlier = display_of(obj)
     path = StoredPath.through(start, strengths, shapes)
@@ -101,12 +101,12 @@ def store_steps(
 
 
 def apply(obj: bpy.types.Object) -> None:
-    """Keep the shape that is shown, and nothing else of the runs.
+    """Keep the shape that is shown, and remove everything else of the runs.
 
     Raises
     ------
     InputError
-        There is no result, or a part of it is lost.
+        There is no result, or part of it is lost.
     """
     if not display_of(obj).is_whole:
         raise InputError(rpt_("there is no result on this object"))
@@ -115,7 +115,7 @@ def apply(obj: bpy.types.Object) -> None:
 
 
 def discard(obj: bpy.types.Object) -> None:
-    """Bring an object back to what it was before the first run that still counts.
+    """Restore an object as it was before the first run that is still in effect.
 
     Raises
     ------
@@ -155,17 +155,17 @@ def drop_control(obj: bpy.types.Object) -> None:
 
 
 def clear(obj: bpy.types.Object) -> None:
-    """Remove everything that runs have left on an object; the coordinates stay, or the Basis.
+    """Remove everything that runs have left on an object; its coordinates or its Basis stay.
 
-    Objects that share its mesh have the same result, which ends for them, too.
-    A colour view must be over, see `coloring.end_view`.
+    Objects that share its mesh have the same result, which ends for them too. A colour view must
+    have ended, see `coloring.end_view`.
     """
     display_of(obj).clear()
     forget(obj)
 
 
 def forget(obj: bpy.types.Object) -> None:
-    """Remove what runs have left, but for the shape keys; the coordinates stay. As in `clear`."""
+    """Remove what runs have left, except shape keys; the coordinates stay. See `clear`."""
     for each in bpy.data.objects:
         if each.data == obj.data and each.is_editable:
             display_of(each).forget()

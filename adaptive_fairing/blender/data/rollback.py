@@ -17,16 +17,16 @@ from .targets import writable_object
 def written_or_restored(
     obj: bpy.types.Object, *, in_place: bool = False, word: str = FAIRED
 ) -> Iterator[bpy.types.Object]:
-    """Give the object to write to, see `writable_object`; put all back if the body fails.
+    """Yield the object to write to, see `writable_object`; restore everything if the body fails.
 
-    Blender takes nothing back by itself when an operator ends with an error.
+    Blender itself restores nothing when an operator ends with an error.
 
     Parameters
     ----------
     obj
         Mesh object in Object Mode.
     in_place
-        Whether shape keys of the user are no reason for a copy, because they stay.
+        Whether to write to an object with shape keys of the user, which stay, instead of a copy.
     word
         As in `writable_object`.
 
@@ -60,7 +60,7 @@ def written_or_restored(
 
 
 def _show_view_again(obj: bpy.types.Object, view: str) -> None:
-    """Let an object whose mesh has the colours of a field know of them."""
+    """Note on an object that its mesh has the colours of a field."""
     record = obj.adaptive_fairing
     record.view = view
     if view and record.wants_material:
@@ -69,7 +69,7 @@ def _show_view_again(obj: bpy.types.Object, view: str) -> None:
 
 @dataclass(frozen=True)
 class _Visibility:
-    """Where an object is hidden and selected: layers with the two flags, and in renders."""
+    """Visibility and selection of an object in each layer, and its visibility in renders."""
 
     in_layers: list[tuple[bpy.types.ViewLayer, bool, bool]]
     in_render: bool
@@ -93,7 +93,7 @@ class _Visibility:
 
 
 def remove_mesh(mesh: bpy.types.Mesh) -> None:
-    """Remove a mesh, and the animation of its keys if nobody else uses it."""
+    """Remove a mesh, and the animation of its keys if nothing else uses it."""
     keys = mesh.shape_keys
     animation = keys.animation_data if keys is not None else None
     action = animation.action if animation is not None else None

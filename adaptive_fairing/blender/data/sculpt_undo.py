@@ -1,8 +1,8 @@
-"""Undo steps of what is changed in Sculpt Mode by something else than a stroke.
+"""Undo steps for changes in Sculpt Mode other than strokes.
 
-Strokes are kept as differences, from which Blender cannot undo a change that was not a stroke; a
-whole state just before the change gives it something to go back to. Of a slider it keeps no step at
-all there, so the state after it is kept as well, once the slider rests.
+Blender stores strokes as differences, from which it cannot undo another kind of change. So a whole
+state is stored just before the change. For a slider Blender stores no step at all in this mode, so
+the state after it is stored as well, once the slider rests.
 """
 
 from __future__ import annotations
@@ -14,13 +14,13 @@ RESTS = 0.2
 
 
 def keep_before(obj: bpy.types.Object | None) -> None:
-    """Keep the state before a change of an object, if it is in Sculpt Mode."""
+    """Store the state before a change of an object, if it is in Sculpt Mode."""
     if obj is not None and obj.mode == "SCULPT":
         _push("Adaptive Fairing")
 
 
 def keep_slide(obj: bpy.types.Object) -> None:
-    """Call before every change by a slider, so that all until it rests are one step."""
+    """Call before every change by a slider, so that all changes until it rests are one step."""
     timers = bpy.app.timers
     if obj.mode != "SCULPT" or bpy.app.background:
         return

@@ -1,8 +1,8 @@
 """The evolution as shape keys: "Basis" is the input, "Fairing 1", "Fairing 2", … the steps.
 
 Absolute keys form one movie: `Key.eval_time` runs through them, so that one slider scrubs the
-evolution. Relative keys are the form that glTF and FBX can export. Keys that anyone else made are
-never touched: the writers refuse a mesh that has them.
+evolution. Relative keys are the kind that glTF and FBX can export. Keys of the user are never
+changed: the writers refuse a mesh that has some.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def has_step_keys(mesh: bpy.types.Mesh) -> bool:
 
 
 def _steps(keys: bpy.types.Key) -> list[int] | None:
-    """Numbers of the steps that the keys are, without the Basis; None if any key is not ours."""
+    """Step numbers of the keys, without the Basis; None if any key is not ours."""
     first, *others = (block.name for block in keys.key_blocks)
     matches = [_STEP_NAME.fullmatch(name) for name in others]
     if first != BASIS or not all(matches):
@@ -55,13 +55,13 @@ def evolution_keys(obj: bpy.types.Object) -> bpy.types.Key | None:
 
 
 def shown_step(keys: bpy.types.Key) -> float:
-    """Give the number of the step that absolute fairing keys show; 0 is the Basis."""
+    """Find the step that absolute fairing keys show, by its number; 0 is the Basis."""
     frames = [block.frame for block in keys.key_blocks]
     return float(np.interp(keys.eval_time, frames, [0, *_steps(keys)]))
 
 
 def last_step(keys: bpy.types.Key) -> int:
-    """Give the number of the last step that fairing keys have."""
+    """Find the number of the last step among fairing keys."""
     return _steps(keys)[-1]
 
 
@@ -72,7 +72,7 @@ def show_step(keys: bpy.types.Key, step: float) -> None:
 
 
 def keys_checksum(keys: bpy.types.Key) -> str:
-    """Tell the shapes of keys from any others."""
+    """Checksum of the shapes of all keys."""
     crc = 0
     for block in keys.key_blocks:
         crc = zlib.crc32(read_key(block), zlib.crc32(block.name.encode(), crc))
@@ -82,8 +82,8 @@ def keys_checksum(keys: bpy.types.Key) -> str:
 def mixed_keys(keys: bpy.types.Key) -> NDArray[np.float32]:
     """Mix shape keys as Blender does, (n, 3).
 
-    Relative keys are taken at their values, without vertex groups and muting; absolute keys
-    straight between the two neighbours of the evaluation time.
+    Relative keys count by their values, without vertex groups and muting. Absolute keys are
+    interpolated between the two neighbours of the evaluation time.
     """
     blocks = keys.key_blocks
     if not keys.use_relative:
@@ -100,10 +100,11 @@ def mixed_keys(keys: bpy.types.Key) -> NDArray[np.float32]:
 def show_time(keys: bpy.types.Key, time: float) -> None:
     """Show absolute keys at a time, to exporters too.
 
-    Blender ignores the values of absolute keys. Exporters of glTF and FBX write the keys and the
-    values; with the two neighbours at 1 - t and t they are the same shape. Others write the
-    coordinates of the mesh itself, if not told to apply modifiers. FBX adds the keys to these
-    coordinates: between the Basis, which has no value, and the first key they must be the Basis.
+    Blender ignores the values of absolute keys. The exporters of glTF and FBX write the keys and
+    the values; with the values 1 - t and t of the two neighbours they give the same shape. Other
+    exporters write the coordinates of the mesh itself, unless they apply modifiers. FBX adds the
+    keys to these coordinates, so between the Basis, which has no value, and the first key the
+    coordinates must be the Basis.
     """
     keys.eval_time = time
     after, part = _place(keys)
@@ -136,7 +137,7 @@ def write_absolute_keys(
     obj
         Mesh object in Object Mode.
     positions
-        Positions of every step, (n, 3) each, in object space, without the input. Must not be empty.
+        Positions of every step, (n, 3) each, in object space, without the input; at least one.
     shown
         Index of the step to show, by default the last.
 
@@ -156,7 +157,7 @@ def write_relative_keys(
 ) -> None:
     """Replace the object's fairing keys by relative ones; only the shown one has the value 1.
 
-    Parameters, errors: as in `write_absolute_keys`.
+    Parameters and errors as in `write_absolute_keys`.
     """
     keys, shown_block = _write_keys(obj, positions, shown)
     keys.use_relative = True
@@ -167,7 +168,7 @@ def write_relative_keys(
 
 
 def write_final_shape(obj: bpy.types.Object, positions: ArrayLike) -> None:
-    """Move the vertices themselves; earlier fairing keys go, no key is left.
+    """Move the vertices themselves, and remove earlier fairing keys.
 
     Parameters
     ----------
@@ -186,7 +187,7 @@ def write_final_shape(obj: bpy.types.Object, positions: ArrayLike) -> None:
 
 
 def remove_fairing_keys(obj: bpy.types.Object) -> None:
-    """Take the fairing keys away, with their animation; the vertices go back to the Basis.
+    """Remove the fairing keys and their animation; the vertices return to the Basis.
 
     Raises
     ------
@@ -213,7 +214,7 @@ def remove_fairing_keys(obj: bpy.types.Object) -> None:
 
 
 def remove_step_keys(obj: bpy.types.Object) -> None:
-    """Remove the keys of steps, which may not be all; other keys stay, as relative ones."""
+    """Remove the keys of steps; other keys stay, as relative keys."""
     keys = obj.data.shape_keys
     if keys is None:
         return
@@ -244,7 +245,7 @@ def animate_evolution(obj: bpy.types.Object, frame_start: float, frame_end: floa
 
 
 def animated_frames(obj: bpy.types.Object) -> tuple[float, float] | None:
-    """Tell the first and the last frame that the evolution runs over; None if it does not."""
+    """First and last frame of the animated evolution; None if it is not animated."""
     keys = obj.data.shape_keys
     if keys is None or keys.use_relative:
         return None
@@ -255,7 +256,7 @@ def animated_frames(obj: bpy.types.Object) -> tuple[float, float] | None:
 
 
 def keyframe_keys(keys: bpy.types.Key, frames: Sequence[float]) -> None:
-    """Let every absolute key be shown at a frame of its own, and straight lines between them."""
+    """Show every absolute key at a frame of its own, with linear interpolation between them."""
     for frame, block in zip(frames, keys.key_blocks, strict=True):
         # Where a key stands is read, never computed: 0, 10, 20, 30.0000019 …
         keys.eval_time = block.frame
@@ -269,7 +270,7 @@ def keyframe_keys(keys: bpy.types.Key, frames: Sequence[float]) -> None:
 def _write_keys(
     obj: bpy.types.Object, positions: Sequence[ArrayLike], shown: int
 ) -> tuple[bpy.types.Key, bpy.types.ShapeKey]:
-    """Write keys for the input and every step; give them and that of the step to show."""
+    """Write keys for the input and every step; return them, and the key of the step to show."""
     mesh = obj.data
     # All shapes are checked before anything is touched.
     buffers = [flat_float32(step, mesh) for step in positions]

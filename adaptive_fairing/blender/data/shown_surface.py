@@ -1,13 +1,13 @@
 """The surface that shows a result: its control mesh, or a mesh on the limit surface.
 
-A refined mesh is another mesh.  The control mesh stays in the file as it is, kept by
-`FairingRecord.control`, and comes back bit by bit when the result is discarded or another surface
-is chosen.  Refinement is linear, so the original, each offset and each shape key are refined alike,
-and what shows a result works on the refined mesh as it does on the control mesh.
+A refined mesh is a separate mesh.  `FairingRecord.control` keeps the control mesh in the file; it
+comes back bit by bit when the result is discarded or another surface is chosen.  Refinement is
+linear, so the original, each offset and each shape key are refined alike, and a display works on
+the refined mesh as on the control mesh.
 
-The control vertices are the first of a refined mesh.  The weights that they have in vertex groups,
-the values and the animation of keys, and the materials go back to the control mesh.  If anything
-else was changed on the refined mesh, that mesh stays in the file.
+The first vertices of a refined mesh are the control vertices.  Their weights in vertex groups, the
+values and the animation of keys, and the materials go back to the control mesh.  If anything else
+was changed on the refined mesh, that mesh stays in the file.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ OWN_PREFIXES = (".", "fairing_")
 
 
 def show_surface(obj: bpy.types.Object, surface: str) -> tuple[tuple[str, ...], str | None]:
-    """Show the result of an object on a surface; colours of a view are made anew.
+    """Show the result of an object on a surface, and update the colours of a view.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def show_surface(obj: bpy.types.Object, surface: str) -> tuple[tuple[str, ...], 
 
 
 def show_control(obj: bpy.types.Object) -> str | None:
-    """Bring the control mesh of a result back, with what is shown now.
+    """Bring the control mesh of a result back, with the shape shown now.
 
     Returns
     -------
@@ -99,7 +99,7 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
     Returns
     -------
     tuple of str
-        What had to be cut, turned or left out because the mesh is not an oriented manifold.
+        What was cut, turned or left out because the mesh is not an oriented manifold.
 
     Raises
     ------
@@ -142,7 +142,7 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
 
 @contextmanager
 def control_written(obj: bpy.types.Object) -> Iterator[str | None]:
-    """Let the body write another result to the control mesh, and refine it after that.
+    """Let the body write another result to the control mesh, then refine it again.
 
     Yields
     ------
@@ -163,7 +163,7 @@ def control_written(obj: bpy.types.Object) -> Iterator[str | None]:
 
 
 def _fingerprint(mesh: bpy.types.Mesh) -> str:
-    """Fingerprint of a refined mesh, without what goes back to the control mesh."""
+    """Fingerprint of a refined mesh, without the data that goes back to the control mesh."""
     crc = 0
     for array in read_attributes(mesh, RENEWED):
         if not array.name.startswith(OWN_PREFIXES):

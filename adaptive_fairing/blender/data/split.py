@@ -1,6 +1,6 @@
-"""Split view by a modifier: the original on one side of a plane, for results beside the mesh.
+"""Split view by a modifier: the original on one side of a plane, the result on the other.
 
-The modifier puts the vertices of that side where an attribute of the mesh has them.
+The modifier moves the vertices of that side to the original positions, an attribute of the mesh.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ def add(obj: bpy.types.Object, original: NDArray[np.float32], is_behind: NDArray
     original
         (n, 3) positions.
     is_behind
-        (n,) which vertices are to show them.
+        (n,) whether each vertex shows the original.
     """
     remove(obj)
     side = obj.data.attributes.new(SIDE, "BOOLEAN", "POINT")

@@ -1,7 +1,7 @@
 """The path of a result: from the original through the shape at each knot, straight in between.
 
-Of `denoise` the knots are strengths, of `fair` the numbers of the steps. Where a result is no shape
-keys, its path is kept in point attributes of the mesh, so it is saved, copied and undone with it.
+The knots are the strengths of `denoise`, or the step numbers of `fair`. A result without shape keys
+keeps its path in point attributes of the mesh, so it is saved, copied and undone with the mesh.
 """
 
 from __future__ import annotations
@@ -31,17 +31,17 @@ def offset_name(index: int) -> str:
 
 @dataclass(frozen=True)
 class StoredPath:
-    """A result.
+    """Original shape and offsets of a result.
 
     Attributes
     ----------
     original
         (n, 3) positions at 0.
     knots
-        (k,) ascending, above 0; the first may be 0, where the path then jumps from the original to
-        what earlier runs had made of other regions.
+        (k,) ascending, above 0. The first may be 0: there the path jumps from the original to the
+        shape that earlier runs gave other regions.
     offset_at
-        Gives the offset (n, 3) from the original at the knot of an index, counted from 0.
+        Returns the offset (n, 3) from the original at a knot, by its index from 0.
     """
 
     original: SingleArray
@@ -50,12 +50,12 @@ class StoredPath:
 
     @classmethod
     def through(cls, original: SingleArray, knots: Sequence[float], shapes: list) -> StoredPath:
-        """Take the path through shapes (n, 3); their offsets are exact."""
+        """Make the path through shapes (n, 3), whose offsets are exact."""
         start = original.astype(np.float64)
         return cls(original, tuple(knots), lambda index: shapes[index] - start)
 
     def offset(self, place: float) -> NDArray[np.floating]:
-        """Interpolate the offset between the knots; beyond the last it stays. A new array."""
+        """Interpolate the offset between the knots, constant beyond the last; a new array."""
         ends = (0.0, *self.knots)
         number = float(np.interp(place, ends, range(len(ends))))
         below = min(int(number), len(self.knots) - 1)
@@ -68,7 +68,7 @@ class StoredPath:
 
 
 def write_path(mesh: bpy.types.Mesh, path: StoredPath, *, with_original: bool = True) -> None:
-    """Keep a path on a mesh that is not in Edit Mode and has none."""
+    """Store a path on a mesh without one, not in Edit Mode."""
     if with_original:
         write_vectors(mesh, ORIGINAL, path.original)
     for index in range(len(path.knots)):
@@ -76,7 +76,7 @@ def write_path(mesh: bpy.types.Mesh, path: StoredPath, *, with_original: bool = 
 
 
 def read_path(mesh: bpy.types.Mesh, original: SingleArray, knots: tuple[float, ...]) -> StoredPath:
-    """Read the path that a mesh has; offsets are read when they are asked for."""
+    """Read the path of a mesh; offsets are read when they are needed."""
     return StoredPath(original, knots, lambda index: read_vectors(mesh, offset_name(index + 1)))
 
 
@@ -87,7 +87,7 @@ def has_offsets(mesh: bpy.types.Mesh, n_knots: int) -> bool:
 
 
 def stored_names(mesh: bpy.types.Mesh) -> list[str]:
-    """Names of the attributes that a path, or what is left of one, has on a mesh."""
+    """Names of the attributes of a path, whole or not, on a mesh."""
     starts = (ORIGINAL, offset_name(0)[:-1])
     return [name for name in mesh.attributes.keys() if name.startswith(starts)]
 

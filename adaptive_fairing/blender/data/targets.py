@@ -19,12 +19,12 @@ def find_mesh_object(file_name: str, name: str | None = None) -> bpy.types.Objec
     file_name
         For error messages.
     name
-        Name of the object; None if the file is expected to hold a single mesh.
+        Name of the object; None if the file should hold a single mesh.
 
     Raises
     ------
     FairingError
-        There is no such object, or the choice is not clear.
+        There is no such object, or there are several and no name was given.
     """
     meshes = [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.users_scene]
     names = ", ".join(repr(obj.name) for obj in meshes)
@@ -47,7 +47,7 @@ def find_mesh_object(file_name: str, name: str | None = None) -> bpy.types.Objec
 
 
 def needs_copy(obj: bpy.types.Object, *, in_place: bool = False) -> bool:
-    """Whether the object itself must stay as it is: it is linked, or has shape keys of its own.
+    """Whether the object must not be changed, because it is linked or has shape keys of the user.
 
     `in_place` as in `writable_object`.
     """
@@ -58,23 +58,23 @@ def needs_copy(obj: bpy.types.Object, *, in_place: bool = False) -> bool:
 def writable_object(
     obj: bpy.types.Object, *, in_place: bool = False, word: str = FAIRED
 ) -> bpy.types.Object:
-    """Give an object whose mesh belongs to it alone and may be written.
+    """Object whose mesh nothing else uses and that may be changed.
 
     Parameters
     ----------
     obj
         Mesh object in Object Mode.
     in_place
-        Whether shape keys of the user are no reason for a copy, because they stay.
+        Whether to write to an object with shape keys of the user, which stay, instead of a copy.
     word
-        What a copy is called after, see `files.output_words`.
+        Word in the name of a copy, see `files.output_words`.
 
     Returns
     -------
     bpy.types.Object
-        `obj` itself, its mesh made single-user if others share it or a library owns it; or, if it
-        `needs_copy`, a new object "NAME WORD" in its place, with the shown shape and no
-        keys, while `obj` is hidden and otherwise untouched.
+        `obj` itself, its mesh made single-user if others share it or a library owns it. If it
+        `needs_copy`, a new object "NAME WORD" in its place, with the shown shape and without keys;
+        `obj` is hidden and otherwise unchanged.
     """
     if needs_copy(obj, in_place=in_place):
         return _copy_in_place(obj, word)

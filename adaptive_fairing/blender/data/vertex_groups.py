@@ -34,7 +34,7 @@ class GroupWeights:
     is_member: SingleArray
 
     def with_weights(self, refined: Callable[[SingleArray], SingleArray]) -> GroupWeights:
-        """Take the group to another mesh, where every vertex made from a member is a member."""
+        """Group on another mesh; every vertex made from a member is a member."""
         return replace(self, weights=refined(self.weights), is_member=refined(self.is_member))
 
 
@@ -56,7 +56,7 @@ def read_groups(obj: bpy.types.Object) -> list[GroupWeights]:
 
 
 def group_weights(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> SingleArray:
-    """Read the weights of one group, (n,), 0 outside of it; faster than `read_groups`."""
+    """Read the weights (n,) of one group, 0 outside of it; faster than `read_groups`."""
     n, weight_of = len(obj.data.vertices), group.weight
     with suppress(RuntimeError):  # a vertex is not in the group
         return np.fromiter(map(weight_of, range(n)), np.float32, n)
@@ -70,7 +70,7 @@ def group_weights(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> Single
 
 
 def add_weights(group: bpy.types.VertexGroup, members: Sequence[int], weights: SingleArray) -> None:
-    """Put vertices into a group with their weights (k,); Blender takes one weight for many."""
+    """Add vertices to a group with weights (k,); Blender's call takes one weight for many."""
     order = np.argsort(weights, kind="stable")
     members = np.asarray(members)[order]
     values, size = np.unique(weights, return_counts=True)
@@ -90,7 +90,7 @@ def same_groups(first: Sequence[GroupWeights], second: Sequence[GroupWeights]) -
 
 
 def write_groups(obj: bpy.types.Object, groups: Sequence[GroupWeights]) -> None:
-    """Give an object whose mesh has no groups these, the active one as it was."""
+    """Write groups to an object without groups; the same one is active as before."""
     active = obj.vertex_groups.active_index
     obj.vertex_groups.clear()
     for group in groups:

@@ -10,12 +10,12 @@ from .mesh_arrays import read_positions
 
 
 def weld(mesh: bpy.types.Mesh) -> None:
-    """Join the vertices at the same place; UV maps and what else corners have stay apart.
+    """Join the vertices at the same place; UV maps and other data of corners stay separate.
 
     Parameters
     ----------
     mesh
-        Without shape keys, in Object Mode.  Polygons that lose all but two corners go.
+        Mesh without shape keys, in Object Mode.  Polygons left with two corners are removed.
     """
     _, first, group = np.unique(
         read_positions(mesh), axis=0, return_index=True, return_inverse=True

@@ -1,7 +1,8 @@
-"""Meshes far from the origin, as those of maps: near it in Blender, back in their place in files.
+"""Meshes far from the origin, such as maps: near it in Blender, back in place in files.
 
-Blender keeps coordinates in single precision. At 4,600,000 m that is every half metre. So the
-distance goes to the location of the object, which holds it exactly, and the mesh keeps its digits.
+Blender stores coordinates in single precision, whose steps at 4,600,000 m are half a metre. So the
+distance goes into the location of the object, which holds it exactly, and the mesh keeps all its
+digits.
 """
 
 from __future__ import annotations
@@ -20,9 +21,9 @@ _MOST_DECIMALS = 13
 
 
 def move_near_origin(far: FarPoints) -> None:
-    """Give the meshes that were just imported the coordinates of the file, near the origin.
+    """Give newly imported meshes the exact coordinates of the file, moved near the origin.
 
-    A mesh whose coordinates are not those of the file, rounded, stays as it is.
+    A mesh whose coordinates are not the rounded ones of the file stays as it is.
     """
     for obj in bpy.data.objects:
         points = _points_of(obj.data, far) if obj.type == "MESH" else None
@@ -35,7 +36,7 @@ def move_near_origin(far: FarPoints) -> None:
 
 
 def _points_of(mesh: bpy.types.Mesh, far: FarPoints) -> NDArray[np.float64] | None:
-    """Find the points, (n, 3), that the importer made the mesh of."""
+    """Points (n, 3) of the file from which the importer made the mesh."""
     rounded = read_mesh_coordinates(mesh)
     for part in far.parts:
         if len(part) == len(rounded):
@@ -46,7 +47,7 @@ def _points_of(mesh: bpy.types.Mesh, far: FarPoints) -> NDArray[np.float64] | No
 
 
 def _origin(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Round the centre of a mesh to what single precision can hold, and easily be read."""
+    """Centre of a mesh, rounded to a short number that single precision holds exactly."""
     low, high = points.min(axis=0), points.max(axis=0)
     held = float(np.spacing(np.float32(np.abs(points).max())))
     step = max(held, 2.0 ** math.floor(math.log2(max((high - low).max() / 8, held))))
@@ -54,9 +55,9 @@ def _origin(points: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def world_points(obj: bpy.types.Object) -> NDArray[np.float64]:
-    """Positions in the world, (n, 3), as files hold them.
+    """Positions (n, 3) in the world, as files hold them.
 
-    Those of a mesh far from the origin have no more decimals than its own precision needs, so that
+    For a mesh far from the origin they have no more decimals than its own precision needs, so that
     4600001.37 comes out as it went in.
     """
     matrix = np.array(obj.matrix_world, dtype=np.float64)
@@ -68,7 +69,7 @@ def world_points(obj: bpy.types.Object) -> NDArray[np.float64]:
 
 
 def _shortest(near: NDArray[np.float64], location: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Add a location to points; keep the fewest decimals that are the same points near it."""
+    """Add a location to points, with the fewest decimals that still give the same near points."""
     points = near + location
     is_found = np.zeros(points.shape, dtype=bool)
     for decimals in range(_MOST_DECIMALS):
@@ -82,7 +83,7 @@ def _shortest(near: NDArray[np.float64], location: NDArray[np.float64]) -> NDArr
 
 
 def rounding_notes(points: NDArray[np.float64], what: str) -> list[str]:
-    """Tell how much single precision rounds points, (n, 3), if they are far from the origin."""
+    """Note how much single precision rounds points (n, 3) that are far from the origin."""
     if not is_far(points):
         return []
     step = float(np.spacing(np.float32(np.abs(points).max())))

@@ -1,6 +1,6 @@
-"""Losses of Blender's importers: parts of a mesh file that they leave out in silence.
+"""Losses of Blender's importers: parts of a mesh file that they silently leave out.
 
-They drop vertices that no face uses, faces that no mesh of Blender can have, and digits.
+They drop vertices that no face uses, faces that Blender's meshes cannot have, and digits.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ def import_notes(path: Path) -> list[str]:
     Returns
     -------
     list of str
-        One sentence for each kind of loss; none for formats that cannot be counted here.
+        One sentence for each kind of loss; none for formats whose elements are not counted.
     """
     contents = inspect(path)
     notes = [

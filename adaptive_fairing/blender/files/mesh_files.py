@@ -34,7 +34,7 @@ _AXES_AS_IN_FILE = {"forward_axis": "Y", "up_axis": "Z"}
 def import_mesh(
     path: Path, object_name: str | None = None, *, keep_axes: bool = False
 ) -> bpy.types.Object:
-    """Load a file in place of everything that Blender holds, and find the mesh to fair.
+    """Load a file in place of everything that Blender holds, and find the mesh to smooth.
 
     Parameters
     ----------
@@ -43,16 +43,16 @@ def import_mesh(
     object_name
         Name of the mesh object; needed only if the file holds several.
     keep_axes
-        Take coordinates as they stand in the file, for the formats that have no axes of their own.
+        Whether to read coordinates unchanged, in formats that do not define their axes.
 
     Raises
     ------
     FileError
         The file cannot be read, or the mesh has no faces.
     FairingError
-        No mesh, several meshes without a name, or no mesh of that name.
+        There is no mesh, there are several and no name was given, or none has that name.
     InputError
-        Coordinates that are not finite numbers, faces whose vertices do not exist.
+        Coordinates are not finite, or faces name vertices that do not exist.
     """
     path = Path(os.path.abspath(path))
     _require_readable(path)
@@ -78,25 +78,25 @@ def export_mesh(
     Parameters
     ----------
     obj
-        The faired object; for .ply its colours and attributes are adapted to the exporter.
+        The object; for .ply its colours and attributes are changed to suit the exporter.
     path
         Output; its suffix chooses the format.
     alone
-        Write this object only, instead of the whole scene.
+        Whether to write this object only, instead of the whole scene.
     keep_axes
         As in `import_mesh`.
 
     Returns
     -------
     list of str
-        What the format could not hold, one sentence each.
+        Losses in this format, one sentence each.
 
     Raises
     ------
     FileError
         Blender cannot write the file.
     OSError
-        The place cannot be written to.
+        The path cannot be written to.
     """
     file_format = MESH_FORMATS[suffix_of(path)]
     options = _export_options(obj, file_format, keep_axes=keep_axes)
@@ -150,7 +150,7 @@ def _export_options(
 def _restore(
     draft: Path, obj: bpy.types.Object, file_format: MeshFormat, *, keep_axes: bool
 ) -> list[str]:
-    """Give an exported file what its exporter lost, or tell it: digits, order, vertices."""
+    """Restore what the exporter lost (digits, order), and note what cannot be restored."""
     if file_format is OBJ:
         restore_precision(draft, keep_axes=keep_axes)
         return restore_order(draft)
@@ -162,7 +162,7 @@ def _restore(
 
 
 def _split_vertices(path: Path) -> list[str]:
-    """Tell how many vertices became several in a file that was exported from the scene."""
+    """Note how many vertices were split in a file that was exported from the scene."""
     meshes = [obj.data for obj in bpy.context.scene.objects if obj.type == "MESH"]
     n_vertices, n_points = sum(len(mesh.vertices) for mesh in meshes), inspect(path).n_points
     if n_points is None or n_points <= n_vertices:
@@ -224,7 +224,7 @@ def _import_into_empty_scene(path: Path, *, split: bool, keep_axes: bool) -> Non
 
 @contextmanager
 def _readable(path: Path, contents: Contents) -> Iterator[Path]:
-    """Give the file, or a copy that the importer reads rightly."""
+    """Path that the importer reads correctly: the file itself, or a corrected copy."""
     if contents.readable is None:
         yield path
         return
@@ -236,7 +236,7 @@ def _readable(path: Path, contents: Contents) -> Iterator[Path]:
 
 
 def _size_bound() -> int:
-    """Bytes that the meshes of the scene take at most in a file, if no modifier enlarges them."""
+    """Most bytes that the meshes of the scene take in a file, if no modifier enlarges them."""
     elements = sum(
         len(obj.data.vertices) + len(obj.data.loops)
         for obj in bpy.context.scene.objects
@@ -247,7 +247,7 @@ def _size_bound() -> int:
 
 
 def _show_alone(obj: bpy.types.Object) -> None:
-    """Replace all scenes by one that holds this object only, whatever hid it before."""
+    """Replace all scenes by one with only this object, visible."""
     scene = bpy.data.scenes.new(obj.name)
     scene.collection.objects.link(obj)
     if obj.library is None:
@@ -258,7 +258,7 @@ def _show_alone(obj: bpy.types.Object) -> None:
 
 
 def _write(path: Path, name: str, options: Mapping[str, Any], draft: Path) -> None:
-    """Run an operator that writes a file; Blender words a full disk in many ways, this in one."""
+    """Run an operator that writes a file; report a full disk in one way, where Blender has many."""
     try:
         _call(path, name, options)
     except FileError:
@@ -267,7 +267,7 @@ def _write(path: Path, name: str, options: Mapping[str, Any], draft: Path) -> No
 
 
 def _call(path: Path, name: str, options: Mapping[str, Any]) -> None:
-    """Run an operator on a file; its errors become one line."""
+    """Run an operator on a file; an error of it becomes one line."""
     operator = _operator(name)
     verb = "write" if "export" in name or "save" in name else "read"
     try:
@@ -280,7 +280,7 @@ def _call(path: Path, name: str, options: Mapping[str, Any]) -> None:
 
 
 def _reason(text: str) -> str:
-    """Take the reason from the message of an operator, of a traceback its last line."""
+    """Reason in the message of an operator; for a traceback, its last line."""
     lines = [line.strip() for line in text.removeprefix("Error: ").splitlines() if line.strip()]
     if any("Traceback (most recent call last)" in line for line in lines):
         lines = [line for line in lines if not line.startswith("Location:")][-1:]

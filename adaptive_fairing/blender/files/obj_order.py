@@ -21,7 +21,7 @@ def restore_order(path: Path) -> list[str]:
     Returns
     -------
     list of str
-        A sentence if faces without a group have got one.
+        A sentence if faces without a group were put into one.
     """
     meshes = {
         # The exporter writes names without spaces.
@@ -45,7 +45,7 @@ def restore_order(path: Path) -> list[str]:
 
 
 def _in_order(block: list[bytes], mesh: bpy.types.Mesh, n_before: int) -> list[bytes]:
-    """Sort the lines of an object; `n_before` vertices stand above it in the file."""
+    """Sort the lines of an object; the file has `n_before` vertices above it."""
     material = np.empty(len(mesh.polygons), dtype=np.int32)
     mesh.polygons.foreach_get("material_index", material)
     order = np.argsort(material, kind="stable")
@@ -66,7 +66,7 @@ def _in_order(block: list[bytes], mesh: bpy.types.Mesh, n_before: int) -> list[b
 
 
 def _n_states_above(block: list[bytes], first: int) -> int:
-    """Count the lines right above the first face that are states."""
+    """Count the lines directly above the first face that set a state, such as a material."""
     count = 0
     while block[first - count - 1].startswith(_STATES):
         count += 1
@@ -74,7 +74,7 @@ def _n_states_above(block: list[bytes], first: int) -> int:
 
 
 def _with_states(faces: list[tuple[bytes, dict[bytes, bytes]]]) -> Iterator[bytes]:
-    """Write faces, and above each the states that have changed."""
+    """Write faces, and above each face the states that have changed."""
     before: dict[bytes, bytes] = {}
     for face, state in faces:
         yield from (line for kind, line in state.items() if before.get(kind) != line)

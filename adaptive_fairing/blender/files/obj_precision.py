@@ -1,7 +1,7 @@
 """Full precision for .obj files: Blender's exporter rounds coordinates to six decimals.
 
-That is 1 % of an edge of 0.05 mm in metres, and all of a mesh of size 1e-7. Here the coordinates
-of an exported file are replaced by numbers that read back as the very same float32, or as the
+In metres that is 1 % of an edge of 0.05 mm, and erases a mesh of size 1e-7. Here the coordinates of
+an exported file are replaced by numbers that read back as exactly the same float32, or as the
 doubles that a mesh far from the origin needs.
 """
 
@@ -51,7 +51,7 @@ def restore_precision(path: Path, *, keep_axes: bool) -> None:
 
 
 def _vertex_lines(lines: list[bytes]) -> Mapping[str, list[int]]:
-    """Numbers of the vertex lines of every object in the file."""
+    """Find the vertex lines of every object in the file, by index."""
     found: dict[str, list[int]] = {}
     current: list[int] = []
     for number, line in enumerate(lines):

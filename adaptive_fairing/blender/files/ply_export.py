@@ -12,22 +12,22 @@ def prepare_for_ply(mesh: bpy.types.Mesh) -> list[str]:
     Parameters
     ----------
     mesh
-        Gets the float attributes "s" and "t" for its UVs, and float colours for its active ones.
+        Receives float attributes "s" and "t" for its UVs, and float colours for its active ones.
 
     Returns
     -------
     list of str
-        What the format cannot hold, one sentence each.
+        Losses in this format, one sentence each.
     """
     if mesh.color_attributes.active_color is not None:
         _store_exact_colors(mesh)
     if _store_uv_by_vertex(mesh):
         return []
-    return ["UVs are left out: .ply has one UV per vertex, the mesh has seams"]
+    return ["UVs are left out: .ply has one UV per vertex, but the mesh has seams"]
 
 
 def _store_exact_colors(mesh: bpy.types.Mesh) -> None:
-    """Keep the exporter, which cuts off decimals, from darkening colours by a step."""
+    """Prevent that the exporter, which truncates decimals, darkens colours by one step."""
     old = mesh.color_attributes.active_color
     name, domain = old.name, old.domain
     colors = np.empty(4 * len(old.data), dtype=np.float32)
@@ -40,7 +40,7 @@ def _store_exact_colors(mesh: bpy.types.Mesh) -> None:
 
 
 def _store_uv_by_vertex(mesh: bpy.types.Mesh) -> bool:
-    """Store the active UVs as .ply names them; whether all corners at a vertex agree on one."""
+    """Store the active UVs under their names in .ply; True if all corners at a vertex agree."""
     layer = mesh.uv_layers.active
     if layer is None:
         return True

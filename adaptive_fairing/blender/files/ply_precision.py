@@ -18,9 +18,9 @@ def write_doubles(path: Path, points: NDArray[np.float64]) -> None:
     Parameters
     ----------
     path
-        File whose first element are the vertices, without lists, in little endian.
+        Little-endian file whose first element is the vertices, without list properties.
     points
-        (n, 3) their coordinates.
+        (n, 3) coordinates of the vertices.
     """
     data = path.read_bytes()
     header = read_header(data)

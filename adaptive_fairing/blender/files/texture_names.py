@@ -1,4 +1,4 @@
-"""Other names for textures in files that only Blender can change: exported once more."""
+"""Other names for textures in files that only Blender can change: a second export."""
 
 from __future__ import annotations
 
@@ -14,21 +14,21 @@ from ...files.errors import FileError
 
 
 def write_with_other_textures(draft: Path, names: Renames, write: Callable[[], None]) -> None:
-    """Export once more, with images of other names.
+    """Export again, with other names for the images.
 
     Parameters
     ----------
     draft
-        Exported file; its textures stand beside it, or in folders there.
+        Exported file; its textures are beside it, or in folders there.
     names
-        Of the textures, as `names_to_change` gives them.
+        Names of the textures, as `names_to_change` returns them.
     write
         Exports to the draft.
 
     Raises
     ------
     FileError
-        A texture keeps its name.
+        A texture kept its old name.
     """
     with tempfile.TemporaryDirectory() as folder:
         for old, new in names.items():
@@ -48,7 +48,7 @@ def write_with_other_textures(draft: Path, names: Renames, write: Callable[[], N
 
 
 def _replace_images(file: Path, new: bpy.types.Image) -> None:
-    """Use an image instead of those that were exported under this name."""
+    """Use another image in place of those that were exported under this name."""
     for old in bpy.data.images:
         names = bpy.path.basename(old.filepath), old.name, f"{old.name}{file.suffix}"
         if old != new and file.name in names:

@@ -1,8 +1,8 @@
 """Validation of an imported mesh by Blender, without its silent or random repairs.
 
-`Mesh.validate` turns coordinates that are not numbers into 0, and of faces with the same vertices
-it keeps the one that a thread happens to see first. Here the former are refused, and of the latter
-the first one is kept.
+`Mesh.validate` turns coordinates that are not numbers into 0; here they are refused. Of several
+faces with the same vertices it keeps the one that a thread happens to reach first; here the first
+face of the mesh is kept.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ..data.mesh_arrays import read_positions
 
 
 def validate(mesh: bpy.types.Mesh) -> None:
-    """Remove what no mesh of Blender can have, such as faces that repeat a vertex.
+    """Remove elements that are invalid in Blender, such as faces that repeat a vertex.
 
     Raises
     ------

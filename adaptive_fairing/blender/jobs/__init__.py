@@ -1,1 +1,1 @@
-"""A run from input to output: of a file, of an object, of many frames, in a worker process."""
+"""Runs from input to output: of a file, an object, many frames, or in a worker process."""

@@ -1,6 +1,7 @@
-"""A worker process of a batch: takes jobs from standard input until it is closed.
+"""Worker process of a batch: does jobs from standard input until that is closed.
 
-The process ends at once when its batch does, whatever it is doing: outputs appear whole or not.
+The process ends at once when its batch ends, whatever it is doing: outputs appear whole or not at
+all.
 """
 
 from __future__ import annotations
@@ -37,11 +38,11 @@ REFINE_BYTES, REFINE_KEY_BYTES = 480, 56
 
 
 class _PutAsideError(Exception):
-    """There is no memory for this mesh now."""
+    """There is not enough memory for this mesh at present."""
 
 
 def serve() -> None:
-    """Do jobs until there are no more."""
+    """Do jobs until the batch ends."""
     inbox = _Inbox()
     server = _Server(inbox)
     while (message := inbox.next_job()) is not None:
@@ -64,7 +65,7 @@ class _Inbox:
         return message
 
     def answer(self) -> dict[str, Any]:
-        """Wait for an answer in the middle of a job."""
+        """Wait for the batch's answer in the middle of a job."""
         return self._messages.get()
 
     def _read(self) -> None:
@@ -78,7 +79,7 @@ class _Inbox:
 
 
 class _Server:
-    """Does jobs; keeps what one hands on to the next."""
+    """Does jobs, and keeps what the next one can use again."""
 
     def __init__(self, inbox: _Inbox) -> None:
         self._inbox = inbox
@@ -86,7 +87,7 @@ class _Server:
         self._last: tuple[PreparedMesh, int] | None = None
 
     def answer(self, job: Job) -> dict[str, Any]:
-        """Do a job and say what became of it."""
+        """Do a job and report its outcome."""
         started = time.perf_counter()
         try:
             account = self._measure(job) if job.output is None else self._fair(job)

@@ -1,6 +1,6 @@
 """Examination of a mesh as a job beside Blender's window, like a solve but without a result.
 
-No bpy, so that it may work in a thread.
+No bpy, so that it can run in a thread.
 """
 
 from __future__ import annotations
@@ -16,19 +16,19 @@ from .solve import Solve
 
 @dataclass
 class ExaminationJob(Solve):
-    """One mesh, and what was found in it.
+    """One mesh, and the findings of its examination.
 
     Attributes
     ----------
     found
-        None until the end, and after a `failure`.
+        Findings; None until the end, and after a `failure`.
     """
 
     found: Examination | None = None
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more will come."""
+        """Whether the job has ended."""
         return self.found is not None or self.failure is not None
 
     def run(self) -> Iterator[Solve]:
@@ -43,5 +43,5 @@ class ExaminationJob(Solve):
             yield self
 
     def note_progress(self, progress: DenoiseProgress) -> None:
-        """Take note of how far it is: for a run this is only the first phase."""
+        """Note the progress; in a run this would be the first phase only."""
         super().note_progress(progress._replace(fraction_at_end=1.0))

@@ -1,8 +1,8 @@
 """Fairing of attributes: a colour, the weights of a vertex group, a number or a vector.
 
-The surface stays as it is. Colours of corners are faired by their means at the vertices: what a
-corner differs from its mean by stays, so that corners which agree go on agreeing, and a seam keeps
-its step.
+The surface does not change. Colours of corners are faired by their means at the vertices. The
+difference of a corner from its mean stays, so that equal corners remain equal and a seam keeps its
+step.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ NOTICED = 1e-3
 
 
 class FairedAttribute(NamedTuple):
-    """What became of an attribute: values that were faired, and those of them cut off at a limit.
+    """Outcome of fairing an attribute: the number of values, and of those clamped at a limit.
 
-    Finite elements have no maximum principle, so that values next to a sharp step may go past the
-    range of the input. Weights and byte colours end at 0 and 1.
+    Finite elements have no maximum principle, so values next to a sharp step may leave the range of
+    the input. Weights and byte colours are clamped to between 0 and 1.
     """
 
     n_values: int
@@ -55,26 +55,26 @@ def fair_attribute(
     positions: ArrayLike | None = None,
     weights: ArrayLike | None = None,
 ) -> FairedAttribute:
-    """Fair an attribute, or else a vertex group, on the shape that an object shows.
+    """Fair an attribute or a vertex group on the shape that an object shows.
 
     Parameters
     ----------
     obj
         Mesh object in Object Mode.
     name
-        Of a number, a vector or a colour at the points, of a colour at the corners, or of a vertex
-        group.
+        Name of a number, a vector or a colour at the points, of a colour at the corners, or of a
+        vertex group. An attribute comes before a group of the same name.
     settings
         As in `fair_values`. The values after the last step are written.
     positions
-        (n, 3) of the vertices; None takes those that the add-on shows.
+        (n, 3) positions of the vertices; None takes those that the add-on shows.
     weights
         (n,) factors of the local time, see `fair_values`.
 
     Raises
     ------
     InputError
-        There is nothing of that name, it cannot be faired, or its values are not finite.
+        Nothing has that name, it cannot be faired, or its values are not finite.
     FairingError
         As in `fair_values`. Nothing was written.
     """
@@ -102,7 +102,7 @@ def fair_attribute(
 
 @dataclass(frozen=True)
 class _Carried:
-    """Numbers that a mesh carries, and the way back.
+    """Numbers stored on a mesh, and a function that writes them.
 
     Attributes
     ----------
@@ -113,7 +113,7 @@ class _Carried:
     is_limited
         Whether the values are within [0, 1].
     write
-        Takes values of the same shape.
+        Writes values of the same shape.
     """
 
     values: NDArray[np.float32]
@@ -140,14 +140,14 @@ def _carried(obj: bpy.types.Object, name: str) -> _Carried:
 
 
 def _refusal(attribute: bpy.types.Attribute) -> str | None:
-    """Say why an attribute cannot be faired; None if it can."""
+    """Reason why an attribute cannot be faired; None if it can."""
     if attribute.data_type not in FAIRED_TYPES or attribute.name == "position":
         return rpt_("only numbers, vectors and colors can be faired")
     if attribute.domain == "POINT":
         return None
     if attribute.domain == "CORNER" and attribute.data_type in COLORS:
         return None
-    return rpt_("only what belongs to points can be faired, and colors of face corners")
+    return rpt_("only values at vertices and colors of face corners can be faired")
 
 
 def _of_attribute(mesh: bpy.types.Mesh, attribute: bpy.types.Attribute) -> _Carried:
@@ -180,7 +180,7 @@ def _of_group(obj: bpy.types.Object, group: bpy.types.VertexGroup) -> _Carried:
 
 
 def _means(values: FloatArray, vertex: NDArray[np.int32], n_vertices: int) -> FloatArray:
-    """Means (n, k) of the values of the corners at every vertex; 0 where there is none."""
+    """Means (n, k) of the corners' values at every vertex; 0 at a vertex without a corner."""
     count = np.maximum(np.bincount(vertex, minlength=n_vertices), 1)
     sums = [np.bincount(vertex, column, n_vertices) for column in values.T]
     return np.stack(sums, axis=1) / count[:, None]

@@ -1,4 +1,4 @@
-"""Job of a file: one file in, its mesh faired, one file out."""
+"""Job of a file: read it, smooth its mesh, write the result."""
 
 from __future__ import annotations
 
@@ -48,28 +48,28 @@ OnFractionDone = Callable[[float], None]
 
 @dataclass(frozen=True)
 class FairingJob:
-    """What to do.
+    """One file to process.
 
     Attributes
     ----------
     input, output
-        Files; their suffixes choose the formats. A .blend output gets every step, or strength, a
+        Files; their suffixes choose the formats. A .blend output gets every step or strength, a
         mesh format the result alone.
     settings
-        Decide the algorithm.
+        Settings of one of the algorithms, which choose it.
     object_name
         Mesh object of the input; None if it holds a single one.
     report
         File for the JSON report; None for no report.
     frame
-        Frame of an animated input whose deformed shape is faired; the output is then a mesh
+        Frame of an animated input whose deformed shape is smoothed; the output is then a mesh
         format. None takes the mesh as it is stored, before modifiers.
     refine
-        Steps of Loop subdivision of the result, onto the limit surface; 0 moves the vertices there
-        without new ones, None leaves the result as it is.
+        Steps of Loop subdivision of the result, onto the limit surface; 0 only moves the vertices
+        there, None leaves the result as it is.
     denoised_beside
-        Whether an output .blend of a mesh file gets a second object with the result of `denoise`
-        beside that of the paper's method, unless that is refined.
+        Whether an output .blend of a mesh file gets a second object, with the result of `denoise`,
+        beside that of the paper's method. A refined result gets none.
     """
 
     input: Path
@@ -84,14 +84,14 @@ class FairingJob:
 
 @dataclass(frozen=True)
 class Preparation:
-    """What is known of a surface before it is solved on.
+    """Work on a surface that is done before its solve.
 
     Attributes
     ----------
     mesh
-        Its analysis.
+        The prepared mesh.
     plan
-        How `denoise` is to mix its filters; None lets it find out.
+        Plan by which `denoise` mixes its filters; None lets it find one.
     """
 
     mesh: PreparedMesh
@@ -110,25 +110,25 @@ def run_job(
     prepare: Prepare | None = None,
     admit: Admit | None = None,
 ) -> dict[str, Any]:
-    """Do the job. Everything that Blender holds is replaced by the input file.
+    """Do the job; the input file replaces everything that Blender holds.
 
-    A solve that fails in a later step does not lose the steps before it: they are written, and
-    then the error is raised. A step that did not converge itself is not written.
+    If a later step fails, the steps before it are written, and then the error is raised. A step
+    that did not converge is not written.
 
     Parameters
     ----------
     job
-        What to do.
+        The job.
     on_step
         Called with the solve after every step of the paper's methods.
     on_fraction_done
-        Called with the part of `denoise` that is done, up to 1; also of what is put beside.
+        Called with the fraction of `denoise` that is done, 0 to 1; also for the object beside.
     prepare
-        Gives the preparation of a surface, by default a new one; a caller of many jobs may have
-        one already.
+        Returns the preparation of a surface, by default a new one; a caller of many jobs may reuse
+        an earlier one.
     admit
-        Called when the surface is known, before the memory for its solve is taken. What it raises
-        ends the job without an output.
+        Called when the surface is known, before the memory for its solve is taken. An exception
+        from it ends the job without an output.
 
     Returns
     -------
@@ -138,7 +138,7 @@ def run_job(
     Raises
     ------
     FairingError
-        The input is no mesh that can be faired, or the solver failed.
+        The input has no mesh that can be smoothed, or the solver failed.
     OSError
         A file cannot be read or written.
     MemoryError
@@ -163,7 +163,7 @@ def run_job(
 
 
 class _Run:
-    """State of a job while it runs, from which its report can be written at any moment."""
+    """State of a running job, from which its report can be written at any moment."""
 
     def __init__(self, job: FairingJob, prepare: Prepare, admit: Admit) -> None:
         self.job = job
@@ -270,7 +270,7 @@ class _Run:
 
 
 def _step_records(solve: Solve) -> list[dict[str, Any]]:
-    """Describe the steps of the paper's methods, one that did not converge among them."""
+    """Make records of the steps of the paper's methods, including one that did not converge."""
     if solve.is_denoise:
         return []
     tried = [*solve.steps, *([] if solve.failed_step is None else [solve.failed_step])]
@@ -281,7 +281,7 @@ def _step_records(solve: Solve) -> list[dict[str, Any]]:
 
 
 def prepared_alone(data: MeshData, settings: Settings, scale: float | None = None) -> Preparation:
-    """Analyse a surface that has nothing in common with others but perhaps the scale."""
+    """Prepare a surface that shares at most the scale with others."""
     options = {}
     if isinstance(settings, FairingSettings):
         options["quadrature_tolerance"] = settings.quadrature_tolerance
@@ -290,7 +290,7 @@ def prepared_alone(data: MeshData, settings: Settings, scale: float | None = Non
 
 
 def solved_surface(data: MeshData, source: Path) -> tuple[MeshData, np.ndarray | slice]:
-    """Surface to solve on for a mesh of a file, and its vertex for each of the mesh's."""
+    """Surface to solve on for a mesh from a file, and the mesh's vertices as vertices of it."""
     return welded(data) if splits_vertices(source) else (data, slice(None))
 
 
@@ -304,7 +304,8 @@ def _put_on_timeline(obj: bpy.types.Object, shown: int, *, extend: bool) -> None
     shown
         Index of the step to show.
     extend
-        Only lengthen the scene's frame range, which other animation may need; otherwise fit it.
+        Whether to only lengthen the scene's frame range, which other animation may need, instead of
+        fitting it.
     """
     scene = obj.users_scene[0]
     blocks = obj.data.shape_keys.key_blocks[1:]  # without the Basis
@@ -317,12 +318,12 @@ def _put_on_timeline(obj: bpy.types.Object, shown: int, *, extend: bool) -> None
 
 
 def prepare_places(*paths: Path | None) -> None:
-    """Check that files can be written, and remove what killed runs have left there.
+    """Check that files can be written, and remove drafts that killed runs have left there.
 
     Raises
     ------
     OSError
-        With one line that says what is in the way.
+        A file cannot be written; the message says in one line why not.
     """
     for path in paths:
         if path is not None:
@@ -341,7 +342,7 @@ def mesh_counts(mesh: bpy.types.Mesh) -> dict[str, int]:
 
 
 def program_versions() -> dict[str, str]:
-    """Name what runs, for the report."""
+    """Names and versions of the programs, for the report."""
     return {
         "name": "adaptive-fairing",
         "version": program_version(),

@@ -26,10 +26,10 @@ Place = tuple[Path, int | None]
 
 
 class Preparations:
-    """Preparations of surfaces, of which that of a sequence's first frame is kept.
+    """Preparations of surfaces; that of a sequence's first frame is kept.
 
-    A frame with other triangles than the first is analysed on its own. So the result of a frame
-    does not depend on which others were faired before it in the same process.
+    A frame with other triangles than the first gets a preparation of its own. So the result of a
+    frame does not depend on the frames that the same process has smoothed before.
     """
 
     def __init__(self) -> None:
@@ -45,14 +45,14 @@ class Preparations:
         scale: float | None,
         keep_axes: bool,
     ) -> None:
-        """Make sure that the kept preparation is that of a place; None keeps nothing.
+        """Keep the preparation of the frame at a place, or none if the place is None.
 
-        All parameters but the place must be those of the last call with the same place.
+        All other parameters must equal those of the last call with the same place.
 
         Raises
         ------
         FairingError, OSError
-            The place cannot be read, or holds no mesh to fair.
+            The place cannot be read, or has no mesh to smooth.
         """
         if reference == self._place:
             return
@@ -63,7 +63,7 @@ class Preparations:
             self._kept = prepared_first(data, settings, scale, is_one_strength=is_one_strength)
 
     def of(self, data: MeshData, settings: Settings, scale: float | None) -> Preparation:
-        """Give the kept preparation if it is one of this surface, otherwise a new one."""
+        """Return the kept preparation if it fits this surface, otherwise a new one."""
         kept = self._kept
         if kept is not None and kept.mesh.serves(data.triangles, len(data.vertices)):
             return kept
@@ -78,7 +78,7 @@ def prepared_first(
     is_one_strength: bool,
     progress: Callable[[DenoiseProgress], None] | None = None,
 ) -> Preparation:
-    """Analyse the first frame of a sequence; denoise it too, if all are to have its plan.
+    """Prepare the first frame of a sequence; denoise it too, if all frames are to use its plan.
 
     `progress` is as for `denoise`.
     """
@@ -92,7 +92,7 @@ def prepared_first(
 
 
 def read_place(place: Place, object_name: str | None, *, keep_axes: bool = False) -> MeshData:
-    """Read the surface of a frame, as a job would solve on it. Replaces what Blender holds."""
+    """Read the surface of a frame as a job would solve on it; replaces everything in Blender."""
     path, frame = place
     obj = import_mesh(path, object_name, keep_axes=keep_axes)
     if frame is not None:
@@ -102,20 +102,20 @@ def read_place(place: Place, object_name: str | None, *, keep_axes: bool = False
 
 
 def same_strength(data: MeshData, settings: Settings) -> tuple[Settings, float]:
-    """Find what gives every frame the same smoothing as the first.
+    """Find settings and scale that smooth every frame as strongly as the first.
 
     Parameters
     ----------
     data
         Surface of the first frame.
     settings
-        As asked for. A stopping rule would end frames after different numbers of steps: what it
-        says of the first frame holds for all.
+        Settings of the run. A stopping rule would end frames after different numbers of steps, so
+        its outcome on the first frame holds for all.
 
     Returns
     -------
     DenoiseSettings or FairingSettings
-        Without anything that each frame would choose for itself, τ included.
+        Settings in which nothing, not even τ, is left for each frame to choose.
     float
         Scale into the solver's frame, see `PreparedMesh`.
     """
@@ -131,16 +131,16 @@ def same_strength(data: MeshData, settings: Settings) -> tuple[Settings, float]:
 
 
 def run_frames(solves: Sequence[Solve], *, one_strength: bool) -> Iterator[Solve]:
-    """Run frames with the same triangles; yield the solve at hand after every step.
+    """Run frames with the same triangles; yield the current solve after every step.
 
-    Touches no Blender data. Of a finished frame only the result is kept.
+    Does not touch Blender's data. Of a finished frame only the result is kept.
 
     Parameters
     ----------
     solves
-        The frames, with one settings for all.
+        The frames, all with the same settings.
     one_strength
-        Whether to smooth all of them as the first, see `same_strength`.
+        Whether to smooth all of them like the first, see `same_strength`.
     """
     first = solves[0]
     data, settings, scale = MeshData(first.vertices, first.triangles), first.settings, None

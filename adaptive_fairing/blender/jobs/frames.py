@@ -23,11 +23,11 @@ class Frame:
     Attributes
     ----------
     number
-        Of the frame.
+        Number of the frame.
     data
-        In object space.
+        Mesh in object space.
     matrix
-        (4, 4), from object space into the world.
+        (4, 4) from object space into the world.
     """
 
     number: int
@@ -36,12 +36,12 @@ class Frame:
 
 
 def read_frames(obj: bpy.types.Object, numbers: Iterable[int]) -> list[Frame]:
-    """Read an animated object at several frames; the scene comes back to the frame it is at.
+    """Read an animated object at several frames; the scene returns to its present frame.
 
     Raises
     ------
     InputError
-        There are no faces, or not the same ones in all frames.
+        A frame has no faces, or not those of the first frame.
     """
     scene = obj.users_scene[0]
     current = scene.frame_current
@@ -70,17 +70,17 @@ def _require_same_faces(first: Frame, frame: Frame) -> None:
 
 
 def object_at_frame(obj: bpy.types.Object, frame: int) -> bpy.types.Object:
-    """Make an object that has the shape and the place of another one at a frame.
+    """Make an object with the shape and the place of another one at a frame.
 
-    Modifiers, shape keys, armatures, simulations and caches count, as the viewport shows them; the
-    new object has none of them. The scene stays at the frame.
+    The shape is the one that the viewport shows, with modifiers, shape keys, armatures, simulations
+    and caches; the new object has none of these. The scene stays at the frame.
 
     Parameters
     ----------
     obj
         Mesh object in a scene.
     frame
-        Of the scene's timeline.
+        Frame on the scene's timeline.
 
     Raises
     ------
@@ -97,7 +97,7 @@ def object_at_frame(obj: bpy.types.Object, frame: int) -> bpy.types.Object:
 
 
 def evaluated_mesh(obj: bpy.types.Object, frame: int) -> tuple[bpy.types.Mesh, object]:
-    """Copy the mesh of an object as it is at a frame, and give the object's place, a 4x4 matrix."""
+    """Mesh of an object at a frame, as a copy, and the object's matrix (4, 4) into the world."""
     graph = go_to_frame(obj, frame)
     evaluated = obj.evaluated_get(graph)
     mesh = bpy.data.meshes.new_from_object(

@@ -1,6 +1,6 @@
 """Set-up of the last mesh, kept from one press to the next as long as its triangles stay.
 
-No bpy: a solve asks for it in its thread.
+No bpy: a solve uses it in its thread.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ class KeptPreparation:
     def of(
         self, vertices: NDArray[np.float64], triangles: NDArray[np.int32], tolerance: float
     ) -> PreparedMesh:
-        """Give the kept preparation if it is one of these triangles, otherwise make and keep one.
+        """Return the kept preparation if it fits these triangles, otherwise make and keep one.
 
         Raises
         ------
@@ -47,7 +47,7 @@ class KeptPreparation:
         return kept
 
     def release(self) -> None:
-        """Free what is too large to keep until the next press."""
+        """Free the parts that are too large to keep until the next press."""
         if self._kept is not None and len(self._kept.triangles) > LARGEST_KEPT:
             self._kept.free_space()
 

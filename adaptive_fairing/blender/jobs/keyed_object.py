@@ -21,7 +21,7 @@ from .frames import Frame, object_at_frame
 
 
 def frame_key_name(frame: int) -> str:
-    """Name of the key of a frame."""
+    """Name of the shape key of a frame."""
     return f"Frame {frame}"
 
 
@@ -35,9 +35,9 @@ def write_frame_keys(
     obj
         Mesh object without shape keys, in Object Mode.
     frames
-        Ascending, on the timeline.
+        Frames on the timeline, ascending.
     positions
-        Of every frame, (n, 3) each, in object space.
+        Positions at every frame, (n, 3) each, in object space.
     """
     buffers = [flat_float32(shape, obj.data) for shape in positions]
     obj.data.attributes["position"].data.foreach_set("vector", buffers[0])
@@ -60,13 +60,13 @@ def write_keyed_file(
 ) -> None:
     """Put the outputs of a sequence together in a .blend file.
 
-    The object has the polygons, UVs and materials of the first frame's input. An animated object
-    of a .blend input is hidden and stays beside it.
+    The object has the polygons, UVs and materials of the first frame's input. If the input is an
+    animated object of a .blend file, that object stays beside it, hidden.
 
     Parameters
     ----------
     items
-        Frames in order, whose outputs are there, in `plan.KEYED_SUFFIX`.
+        Frames in order, whose outputs exist, in the format of `plan.KEYED_SUFFIX`.
     object_name
         Mesh object of the inputs; None if they hold a single one.
     output
@@ -74,7 +74,7 @@ def write_keyed_file(
     refine
         As in `FairingJob`; the frames are not refined yet.
     word
-        What the object beside an animated one is called after, see `files.output_words`.
+        Word in the name of the object beside an animated one, see `files.output_words`.
 
     Raises
     ------
@@ -123,14 +123,14 @@ def show_frames(
     *,
     word: str = FAIRED,
 ) -> bpy.types.Object:
-    """Make an object that plays faired frames beside the animated one, which is hidden.
+    """Make an object that plays the results beside the animated object, which is hidden.
 
     Parameters
     ----------
     obj
         Mesh object in the view layer, in Object Mode.
     frames
-        As they were read, in order.
+        Frames as they were read, in order.
     positions
         Results, (n, 3) each, in the object's space at that frame.
     word
@@ -151,7 +151,7 @@ def show_frames(
 
 
 def _beside(obj: bpy.types.Object, frame: int, word: str) -> bpy.types.Object:
-    """Make an object with the shape of a frame beside an animated one, which is hidden."""
+    """Make an object with the shape of a frame beside an animated object, which is hidden."""
     result = object_at_frame(obj, frame)
     result.name = f"{obj.name} {word}"
     obj.hide_set(True)
@@ -160,6 +160,6 @@ def _beside(obj: bpy.types.Object, frame: int, word: str) -> bpy.types.Object:
 
 
 def _in_space_of(obj: bpy.types.Object, shape: NDArray[np.float32]) -> NDArray[np.float64]:
-    """Take positions from world space, where mesh files have them, to the space of an object."""
+    """Transform positions from world space, that of mesh files, to the space of an object."""
     to_object = np.linalg.inv(np.array(obj.matrix_world, dtype=np.float64))
     return shape @ to_object[:3, :3].T + to_object[:3, 3]

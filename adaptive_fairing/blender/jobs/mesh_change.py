@@ -1,7 +1,4 @@
-"""Job of a file without a solve for its shape: one file in, its mesh changed, one file out.
-
-Refinement onto the limit surface is such a change, and so is an attribute that is faired.
-"""
+"""Job of a file that does not smooth its shape: refinement, or fairing of an attribute."""
 
 from __future__ import annotations
 
@@ -29,7 +26,7 @@ from .file_job import mesh_counts, prepare_places, program_versions
 
 @dataclass(frozen=True)
 class Files:
-    """What to read and write.
+    """Files and object of a job.
 
     Attributes
     ----------
@@ -44,9 +41,9 @@ class Files:
 
 
 def refine_file(files: Files, levels: int) -> dict[str, Any]:
-    """Refine a mesh onto its limit surface; 0 levels move its vertices there without new ones.
+    """Refine a mesh onto its limit surface; with 0 levels its vertices only move there.
 
-    Everything that Blender holds is replaced by the input file.
+    The input file replaces everything that Blender holds.
 
     Returns
     -------
@@ -56,20 +53,20 @@ def refine_file(files: Files, levels: int) -> dict[str, Any]:
     Raises
     ------
     FairingError
-        The input is no mesh that this can be done with.
+        The input has no mesh that can be changed in this way.
     OSError
         A file cannot be read or written.
     MemoryError
-        The mesh, or what becomes of it, is too large for this machine.
+        The mesh or the result is too large for this machine.
     """
     record = {"algorithm": "refine", "settings": {"levels": levels}}
     return _change(files, record, lambda obj: refine_object(obj, RefineOptions(levels)))
 
 
 def fair_attribute_of_file(files: Files, name: str, settings: FairingSettings) -> dict[str, Any]:
-    """Fair a color, a vertex group or another attribute of a mesh, whose vertices stay.
+    """Fair a colour, a vertex group or another attribute of a mesh, whose vertices stay.
 
-    Everything that Blender holds is replaced by the input file. Returns, raises: as `refine_file`.
+    The input file replaces everything that Blender holds. Returns and errors as in `refine_file`.
     """
 
     def change(obj: bpy.types.Object) -> list[str]:

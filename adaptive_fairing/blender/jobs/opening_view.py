@@ -73,14 +73,14 @@ def denoised_beside(
 
 
 def color_by_density(obj: bpy.types.Object) -> None:
-    """Let the stored density be rendered, unless the mesh has colours or materials of its own."""
+    """Render the stored density, unless the mesh has colours or materials of its own."""
     mesh = obj.data
     if mesh.attributes.active_color_name == color_name(DENSITY) and not mesh.materials:
         mesh.materials.append(field_material("DENSITY"))
 
 
 def frame_views(objects: list[bpy.types.Object]) -> None:
-    """Turn every 3D view of the file to the objects, lit and in the colours of their vertices."""
+    """Point every 3D view of the file at the objects, lit and in the colours of their vertices."""
     low, high = _corners(objects)
     size = max((high - low).length, 1e-6)
     for screen in bpy.data.screens:

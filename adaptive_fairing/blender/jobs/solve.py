@@ -1,6 +1,6 @@
-"""The one driver of both algorithms: runs one on a mesh and keeps what Blender is to store.
+"""Driver of both algorithms: runs one of them on a mesh and keeps what Blender is to store.
 
-No bpy, so that a solve may work in a thread beside Blender's window.
+No bpy, so that a solve can run in a thread beside Blender's window.
 """
 
 from __future__ import annotations
@@ -34,30 +34,30 @@ Settings = DenoiseSettings | FairingSettings
 
 
 class RunCancelledError(Exception):
-    """Nobody waits for the result any more."""
+    """The run was cancelled: nobody waits for its result any more."""
 
 
 @dataclass
 class Solve:
-    """One mesh, one of the two algorithms, and its result so far.
+    """A run of one of the two algorithms on one mesh, and its result so far.
 
     Attributes
     ----------
     name, session_uid
-        Of the Blender object, if it belongs to one. Objects themselves must not be kept: undo and
-        deletion invalidate them.
+        Name and number of the Blender object, if there is one. The object itself must not be kept:
+        undo and deletion invalidate it.
     is_of_level
         Whether the mesh is the shown level of a multiresolution sculpture.
     vertices, triangles, weights
         Input of `denoise` and `fair_steps`.
     settings
-        Decide the algorithm.
+        Settings of one of the algorithms, which choose it.
     prepared, plan
-        What another frame of the same surface hands on, see `denoise`.
+        Preparation and plan from another frame of the same surface, see `denoise`.
     preparations
-        Where a preparation is looked for, and kept, if there is no `prepared`.
+        Store in which a preparation is looked up and kept, if there is no `prepared`.
     on_fraction_done
-        Called with the part of `denoise` that is done, 0 to 1.
+        Called with the fraction of `denoise` that is done, 0 to 1.
     denoised
         Result of `denoise`; its shapes are float32, which is what Blender keeps.
     steps
@@ -65,17 +65,17 @@ class Solve:
     step_seconds
         Time that each step took, or the whole of `denoise`.
     kept
-        Positions (n, 3) of the result, once `keep_result_only` has left nothing else.
+        Positions (n, 3) of the result, after `keep_result_only` has freed everything else.
     is_repeated
-        Whether the result is that of an earlier solve, and has cost no time.
+        Whether the result was taken from an earlier solve, without any work.
     progress
-        How far `denoise` is.
+        Progress of `denoise`.
     is_cancelled
-        Set to end `denoise` in the middle.
+        Set to end `denoise` before it is finished.
     failed_step
-        The step that did not converge, as it was left.
+        The step that did not converge, as the solver left it.
     failure
-        Why the run ended early.
+        Error that ended the run early.
     """
 
     vertices: NDArray[np.float64]
@@ -101,7 +101,7 @@ class Solve:
 
     @property
     def is_denoise(self) -> bool:
-        """Whether this is `denoise`, not the paper."""
+        """Whether this runs `denoise`, not the paper's method."""
         return isinstance(self.settings, DenoiseSettings)
 
     @property
@@ -116,7 +116,7 @@ class Solve:
 
     @property
     def is_over(self) -> bool:
-        """Whether nothing more will come."""
+        """Whether the job has ended."""
         is_last = bool(self.steps) and self.steps[-1].stop_reason is not None
         has_all = self.denoised is not None or self.kept is not None
         return is_last or has_all or self.failure is not None
@@ -148,20 +148,20 @@ class Solve:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was found wrong with the mesh, and what became of it."""
+        """Notes on defects of the mesh and on the result, one line each."""
         if self.denoised is not None:
             return self.denoised.notes
         return self.steps[-1].notes if self.steps else ()
 
     @property
     def stop_reason(self) -> str | None:
-        """Why the steps ended, as in `FairingStep`; None while they go on, and of `denoise`."""
+        """Why the steps ended, as in `FairingStep`; None while they run, and for `denoise`."""
         last = self.failed_step or (self.steps[-1] if self.steps else None)
         return None if last is None else last.stop_reason
 
     @property
     def seconds(self) -> float:
-        """Time that the finished part took."""
+        """Time that the finished part took, in seconds."""
         return sum(self.step_seconds)
 
     @property
@@ -180,7 +180,7 @@ class Solve:
         self.step_seconds, self.is_repeated = list(other.step_seconds), True
 
     def has_input_of(self, other: Solve) -> bool:
-        """Whether another solve has the same input, so that its result would be the same."""
+        """Whether another solve has the same input and settings, hence the same result."""
         if self.settings != other.settings or (self.weights is None) != (other.weights is None):
             return False
         pairs = [(self.vertices, other.vertices), (self.triangles, other.triangles)]
@@ -189,15 +189,15 @@ class Solve:
         return all(np.array_equal(mine, others) for mine, others in pairs)
 
     def run(self) -> Iterator[Solve]:
-        """Run the algorithm; yield this object after every step, of `denoise` once.
+        """Run the algorithm; yield this object after every step, for `denoise` once.
 
-        Ends without an exception if the mesh cannot be solved: `failure` says why. A step that has
-        not converged is not kept.
+        If the mesh cannot be solved, the run ends without an exception: `failure` says why. A step
+        that has not converged is not kept.
 
         Raises
         ------
         RunCancelledError
-            `is_cancelled` was set while `denoise` was at work.
+            `is_cancelled` was set while `denoise` was running.
         """
         try:
             yield from self._denoise() if self.is_denoise else self._fair()
@@ -258,19 +258,19 @@ class Solve:
             started = time.perf_counter()
 
     def keep_result_only(self) -> None:
-        """Keep the `positions` of a finished solve, and free everything else that needs memory."""
+        """Keep only the `positions` of a finished solve, and free all other arrays."""
         if self.has_result and self.is_over:
             self.kept = self.positions
             self.denoised, self.prepared, self.plan = None, None, None
             self.steps.clear()
 
     def note_progress(self, progress: DenoiseProgress) -> None:
-        """Take note of how far `denoise` is.
+        """Note the progress of `denoise`.
 
         Raises
         ------
         RunCancelledError
-            The run is no longer wanted.
+            The run was cancelled.
         """
         self.progress = progress
         if self.on_fraction_done is not None:
@@ -280,10 +280,9 @@ class Solve:
 
 
 def run_solves(solves: Iterable[Solve]) -> Iterator[Solve]:
-    """Run one solve after the other; yield the one at hand after every step.
+    """Run one solve after the other; yield the current one after every step.
 
-    A mesh that cannot be solved does not keep the others from it; one that is over already is left
-    out.
+    A mesh that cannot be solved does not stop the others; a solve that has ended is left out.
     """
     for solve in solves:
         if solve.is_over:

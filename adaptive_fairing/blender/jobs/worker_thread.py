@@ -1,4 +1,4 @@
-"""Thread that works through a generator and can be asked to stop between two items."""
+"""Thread that works through a generator and can be stopped between two items."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ class Worker(Generic[Item]):
     Attributes
     ----------
     is_stopping
-        Whether a stop has been asked for.
+        Whether a stop was asked for.
     """
 
     def __init__(self, items: Iterator[Item]) -> None:
@@ -39,12 +39,12 @@ class Worker(Generic[Item]):
         self._stop.set()
 
     def poll(self) -> tuple[list[Item], bool]:
-        """Give the new items, and whether these are the last.
+        """Return the new items, and whether they are the last.
 
         Raises
         ------
         BaseException
-            Whatever the generator raised, here in the caller's thread.
+            Raised by the generator; raised here again in the caller's thread.
         """
         is_last = not self._thread.is_alive()  # asked first: the thread may end meanwhile
         with self._lock:

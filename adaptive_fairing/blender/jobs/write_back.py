@@ -33,9 +33,9 @@ def store_solve(
     Parameters
     ----------
     solve
-        A solve that has been run.
+        A finished solve.
     way, output
-        What the object gets of `denoise` and of the paper's methods, see
+        How the object stores a result of `denoise` and of the paper's methods, see
         `OutputProperties.result` and `.output`.
     store_density
         Whether to store the density as attributes.
@@ -45,12 +45,12 @@ def store_solve(
     Returns
     -------
     bpy.types.Object
-        The object that has the result: the one that was read, or a copy of it.
+        The object with the result: the one that was read, or a copy of it.
 
     Raises
     ------
     FairingError
-        The object is gone, or its shape has been changed since it was read.
+        The object was deleted, or its shape was changed after it was read.
     """
     source = find_object(solve, from_original=from_original)
     in_place = solve.is_denoise and way == "MODIFIER"
@@ -71,9 +71,9 @@ def write_result(
     output: str = "ABSOLUTE_KEYS",
     from_original: bool = False,
 ) -> None:
-    """Write the shapes of a result and its record to an object that may be written.
+    """Write the shapes and the record of a result to an object that may be changed.
 
-    Parameters: as in `store_solve`.
+    Parameters as in `store_solve`.
     """
     view = pause_view(obj)
     start = solve.vertices.astype(np.float32)
@@ -98,14 +98,14 @@ def write_result(
 
 
 def _density(solve: Solve) -> np.ndarray:
-    """Density of the last step; of `denoise` that of the result."""
+    """Density (n,) of the last step, or for `denoise` of the result."""
     if solve.steps:
         return solve.steps[-1].density
     return shown_density(solve.positions, solve.triangles, FairingSettings())
 
 
 def find_object(solve: Solve, *, from_original: bool = False) -> bpy.types.Object:
-    """Find the object of a solve again, whatever its name is now, with the shape that was read.
+    """Find the object of a solve, even if it was renamed, and check that it has the shape read.
 
     Raises
     ------
@@ -122,9 +122,9 @@ def find_object(solve: Solve, *, from_original: bool = False) -> bpy.types.Objec
 
 
 def start_positions(obj: bpy.types.Object, *, from_original: bool) -> np.ndarray:
-    """Positions (n, 3) that a run starts from: what is shown, or the original if there is one.
+    """Positions (n, 3) that a run starts from: those shown, or the original ones if there are any.
 
-    Of a refined result those of its control mesh.
+    For a refined result, the positions of its control mesh.
     """
     with control_read(obj):
         display = display_of(obj)
@@ -133,12 +133,12 @@ def start_positions(obj: bpy.types.Object, *, from_original: bool) -> np.ndarray
 
 
 def object_of(session_uid: int) -> bpy.types.Object | None:
-    """Find an object by the number that it keeps as long as the file is open."""
+    """Find an object by its number, which it keeps as long as the file is open."""
     return next((obj for obj in bpy.data.objects if obj.session_uid == session_uid), None)
 
 
 def _write_record(obj: bpy.types.Object, solve: Solve) -> None:
-    """Keep on the object what the run has measured and found."""
+    """Write the measures and the notes of the run to the record of the object."""
     record = obj.adaptive_fairing
     result = solve.denoised
     record.tau = 0.0 if solve.is_denoise else solve.steps[-1].tau

@@ -1,1 +1,1 @@
-"""Operators, one file each, and their common parts: the modal run, polls."""
+"""Operators, one file each, and what they share: the modal run, polls."""

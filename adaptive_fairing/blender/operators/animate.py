@@ -1,4 +1,4 @@
-"""Operators that put the evolution of an object on the timeline, play it, and take it off."""
+"""Operators that animate the evolution of an object, play it, and remove the animation."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ NO_EVOLUTION = "Fair the active object first, with Evolution as its result"
 
 
 class _OnEvolution:
-    """Mix-in: works on the active object, which must have an evolution."""
+    """Mix-in of operators on the active object, which must have an evolution."""
 
     @classmethod
     def poll(cls, context):
@@ -23,7 +23,7 @@ class _OnEvolution:
 
 
 class _OverFrames(_OnEvolution):
-    """Mix-in: lets the timeline run through the evolution."""
+    """Mix-in of operators that animate the evolution over a range of frames."""
 
     frame_start: bpy.props.IntProperty(
         name="From Frame", description="Frame that shows the mesh before the first step", default=1
@@ -33,7 +33,7 @@ class _OverFrames(_OnEvolution):
     )
 
     def animate(self, context) -> bool:
-        """Set the keyframes, in place of earlier ones; False if the frames make no sense."""
+        """Set the keyframes in place of earlier ones; False if the range of frames is invalid."""
         from ..data.shape_keys import animate_evolution
 
         if self.frame_end <= self.frame_start:
@@ -112,13 +112,13 @@ class OBJECT_OT_adaptive_fairing_animate_clear(_OnEvolution, bpy.types.Operator)
 
 
 def is_animated(obj: bpy.types.Object) -> bool:
-    """Whether the timeline runs through the shape keys of an object."""
+    """Whether the shape keys of an object are animated."""
     animation = obj.data.shape_keys.animation_data
     return animation is not None and animation.action is not None
 
 
 def _show_density(obj: bpy.types.Object) -> None:
-    """Colour an object by the density, unless it is coloured by another field already."""
+    """Colour an object by the density, unless it already shows another field."""
     if not obj.adaptive_fairing.view and bpy.ops.object.adaptive_fairing_view.poll():
         bpy.ops.object.adaptive_fairing_view(field="DENSITY")
 

@@ -1,4 +1,4 @@
-"""The operator that denoises what is under the brush, in Sculpt Mode, with a key."""
+"""The operator that denoises the surface under the brush in Sculpt Mode, by a key."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class OBJECT_OT_adaptive_fairing_brush(bpy.types.Operator):
 
 
 def _region_under(context: bpy.types.Context, pointer: Vector) -> dict[str, object] | None:
-    """Find the settings of a run under the pointer, a pixel; None beside the mesh."""
+    """Region under the pointer, as settings of a run; None if it does not point at the mesh."""
     obj, region, view = context.active_object, context.region, context.region_data
     if region is None or view is None:
         return None

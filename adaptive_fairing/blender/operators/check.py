@@ -1,7 +1,7 @@
-"""The operator that examines a mesh before a run, and what it has found.
+"""The operator that examines a mesh before a run, and its findings.
 
-What was found is remembered for the session, as long as the object has the shape that was examined
-and the settings are those of then.
+The findings are remembered for the session, as long as the object has the shape that was examined
+and the settings are the same.
 """
 
 from __future__ import annotations
@@ -25,14 +25,14 @@ if TYPE_CHECKING:  # the solver needs scipy, which may be missing
 
 
 class Check(NamedTuple):
-    """What was found in an object.
+    """Findings on an object.
 
     Attributes
     ----------
     shape : str
         Checksum of the mesh that was examined.
     settings : DenoiseSettings
-        What it was examined for.
+        Settings for which it was examined.
     found : Examination
     """
 
@@ -105,7 +105,7 @@ class OBJECT_OT_adaptive_fairing_check(ModalRun, bpy.types.Operator):
 
 
 def check_of(obj: bpy.types.Object | None) -> Examination | None:
-    """Return what was found in an object, if it still has that shape, by the settings of now."""
+    """Return the findings on an object, if its shape and the settings are still the same."""
     check = None if obj is None or obj.type != "MESH" else _checks.get(obj.session_uid)
     if check is None or check.settings != _settings(bpy.context.scene):
         return None
@@ -115,7 +115,7 @@ def check_of(obj: bpy.types.Object | None) -> Examination | None:
 
 
 def _settings(scene: bpy.types.Scene) -> DenoiseSettings:
-    """Read the settings of *Denoise* in a scene; those it begins with, if that was not chosen."""
+    """Read the settings of *Denoise* in a scene; the defaults, if another algorithm is chosen."""
     from ...core import DenoiseSettings
 
     settings = scene.adaptive_fairing
@@ -124,7 +124,7 @@ def _settings(scene: bpy.types.Scene) -> DenoiseSettings:
 
 @bpy.app.handlers.persistent
 def _forget_all(*_arguments) -> None:
-    """Forget the objects of the file that is being left."""
+    """Forget the objects of the file that is being closed."""
     _checks.clear()
 
 
@@ -134,13 +134,13 @@ _register_class, _unregister_class = bpy.utils.register_classes_factory(
 
 
 def register() -> None:
-    """Register the operator, and watch for files being loaded."""
+    """Register the operator, and a handler for loaded files."""
     _register_class()
     bpy.app.handlers.load_pre.append(_forget_all)
 
 
 def unregister() -> None:
-    """Take it back, and forget."""
+    """Unregister both, and forget all findings."""
     bpy.app.handlers.load_pre.remove(_forget_all)
     _forget_all()
     _unregister_class()

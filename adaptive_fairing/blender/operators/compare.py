@@ -43,7 +43,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
 
     uniform_tau: bpy.props.FloatProperty(
         name="Uniform τ",
-        description="τ of the uniform copy; 0 takes the mean of τ times density of the other",
+        description="τ of the uniform copy; 0 takes the mean timestep of the adaptive copy",
         default=0.0,
         min=0.0,
         precision=5,
@@ -136,7 +136,7 @@ def _select(context, objects) -> None:
 
 
 def _frame_selected(context) -> None:
-    """Have the 3D view that the user is in, if any, show what is selected."""
+    """Frame the selection in the user's 3D view, if there is one."""
     if context.region is not None and context.space_data is not None:
         if bpy.ops.view3d.view_selected.poll():  # type: ignore[call-arg]  # as above
             bpy.ops.view3d.view_selected()
@@ -152,9 +152,9 @@ def comparison_of(scene: bpy.types.Scene) -> bpy.types.Collection | None:
 
 
 def _lay_out(context, source, solves) -> list[bpy.types.Object]:
-    """Put labelled copies beside the source, as it is seen now, in a collection of their own.
+    """Put labelled copies in a collection of their own, beside the source as it is seen now.
 
-    The source itself stands for the mesh before, unless shape keys make it show something else.
+    The source itself serves as the mesh before, unless its shape keys show something else.
     """
     from ..jobs.write_back import write_result
 
@@ -197,18 +197,18 @@ def _lay_out(context, source, solves) -> list[bpy.types.Object]:
 
 
 def _view_rotation(context: bpy.types.Context) -> Quaternion:
-    """How the 3D view that the user is in is turned."""
+    """Rotation of the user's 3D view."""
     return FRONT if context.region_data is None else context.region_data.view_rotation
 
 
 def _extent(corners, direction) -> float:
-    """Measure a box along a direction of length 1."""
+    """Extent of a box along a unit vector."""
     heights = [corner.dot(direction) for corner in corners]
     return max(heights) - min(heights)
 
 
 def _title_and_label(solve) -> tuple[str, str]:
-    """Name a copy, for the outliner and for the label below it."""
+    """Name of a copy in the outliner, and text of the label below it."""
     if solve.is_denoise:
         title, with_what = data_("Denoised"), f"{data_('Noise')} {solve.denoised.noise_level:.2g}"
     else:
@@ -221,7 +221,7 @@ def _title_and_label(solve) -> tuple[str, str]:
 
 
 def _plain_copy(source, name, vertices) -> bpy.types.Object:
-    """Copy an object with a mesh of its own, without shape keys and parent."""
+    """Copy an object and its mesh, without shape keys and parent."""
     from ..data import results
     from ..data.coloring import end_view
     from ..data.key_copies import clear_keys
@@ -241,7 +241,7 @@ def _plain_copy(source, name, vertices) -> bpy.types.Object:
 
 
 def _label(text, location, rotation, size) -> bpy.types.Object:
-    """Make a text that hangs from a point and faces the view."""
+    """Make a text below a point that faces the view."""
     curve = bpy.data.curves.new(text.split("\n")[0], "FONT")
     curve.body = text
     curve.align_x = "CENTER"

@@ -1,4 +1,4 @@
-"""The operator that fairs the selected meshes, and the one that stops it."""
+"""The operator that smooths the selected meshes, and the one that stops it."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class OBJECT_OT_adaptive_fairing(
                     if solve.is_changed and solve.is_of_level:
                         write_level(source, solve.vertices, solve.positions)
                         results.append(source)
-                        text = rpt_("{:s}: denoised the level that is shown, without a slider")
+                        text = rpt_("{:s}: denoised the level that is shown; it has no slider")
                         self.report({"INFO"}, text.format(solve.name))
                     elif solve.is_changed:
                         results.append(self._store(solve, source))
@@ -143,7 +143,7 @@ class OBJECT_OT_adaptive_fairing(
         return {"FINISHED"}
 
     def _bring_back(self, obj):
-        """Show the original, which is the result of this run, where an earlier one is shown."""
+        """Show the original where an earlier result is shown: this run changes nothing."""
         if not display_of(obj).is_whole:
             return False
         discard_result(self, obj)
@@ -153,7 +153,7 @@ class OBJECT_OT_adaptive_fairing(
         return self.algorithm == DENOISE and self.result == "MODIFIER"
 
     def _store(self, solve, source):
-        """Write a result; say what becomes of anything beside the mesh."""
+        """Write a result, and report effects on other data than the mesh."""
         from ..data.shown_surface import control_written, refine_result
         from ..jobs.write_back import store_solve
 
@@ -230,13 +230,13 @@ class OBJECT_OT_adaptive_fairing(
         return solve
 
     def _brush(self):
-        """Give the region under the brush, if there is one."""
+        """Region under the brush; None without a brush."""
         if self.brush_radius == 0:
             return None
         return BrushRegion(tuple(self.brush_centre), self.brush_radius, self.brush_polygon)
 
     def _solve_of_level(self, obj, settings):
-        """Make a solve of the level of a multiresolution sculpture that is shown."""
+        """Make a solve for the shown level of a multiresolution sculpture."""
         from ...core import FairingError, InputError
         from ..data.mesh_arrays import read_mesh
         from ..data.multires import read_level
@@ -247,15 +247,15 @@ class OBJECT_OT_adaptive_fairing(
             if self.algorithm != DENOISE:
                 raise InputError(
                     rpt_(
-                        "has sculpted levels, which hold no steps as shape keys: choose Denoise, "
-                        "or apply the multiresolution modifier"
+                        "has sculpted levels, which cannot hold steps as shape keys: choose "
+                        "Denoise, or apply the multiresolution modifier"
                     )
                 )
             if self.vertex_group or self.hold_sharp:
                 raise InputError(
                     rpt_(
-                        "has sculpted levels, which hold no vertex group and no sharp edges: "
-                        "turn these options off, or apply the multiresolution modifier"
+                        "has sculpted levels, which have no vertex groups or sharp edges: turn "
+                        "these options off, or apply the multiresolution modifier"
                     )
                 )
             data = read_level(obj)
@@ -294,7 +294,7 @@ class OBJECT_OT_adaptive_fairing_stop(bpy.types.Operator):
 def _take_over_selection(
     context: bpy.types.Context, source: bpy.types.Object, result: bpy.types.Object
 ) -> None:
-    """Select a result that is a copy in place of the object it was made from."""
+    """If the result is a copy, select it in place of the object it was made from."""
     if result == source or result.name not in context.view_layer.objects:
         return
     result.select_set(True)
@@ -320,7 +320,7 @@ def _summary(solves, is_stopped: bool) -> str:
 
 
 def _n_smoothed(solve) -> int:
-    """Count the vertices that a solve may have moved: selection, mask and group leave some out."""
+    """Count the vertices that a solve may move; selection, mask and group can exclude some."""
     return len(solve.vertices) if solve.weights is None else int((solve.weights > 0).sum())
 
 
@@ -330,7 +330,7 @@ _register_classes, unregister = bpy.utils.register_classes_factory(
 
 
 def register() -> None:
-    """Register the operators, with nothing remembered."""
+    """Register the operators."""
     _finished.clear()
     _preparations.clear()
     _register_classes()

@@ -1,4 +1,4 @@
-"""The operator that fairs what the selected meshes carry: colours, weights, any numbers."""
+"""The operator that fairs attributes of the selected meshes: colours, weights, any numbers."""
 
 from __future__ import annotations
 
@@ -124,7 +124,7 @@ class OBJECT_OT_adaptive_fairing_attribute(SolverProperties, OutputProperties, b
 
 
 def attribute_refusal(context: bpy.types.Context) -> str | None:
-    """Say why no attribute can be faired here; None if one can."""
+    """Reason why no attribute can be faired here; None if one can."""
     active = context.active_object
     if active is not None and active.mode in PAINTING:
         return None

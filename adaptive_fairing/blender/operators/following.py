@@ -1,4 +1,4 @@
-"""Handlers that follow changes from outside: painted weights, 3D views, freed memory."""
+"""Handlers for changes by others: painted weights, deleted objects, undo."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _weights_before: dict[int, np.ndarray] = {}  # of the object being painted, by i
 
 @bpy.app.handlers.persistent
 def _follow_change(scene, graph) -> None:
-    """Show the result by the weights just painted; end the colours of objects that are gone."""
+    """Show the result with the weights just painted; end the colours of deleted objects."""
     viewport.end_without_fields()
     for update in graph.updates:
         if not (update.is_updated_geometry and isinstance(update.id, bpy.types.Object)):
@@ -27,7 +27,7 @@ def _follow_change(scene, graph) -> None:
 
 
 def follow_weights(obj: bpy.types.Object) -> None:
-    """Bring an object to its painted weights, unless they are those that it shows."""
+    """Show an object with its painted weights, unless it does already."""
     forget_weights()
     weights = paint_weights(obj)
     before = _weights_before.get(obj.session_uid)
@@ -40,14 +40,14 @@ def follow_weights(obj: bpy.types.Object) -> None:
 
 @bpy.app.handlers.persistent
 def _forget(*_arguments) -> None:
-    """Forget what was remembered of meshes: undo or another file has replaced them."""
+    """Forget all caches of meshes, which undo or another file has replaced."""
     forget_weights()
     _weights_before.clear()
 
 
 @bpy.app.handlers.persistent
 def _follow_history(*_arguments) -> None:
-    """After undo and redo, show the colours of fields where there are some, and only there."""
+    """After undo and redo, show the colours of fields exactly where there are fields."""
     _forget()
     viewport.end_without_fields()
     viewport.show()

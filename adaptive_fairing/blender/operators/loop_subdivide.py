@@ -83,7 +83,7 @@ class OBJECT_OT_adaptive_fairing_loop_subdivide(Asking, bpy.types.Operator):
 
 
 def _refusal(context: bpy.types.Context) -> str | None:
-    """Say why nothing can be refined here, and what to do; None if it can."""
+    """Reason why nothing can be refined here, and what to do; None if it can."""
     active = context.active_object
     if active is not None and active.mode not in ("OBJECT", "EDIT"):
         return "Change to Object Mode or Edit Mode"

@@ -1,4 +1,4 @@
-"""Operators that let renders have the colours of a field, and that give the materials back."""
+"""Operators that render the colours of a field, and that restore the materials."""
 
 from __future__ import annotations
 

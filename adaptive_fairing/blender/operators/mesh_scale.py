@@ -1,7 +1,7 @@
 """Scale of τ on the mesh at hand, measured once per mesh for the panel.
 
-The panel is drawn many times a second, so it only looks up. A mesh that is not known yet is
-measured shortly after, outside of drawing.
+The panel is drawn many times a second, so drawing only looks the scale up. A mesh without a known
+scale is measured shortly after, outside of drawing.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ _wanted: list[tuple[Key, str, bpy.types.PropertyGroup]] = []
 
 
 def known_scale(obj: bpy.types.Object, properties: Settings) -> RadiusScale | str | None:
-    """Look up the scale of a mesh: the measured scale, why there is none, or None if unknown."""
+    """Look up the scale of a mesh, or the reason why it has none; None if it is not measured."""
     if obj.mode == "EDIT":  # its coordinates cannot be read
         return None
     return _known.get(_key(obj, properties))
 
 
 def measure(obj: bpy.types.Object, properties: Settings) -> RadiusScale | str:
-    """Measure what a run would start from, and remember the scale or why there is none."""
+    """Measure the shape that a run would start from; remember the scale, or why there is none."""
     from ...core import FairingError
     from ...core.diffusion.smoothing_radius import radius_scale
     from ..data.control_mesh import control_read
@@ -57,7 +57,7 @@ def measure(obj: bpy.types.Object, properties: Settings) -> RadiusScale | str:
 
 
 def measure_soon(obj: bpy.types.Object, properties: Settings) -> bool:
-    """Have a mesh measured after drawing, unless it is too large or being edited.
+    """Schedule the measurement of a mesh after drawing, unless it is too large or in Edit Mode.
 
     Returns
     -------
@@ -73,7 +73,7 @@ def measure_soon(obj: bpy.types.Object, properties: Settings) -> bool:
 
 
 def _measure_wanted() -> None:
-    """Timer: measure what the panel asked for, if it is still there."""
+    """Timer that measures the mesh that the panel asked for, if it still exists."""
     from .modal_run import redraw_panels
 
     for key, object_name, scene_name in _wanted:
@@ -87,7 +87,7 @@ def _measure_wanted() -> None:
 
 
 def _key(obj: bpy.types.Object, properties: Settings) -> Key:
-    """Everything that the scale depends on and that is cheap to compare."""
+    """Key of everything that the scale depends on, cheap to compare."""
     mesh, record = obj.data, obj.adaptive_fairing
     shown = checksum(read_mesh_coordinates(mesh)), record.stored_strength, record.evolution
     faces = len(mesh.edges), len(mesh.polygons)
@@ -100,18 +100,18 @@ def _key(obj: bpy.types.Object, properties: Settings) -> Key:
 
 @bpy.app.handlers.persistent
 def _forget(*_arguments) -> None:
-    """Forget the meshes of the file that is being left."""
+    """Forget the meshes of the file that is being closed."""
     _known.clear()
     _wanted.clear()
 
 
 def register() -> None:
-    """Watch for files being loaded."""
+    """Register the handler for loaded files."""
     bpy.app.handlers.load_pre.append(_forget)
 
 
 def unregister() -> None:
-    """Stop watching, and forget."""
+    """Unregister the handler, and forget everything."""
     bpy.app.handlers.load_pre.remove(_forget)
     if bpy.app.timers.is_registered(_measure_wanted):
         bpy.app.timers.unregister(_measure_wanted)

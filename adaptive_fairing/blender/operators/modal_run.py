@@ -1,6 +1,6 @@
 """Modal runs beside Blender's window: a worker thread, a timer, Esc.
 
-From scripts, in background and in the redo panel the same operators block until all is done.
+From scripts, in background and in the redo panel the same operators block until the run has ended.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ FIRST_PHASE_SECONDS = 3.0
 
 @dataclass
 class Progress:
-    """How far the run that is going on has come, for the panel and the status bar.
+    """Progress of the current run, for the panel and the status bar.
 
     Attributes
     ----------
@@ -39,9 +39,9 @@ class Progress:
     worker
         The thread; None if the caller waits for the run.
     n_known
-        Steps that the main thread has seen; `denoise` counts as one.
+        Number of steps that the main thread has seen; `denoise` counts as one.
     last_news, step_seconds
-        When the last step was seen, and how long it had taken.
+        Time when the last step was seen, and its duration, in seconds.
     """
 
     solves: list[Solve]
@@ -53,7 +53,7 @@ class Progress:
     _phase_began: float = 0.0
 
     def step_done(self) -> None:
-        """Note that one more step has arrived."""
+        """Count a finished step."""
         now = time.perf_counter()
         self.n_known += 1
         self.step_seconds = now - self.last_news
@@ -61,12 +61,12 @@ class Progress:
 
     @property
     def solve(self) -> Solve:
-        """The mesh at hand."""
+        """The current mesh."""
         return next((solve for solve in self.solves if not solve.is_over), self.solves[-1])
 
     @property
     def factor(self) -> float:
-        """Part of the run that is done; within a step guessed from how long the last one took."""
+        """Fraction of the run that is done; within a step, guessed from the last step's time."""
         n_steps = sum(1 if each.is_denoise else each.settings.steps for each in self.solves)
         within = 0.0
         if self.solve.is_denoise:
@@ -76,7 +76,7 @@ class Progress:
         return min((self.n_known + within) / n_steps, 1.0)
 
     def describe_step(self) -> str:
-        """Name the step that is being computed, of how many."""
+        """Text that names the current step and the number of steps."""
         solve = self.solve
         if solve.is_denoise:
             text = self._phase_text(solve.progress)
@@ -90,14 +90,14 @@ class Progress:
         return f"{solve.name}: {text}" if len(self.solves) > 1 else text
 
     def seconds_left(self) -> float | None:
-        """Guess from the bar how long `denoise` of this mesh still takes; None at its beginning."""
+        """Estimated seconds until `denoise` of this mesh ends; None at its beginning."""
         done, passed = self._denoise_factor(), time.perf_counter() - self.last_news
         if passed < 1 or done == 0 or self.solve.is_over:
             return None
         return passed * (1 - done) / done
 
     def _denoise_factor(self) -> float:
-        """Part of `denoise` that is done; within a phase it grows with time, but never past it."""
+        """Fraction of `denoise` that is done; it grows with time, but stays within its phase."""
         now, news = time.perf_counter(), self.solve.progress
         if news[:2] != self._phase[:2]:
             self._phase, self._phase_began = news, now
@@ -110,7 +110,7 @@ class Progress:
         return done + (at_end - done) * (1 - math.exp(-passed))
 
     def _phase_text(self, news: DenoiseProgress) -> str:
-        """Name what `denoise` is doing."""
+        """Text that names the current phase of `denoise`."""
         if news.phase == "filter":
             return iface_("Filtering {:d} of {:d}").format(news.number, news.total)
         if news.phase == "mix":
@@ -120,13 +120,13 @@ class Progress:
         return iface_("Measuring the noise")
 
     def stop(self) -> None:
-        """Ask the run to stop: after the step it is computing, `denoise` at once."""
+        """Ask the run to stop: `denoise` at once, other methods after the current step."""
         self.worker.stop()
         for solve in self.solves:
             solve.is_cancelled = True
 
     def solver_details(self) -> str:
-        """Tell iterations and H of the last step of the mesh at hand; empty before the first."""
+        """Text with iterations and H of the current mesh's last step; empty before the first."""
         if not self.solve.steps:
             return ""
         last = self.solve.steps[-1]
@@ -139,18 +139,18 @@ _progress: list[Progress] = []  # of the run that is going on; at most one
 
 
 def progress() -> Progress | None:
-    """Progress of the run that is going on, if any."""
+    """Progress of the current run; None without one."""
     return _progress[0] if _progress else None
 
 
 def stop_run() -> None:
-    """Ask the run that is going on to stop after the step it is computing."""
+    """Ask the current run to stop after the step that it is computing."""
     for each in _progress:
         each.stop()
 
 
 def forget_run(wait: float = 0.0) -> None:
-    """Give up the run that is going on; what it computes from now on goes nowhere."""
+    """Abandon the current run; its further results are discarded."""
     stop_run()
     for each in _progress:
         each.worker.join(wait)
@@ -158,7 +158,7 @@ def forget_run(wait: float = 0.0) -> None:
 
 
 def register() -> None:
-    """Start without a run."""
+    """Begin without a run."""
     _progress.clear()
 
 
@@ -170,12 +170,12 @@ def unregister() -> None:
 class ModalRun:
     """Mix-in for operators that fair meshes.
 
-    A subclass has two methods, which are called in the main thread; Blender's classes cannot have
-    abstract ones:
+    A subclass has two methods, which are called in the main thread. They are not abstract, because
+    Blender's classes cannot have abstract methods:
 
-    - ``prepare(context)`` reads the meshes and gives a list of solves.
-    - ``conclude(context, solves, *, is_stopped)`` writes the results and gives what an operator
-      returns. It is also called after a stop, with the steps that were finished by then.
+    - ``prepare(context)`` reads the meshes and returns a list of solves.
+    - ``conclude(context, solves, *, is_stopped)`` writes the results and returns the result of the
+      operator. It is also called after a stop, with the steps that were finished by then.
     """
 
     _timer: bpy.types.Timer | None = None
@@ -240,7 +240,7 @@ class ModalRun:
         return self.conclude(context, current.solves, is_stopped=is_stopped)
 
     def cancel(self, context):
-        """Blender ends the operator: another file is loaded, or the window is closed."""
+        """End the run, because Blender ends the operator: a file is loaded or the window closes."""
         self._leave(context)
 
     def _prepared(self, context: bpy.types.Context) -> list[Solve] | None:
@@ -272,7 +272,7 @@ class ModalRun:
 
 
 def redraw_panels(context: bpy.types.Context) -> None:
-    """Draw the sidebars of all 3D views anew."""
+    """Redraw the sidebars of all 3D views."""
     for window in context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":

@@ -12,9 +12,9 @@ from ..data.sculpt_undo import keep_before
 
 @contextmanager
 def object_mode(context: bpy.types.Context) -> Iterator[None]:
-    """Change to Object Mode and, if the active object can still be seen, back again.
+    """Change to Object Mode and, if the active object is still visible, back again.
 
-    Positions, shape keys and attributes can be read and written there only.
+    Only there can positions, shape keys and attributes be read and written.
     """
     active = context.active_object
     mode = active.mode if active is not None else "OBJECT"
@@ -32,5 +32,5 @@ def object_mode(context: bpy.types.Context) -> Iterator[None]:
 
 
 def prepare_undo(context: bpy.types.Context) -> None:
-    """Call before a change, so that one undo step takes it back exactly in Sculpt Mode, too."""
+    """Call before a change, so that one undo step reverts it exactly, in Sculpt Mode too."""
     keep_before(context.active_object)

@@ -1,7 +1,7 @@
 """Painting the original back: a faint overlay, and a key that swaps the weights 0 and 1.
 
-The overlay of weights is solid in Blender and would hide the surface that is judged.  It is faint
-as long as somebody paints.  Then what was there before comes back, but for views that were changed.
+Blender's overlay of weights is opaque and would hide the surface that the user judges.  It is faint
+during painting.  After that the earlier opacity comes back, except in views that were changed.
 """
 
 from __future__ import annotations
@@ -56,14 +56,14 @@ def is_painting(context: bpy.types.Context) -> bool:
 
 
 def make_faint() -> None:
-    """Let the surface show through the weights."""
+    """Make the overlay of weights faint."""
     for address, space in viewport.views():
         _before.setdefault(address, space.overlay.weight_paint_mode_opacity)
         space.overlay.weight_paint_mode_opacity = FAINT
 
 
 def put_back() -> None:
-    """Make the overlay what it was, where nobody has changed it."""
+    """Restore the opacity of the overlay where nobody has changed it."""
     for address, space in viewport.views():
         is_ours = abs(space.overlay.weight_paint_mode_opacity - FAINT) < 1e-6
         if address in _before and is_ours:
@@ -73,7 +73,7 @@ def put_back() -> None:
 
 @bpy.app.handlers.persistent
 def _follow_mode(*_arguments) -> None:
-    """Put the overlay back once nobody paints, whichever way the mode was left."""
+    """Restore the overlay once painting has ended, however the mode was left."""
     if _before and not is_painting(bpy.context):
         put_back()
 
@@ -89,14 +89,14 @@ _register_class, _unregister_class = bpy.utils.register_classes_factory(
 
 
 def register() -> None:
-    """Register the operator, and watch for the end of painting."""
+    """Register the operator, and a handler for the end of painting."""
     _register_class()
     bpy.app.handlers.depsgraph_update_post.append(_follow_mode)
     bpy.app.handlers.load_pre.append(_leave_file)
 
 
 def unregister() -> None:
-    """Take them back, and leave the views as they were."""
+    """Unregister both, and restore the views."""
     bpy.app.handlers.load_pre.remove(_leave_file)
     bpy.app.handlers.depsgraph_update_post.remove(_follow_mode)
     put_back()

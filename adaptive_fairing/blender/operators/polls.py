@@ -8,7 +8,7 @@ from .modal_run import progress
 
 
 def is_allowed(operator: type[bpy.types.Operator], *reasons: str | None) -> bool:
-    """Answer for an operator's poll: no if there is a reason, the first of which is shown."""
+    """Decide an operator's poll: False if there is a reason, of which the first is shown."""
     message = next((reason for reason in reasons if reason is not None), None)
     if message is not None:
         operator.poll_message_set(message)
@@ -16,13 +16,13 @@ def is_allowed(operator: type[bpy.types.Operator], *reasons: str | None) -> bool
 
 
 def no_active_mesh_refusal(context: bpy.types.Context) -> str | None:
-    """Say that the active object has no mesh; None if it has."""
+    """Message that the active object has no mesh; None if it has."""
     obj = context.active_object
     return "Make a mesh object active" if obj is None or obj.type != "MESH" else None
 
 
 def busy_refusal() -> str | None:
-    """Say that a run is going on, beside which no other can start; None if there is none."""
+    """Message that a run is going on, so that no other can start; None if none is."""
     if progress() is None:
         return None
     return "A run is going on: wait for it, or stop it with Esc"

@@ -13,7 +13,7 @@ from ..data.mesh_arrays import is_shared
 
 
 def hints(objects: Iterable[bpy.types.Object], settings) -> list[str]:
-    """Say what a run will change beyond the meshes, and what it cannot see; each thing once."""
+    """Warnings on what a run will change beyond the meshes and on what it ignores, each once."""
     return list(dict.fromkeys(hint for obj in objects for hint in _hints_of(obj, settings)))
 
 
@@ -47,7 +47,7 @@ def _hints_of(obj: bpy.types.Object, settings) -> list[str]:
 
 
 class Asking:
-    """Mix-in for operators whose ``invoke`` asks first, if Blender could not undo them.
+    """Mix-in of operators whose ``invoke`` asks first, if Blender cannot undo them.
 
     Scripts and Blender without a window are never asked: they do not call ``invoke``.
     """
@@ -60,7 +60,7 @@ class Asking:
     )
 
     def ask(self, context, button: str, lines: Iterable[str] = ()) -> set[str] | None:
-        """Open a question and give what ``invoke`` returns; None if there is nothing to ask.
+        """Open a question and return the result for ``invoke``; None if there is nothing to ask.
 
         The answer starts the operator again.
 
@@ -70,7 +70,7 @@ class Asking:
         button
             Label of the answer.
         lines
-            What else to know.
+            Further lines to show.
         """
         if self.is_confirmed or context.preferences.edit.use_global_undo:
             return None

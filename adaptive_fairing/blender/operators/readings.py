@@ -1,8 +1,8 @@
 """Readings of rough surfaces as noise or detail, and refusals: what the last run said.
 
-The panel shows it, and offers the other reading beside the note that names it.  A mesh that nothing
-was done to has no record of its own, so this is remembered here, for the session alone: until the
-next run begins, and as long as the object has the shape, or the result, that was spoken of.
+The panel shows it, and offers the other reading beside the note that names it.  A mesh that was not
+changed has no record, so this is remembered here, for the session only: until the next run begins,
+and as long as the object keeps the shape, or the result, of that run.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ _readings: dict[int, Reading] = {}  # by the object's session_uid
 
 
 class Reading(NamedTuple):
-    """What a run said of an object.
+    """Notes of a run on an object.
 
     Attributes
     ----------
     algorithm : str
-        That of the run.
+        Algorithm of the run.
     notes : tuple of str
     others : tuple of str
-        Values of the setting `clean` to run with instead, if there are any.
+        Other values of the setting `clean` to run with, if there are any.
     shape : str
-        Checksum of the mesh that nothing was done to; empty if there is a result.
+        Checksum of the mesh that was not changed; empty if there is a result.
     """
 
     algorithm: str
@@ -42,7 +42,7 @@ class Reading(NamedTuple):
 
 
 def remember(obj: bpy.types.Object | None, solve: Solve) -> None:
-    """Remember what a run said, if it has changed nothing or there is another reading."""
+    """Remember the notes of a run that changed nothing, or that allows another reading."""
     if obj is None or obj.type != "MESH":
         return
     notes, others, error = solve.notes, (), solve.error
@@ -57,12 +57,12 @@ def remember(obj: bpy.types.Object | None, solve: Solve) -> None:
 
 
 def forget(obj: bpy.types.Object) -> None:
-    """Forget what was said of an object: another run begins."""
+    """Forget the notes on an object, because another run begins."""
     _readings.pop(obj.session_uid, None)
 
 
 def reading_of(obj: bpy.types.Object | None) -> Reading | None:
-    """Return what was said of an object, if it still holds."""
+    """Return the notes on an object, if they still hold."""
     reading = None if obj is None else _readings.get(obj.session_uid)
     if reading is None or obj.type != "MESH":
         return None
@@ -79,16 +79,16 @@ def reading_of(obj: bpy.types.Object | None) -> Reading | None:
 
 @bpy.app.handlers.persistent
 def _forget_all(*_arguments) -> None:
-    """Forget the objects of the file that is being left."""
+    """Forget the objects of the file that is being closed."""
     _readings.clear()
 
 
 def register() -> None:
-    """Watch for files being loaded."""
+    """Register the handler for loaded files."""
     bpy.app.handlers.load_pre.append(_forget_all)
 
 
 def unregister() -> None:
-    """Stop watching, and forget."""
+    """Unregister the handler, and forget everything."""
     bpy.app.handlers.load_pre.remove(_forget_all)
     _forget_all()

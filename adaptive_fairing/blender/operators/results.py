@@ -1,4 +1,4 @@
-"""Operators on the result of runs: keep, discard, compare with the original, paint back."""
+"""Operators on results: apply, discard, compare with the original, paint back."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ NO_SLIDER = "Only a result with a slider can be compared with the original"
 
 
 def record_refusal(context: bpy.types.Context) -> str | None:
-    """Say that no run has left anything on the active object that may be changed; None if one has.
+    """Message that the active object has no record that may be changed; None if it has.
 
-    Nothing is said of whether it still fits.
+    Whether the record still fits the mesh is not checked.
     """
     obj = context.active_object
     if obj is None or obj.type != "MESH" or not obj.adaptive_fairing.result:
@@ -53,7 +53,7 @@ def record_refusal(context: bpy.types.Context) -> str | None:
 
 
 def result_refusal(context: bpy.types.Context) -> str | None:
-    """Say that the active object has no result; None if it has."""
+    """Message that the active object has no result; None if it has."""
     obj, refusal = context.active_object, record_refusal(context)
     # In Edit Mode the attributes cannot be read, so the operators check later.
     if refusal is not None or obj.mode == "EDIT" or display_of(obj).is_whole:
@@ -62,7 +62,7 @@ def result_refusal(context: bpy.types.Context) -> str | None:
 
 
 def result_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
-    """Give the active object and, in Object Mode, the other selected ones that have a result."""
+    """Find the active object and, in Object Mode, the other selected objects with a result."""
     active = context.active_object
     selected = context.selected_objects if active.mode == "OBJECT" else []
     meshes = [obj for obj in selected if obj.type == "MESH" and obj != active]
@@ -70,7 +70,7 @@ def result_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
 
 
 class _OnResult:
-    """Mix-in: works on the result of the active object."""
+    """Mix-in of operators on the result of the active object."""
 
     bl_options = {"REGISTER", "UNDO"}
 
@@ -79,7 +79,7 @@ class _OnResult:
         return is_allowed(cls, result_refusal(context), busy_refusal())
 
     def finish(self, context, action, objects=None):
-        """Do something with the results of objects in Object Mode, and come back."""
+        """Do something with the results of objects, in Object Mode, and return to the mode."""
         from ...core import FairingError
 
         objects, problems = objects or [context.active_object], []
@@ -100,7 +100,7 @@ class _OnResult:
 
 
 class _EndOfResult(Asking, _OnResult):
-    """Mix-in: after this the results of all selected objects are no more."""
+    """Mix-in of operators that end the results of all selected objects."""
 
     def invoke(self, context, event):
         return self.ask(context, iface_(self.bl_label)) or self.execute(context)
@@ -201,7 +201,7 @@ class OBJECT_OT_adaptive_fairing_surface(_OnResult, bpy.types.Operator):
 
 
 def surface_name(record: bpy.types.PropertyGroup) -> str:
-    """Name the surface that shows a result."""
+    """Name of the surface that shows a result."""
     shown = "CONTROL" if record.control is None else record.surface
     return next(name for identifier, name, *_ in SURFACES if identifier == shown)
 
@@ -218,7 +218,7 @@ def discard_result(operator: bpy.types.Operator, obj: bpy.types.Object) -> None:
 
 
 def report_kept(operator: bpy.types.Operator, name: str | None) -> None:
-    """Say that a refined mesh stays in the file, see `shown_surface.show_control`."""
+    """Report that a refined mesh stays in the file, see `shown_surface.show_control`."""
     if name is not None:
         text = rpt_("The refined mesh was changed by hand: it stays in the file as {!r}")
         operator.report({"WARNING"}, text.format(name))

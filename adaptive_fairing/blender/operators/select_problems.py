@@ -1,4 +1,4 @@
-"""The operator that selects the vertices which a run refuses, holds or bounds."""
+"""The operator that selects the vertices that a run refuses, holds or bounds."""
 
 from __future__ import annotations
 

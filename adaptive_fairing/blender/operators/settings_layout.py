@@ -1,4 +1,4 @@
-"""The settings of a run in a layout: for the redo panel of an operator, and for the panels."""
+"""Layout of the settings of a run, for the redo panel of an operator and for the panels."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from ..properties import has_width, names_of, uses_tau
 
 
 def draw_operator(layout, operator, obj) -> None:
-    """Draw all properties of the operator that its algorithm has, for the redo panel."""
+    """Draw the operator's properties for its algorithm, in the redo panel."""
     layout.use_property_split = True
     layout.use_property_decorate = False
     draw_main(layout, operator)  # without the algorithm: the settings are those of one
@@ -21,9 +21,9 @@ def draw_operator(layout, operator, obj) -> None:
 
 
 def draw_main(layout, settings, live_record=None) -> None:
-    """Draw what decides most in an algorithm.
+    """Draw the most important settings of an algorithm.
 
-    An object that has a result of Denoise is changed by the strength at once: `live_record`.
+    On an object with a result of Denoise, the strength takes effect at once, see `live_record`.
     """
     if settings.algorithm == DENOISE:
         row = layout.row()
@@ -39,7 +39,7 @@ def draw_main(layout, settings, live_record=None) -> None:
 
 
 def draw_amount(layout, settings) -> None:
-    """Draw by which scheme of the paper, how far and in how many steps is smoothed."""
+    """Draw the scheme of the paper, the amount of smoothing and the number of steps."""
     layout.prop(settings, "scheme")
     row = layout.row(align=True)
     row.prop(settings, "tau" if uses_tau(settings) else "radius")
@@ -50,7 +50,7 @@ def draw_amount(layout, settings) -> None:
 
 
 def draw_options(layout, properties, obj) -> None:
-    """Draw where a run works, what it starts from, and what becomes of the result."""
+    """Draw the region of a run, its start and the kind of its result."""
     if properties.algorithm == DENOISE:
         layout.prop(properties, "features")
         layout.prop(properties, "clean")
@@ -61,7 +61,7 @@ def draw_options(layout, properties, obj) -> None:
 
 
 def draw_density(layout, properties) -> None:
-    """Draw how the density is measured."""
+    """Draw the settings of the density."""
     column = layout.column(align=True)
     column.active = properties.scheme != "UNIFORM"
     column.prop(properties, "density", text=iface_("Density"))
@@ -69,7 +69,7 @@ def draw_density(layout, properties) -> None:
 
 
 def draw_region(layout, properties, obj) -> None:
-    """Draw where the smoothing works."""
+    """Draw the region of the smoothing."""
     layout.prop(properties, "use_region")
     row = layout.row(align=True)
     if obj is not None and obj.type == "MESH":
@@ -82,7 +82,7 @@ def draw_region(layout, properties, obj) -> None:
 
 
 def draw_output(layout, properties) -> None:
-    """Draw what a run starts from and what becomes of the result."""
+    """Draw the start of a run and the kind of its result."""
     column = layout.column()
     if properties.algorithm == DENOISE:
         column.prop(properties, "result")
@@ -94,7 +94,7 @@ def draw_output(layout, properties) -> None:
 
 
 def draw_accuracy(layout, properties) -> None:
-    """Draw when the steps end and how exactly they are solved."""
+    """Draw the stopping rules of the steps and the accuracy of their solves."""
     column = layout.column(align=True)
     column.prop(properties, "stop_curvature")
     column.prop(properties, "stop_rate")

@@ -30,7 +30,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Unregister everything that `register` has added."""
     while _registered:
         keymap, item = _registered.pop()
         keymap.keymap_items.remove(item)

@@ -1,4 +1,4 @@
-"""Operator that makes a result of the shape keys of an earlier file."""
+"""Operator that turns the shape keys of an earlier file into a result."""
 
 from __future__ import annotations
 

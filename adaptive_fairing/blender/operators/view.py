@@ -1,4 +1,4 @@
-"""Operators that colour meshes by density, displacement, curvature …, and that end it."""
+"""Operators that colour meshes by density, displacement, curvature …, and hide the colours."""
 
 from __future__ import annotations
 
@@ -109,7 +109,7 @@ class OBJECT_OT_adaptive_fairing_view_end(bpy.types.Operator):
 
 
 def _asked_view(context: bpy.types.Context) -> bpy.types.SpaceView3D | None:
-    """Give the 3D view whose button was pressed; None for a script."""
+    """Find the 3D view whose button was pressed; None for a script."""
     space = context.space_data
     return space if isinstance(space, bpy.types.SpaceView3D) else None
 

@@ -1,8 +1,8 @@
 """Shading of 3D views while a field is shown: solid, lit, with the active colours.
 
-Every view that is solid shows them, and the one in which the button was pressed becomes solid. What
-was there before comes back when no object shows a field any more; what somebody has changed in the
-meantime stays.
+Every view in solid mode shows them, and the view whose button was pressed changes to solid mode.
+The earlier shading comes back when no object shows a field any more, except what the user has
+changed in the meantime.
 """
 
 from __future__ import annotations
@@ -27,12 +27,12 @@ _before: dict[int, dict[str, str | bool]] = {}  # by the address of a view that 
 
 
 def show(asked: bpy.types.SpaceView3D | None = None) -> None:
-    """Show the colours of fields, if any object has some.
+    """Show the colours of fields, if any object has them.
 
     Parameters
     ----------
     asked
-        View that becomes solid if it is not.
+        View that changes to solid mode.
     """
     if not _has_fields():
         return
@@ -47,13 +47,13 @@ def show(asked: bpy.types.SpaceView3D | None = None) -> None:
 
 
 def end_without_fields() -> None:
-    """Put the shading back if no object shows a field any more."""
+    """Restore the shading if no object shows a field any more."""
     if _before and not _has_fields():
         put_back()
 
 
 def put_back() -> None:
-    """Put the shading of all views back, but for what was changed since."""
+    """Restore the shading of all views, except what was changed since."""
     for address, space in views():
         for name, value in _before.get(address, {}).items():
             if getattr(space.shading, name) == SHOWN[name]:
@@ -62,9 +62,9 @@ def put_back() -> None:
 
 
 def adopt() -> None:
-    """Take the views of a file for changed that was saved while they showed the colours.
+    """Count the views of a file as changed by us if it was saved while they showed the colours.
 
-    What was there before is not known any more: they will be put back to Blender's own.
+    Their earlier shading is not known any more; they will get Blender's default.
     """
     if _has_fields():
         for address, space in views():
@@ -74,12 +74,12 @@ def adopt() -> None:
 
 
 def _has_fields() -> bool:
-    """Whether an object of this file shows a field; one of a library cannot end it here."""
+    """Whether an object of this file shows a field; linked objects do not count."""
     return any(obj.adaptive_fairing.view for obj in bpy.data.objects if obj.library is None)
 
 
 def views() -> Iterator[tuple[int, bpy.types.SpaceView3D]]:
-    """Give every 3D view of the file, in all its screens, with its address."""
+    """All 3D views of the file, in all its screens, each with its address."""
     for screen in bpy.data.screens:
         for area in screen.areas:
             for space in area.spaces:
@@ -88,10 +88,10 @@ def views() -> Iterator[tuple[int, bpy.types.SpaceView3D]]:
 
 
 def register() -> None:
-    """Nothing was changed yet."""
+    """Begin without changed views."""
     _before.clear()
 
 
 def unregister() -> None:
-    """Leave the views as they were."""
+    """Restore the views."""
     put_back()

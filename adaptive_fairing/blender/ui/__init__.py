@@ -1,1 +1,1 @@
-"""Panels, menus, presets, pictures, translations."""
+"""Panels, menus, presets, links to the manual, translations."""

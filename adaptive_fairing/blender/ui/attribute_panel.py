@@ -38,7 +38,7 @@ class VIEW3D_PT_adaptive_fairing_attribute(FairingPanel, bpy.types.Panel):
         self._draw(context, column, "NAMED", name, "Active Attribute", "SPREADSHEET")
 
     def _draw(self, context, layout, source, name, title, icon):
-        """Draw the button for what the mesh has; greyed out where it has none."""
+        """Draw the button for the mesh's attribute, greyed out if it has none."""
         row = layout.row()
         row.enabled = bool(name)
         text = f"{iface_(title)}: {name}" if name else iface_(title)
@@ -47,7 +47,7 @@ class VIEW3D_PT_adaptive_fairing_attribute(FairingPanel, bpy.types.Panel):
 
 
 def _active_attribute(mesh: bpy.types.Mesh) -> str:
-    """Name of the active attribute; empty if there is none, or if it is that of a field."""
+    """Name of the active attribute; empty without one, or if it belongs to a field."""
     active = mesh.attributes.active
     return "" if active is None or is_of_field(active.name) else active.name
 
@@ -80,14 +80,14 @@ _register_class, _unregister_class = bpy.utils.register_classes_factory(
 
 
 def register() -> None:
-    """Add the panel and the entries."""
+    """Register the panel, and add the menu entries."""
     _register_class()
     for menu, draw in _ENTRIES:
         getattr(bpy.types, menu).append(draw)
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Unregister everything that `register` has added."""
     for menu, draw in _ENTRIES:
         getattr(bpy.types, menu).remove(draw)
     _unregister_class()

@@ -1,4 +1,4 @@
-"""Panel with a look at the mesh before the press: noise, parts, holes, what is wrong."""
+"""Panel with the findings on a mesh before a run: noise, parts, holes, defects."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class VIEW3D_PT_adaptive_fairing_check(FairingPanel, bpy.types.Panel):
 
 
 def _draw_counts(column, found) -> None:
-    """Draw what the mesh is made of, and what is wrong with it; nothing that is as it should be."""
+    """Draw the number of parts of the mesh, and the counts of its defects."""
     counts, problems = found.counts, found.problems
     _draw_count(column, iface_("Parts: {:d}"), counts.n_parts, is_good=counts.n_parts == 1)
     if counts.n_parts > 1:
@@ -53,7 +53,7 @@ def _draw_counts(column, found) -> None:
 
 
 def _draw_count(column, text, number, is_good=None) -> None:
-    """Draw a number with a check mark where it is as it should be: 0, if not said otherwise."""
+    """Draw a count, with a check mark if it has the right value, by default 0."""
     is_good = number == 0 if is_good is None else is_good
     icon = "CHECKMARK" if is_good else "INFO"
     column.label(text=text.format(number), icon=icon, translate=False)

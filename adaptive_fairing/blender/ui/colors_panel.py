@@ -42,7 +42,7 @@ class VIEW3D_PT_adaptive_fairing_view(FairingPanel, bpy.types.Panel):
 
 
 def draw_field_button(layout, field: str, shown: str) -> None:
-    """Draw the button that colours by a field; that of the field that is shown ends it."""
+    """Draw the button that colours by a field, or ends the colours if that field is shown."""
     title = next(iface_(title) for identifier, title, *_ in FIELDS if identifier == field)
     if field == shown:
         end = OBJECT_OT_adaptive_fairing_view_end.bl_idname
@@ -53,7 +53,7 @@ def draw_field_button(layout, field: str, shown: str) -> None:
 
 
 def _draw_legend(context, layout, record) -> None:
-    """Draw the colours from high to low, with their values; of the density what is dense."""
+    """Draw the colours from high to low with their values; for the density, which end is dense."""
     low, high = record.view_range
     column = layout.box().column(align=True)
     ends = {}

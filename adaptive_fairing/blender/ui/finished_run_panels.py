@@ -27,7 +27,7 @@ STOP_REASONS = {
 
 
 def active_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:
-    """Give the record of the active mesh object if a run has left one."""
+    """Record of the active mesh object, if a run has left one."""
     obj = context.active_object
     if obj is None or obj.type != "MESH" or not obj.adaptive_fairing.shapes:
         return None
@@ -92,7 +92,7 @@ class VIEW3D_PT_adaptive_fairing_compare(FairingPanel, bpy.types.Panel):
 
 
 def draw_energies(layout, record) -> None:
-    """Draw the curvature energy H of every shape as a bar, as a part of the largest."""
+    """Draw the curvature energy H of every shape as a bar, relative to the largest."""
     energies = [shape.curvature_energy for shape in record.shapes]
     largest = max(energies) or 1.0
     column = layout.column(align=True)
@@ -140,7 +140,7 @@ def _draw_measures(context, layout, record) -> None:
 
 
 def change_text(before: float, after: float) -> str:
-    """Write a relative change; an open surface has no volume, which is stored as NaN."""
+    """Text of a relative change; a dash for the volume of an open surface, stored as NaN."""
     if before != before or before == 0:
         return "–"
     return f"{100 * (after - before) / abs(before):+.2f} %"

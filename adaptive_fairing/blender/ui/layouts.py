@@ -27,7 +27,7 @@ class FairingPanel:
 
 
 def draw_lines(context: bpy.types.Context, layout, text: str, *, icon: str) -> None:
-    """Draw a text over as many lines as the region's width asks for: labels do not wrap."""
+    """Draw a text in as many lines as the region's width requires, because labels do not wrap."""
     scale = context.preferences.system.ui_scale
     margin = MARGIN_PIXELS + (ICON_PIXELS if icon != "NONE" else 0)
     room = context.region.width / scale - margin
@@ -39,15 +39,15 @@ def draw_lines(context: bpy.types.Context, layout, text: str, *, icon: str) -> N
 
 
 def length_text(context: bpy.types.Context, value: float, power: int = 1) -> str:
-    """Write a length of the world, or an area, in three digits, in the units of the scene.
+    """Text of a length in the world, or of an area, in three digits and the units of the scene.
 
     Parameters
     ----------
     context
     value
-        In Blender's units of length, or their squares.
+        Length in Blender's units, or area in their squares.
     power
-        1 of a length, 2 of an area.
+        1 for a length, 2 for an area.
     """
     units = context.scene.unit_settings
     if units.system == "NONE":
@@ -62,17 +62,17 @@ def length_text(context: bpy.types.Context, value: float, power: int = 1) -> str
 def world_length_text(
     context: bpy.types.Context, record: bpy.types.PropertyGroup, length: float
 ) -> str:
-    """Write a length of a mesh as it is in the world, where the object may be scaled."""
+    """Text of a length of a mesh, as it is in the world with the object's scale."""
     return world_text(context, record, length, 1)
 
 
 def world_text(
     context: bpy.types.Context, record: bpy.types.PropertyGroup, value: float, power: int
 ) -> str:
-    """Write a length of a mesh to a power as it is in the world, where the object may be scaled.
+    """Text of a power of a mesh's length, as it is in the world with the object's scale.
 
-    Lengths and areas in the units of the scene; curvatures per metre or foot, or per Blender unit
-    in a scene without units.
+    Lengths and areas are in the units of the scene; curvatures are per metre or foot, or per
+    Blender unit in a scene without units.
     """
     value *= record.id_data.matrix_world.median_scale**power
     if power > 0:

@@ -1,7 +1,7 @@
 """Links from buttons and fields to the manual, for Blender's *Online Manual*.
 
-The manual has no address of its own yet. Until it has, `MANUAL` is the listing's page, and what
-follows the ``#`` says where to look; with the address of the pages themselves it leads there.
+The manual has no address of its own yet. Until it has one, `MANUAL` is the listing's page, and the
+part after the ``#`` only names the place; with the address of the manual the links lead there.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ PREFERENCES = dict.fromkeys(("algorithm", "result", "threads"), "clean-a-scan/#p
 
 
 def manual_pages() -> tuple[str, tuple[tuple[str, str], ...]]:
-    """Tell Blender where the manual is: patterns of names in lower case, and places."""
+    """Places in the manual for Blender: patterns of names in lower case, each with its place."""
     names = {f"bpy.ops.object.adaptive_fairing{name}": place for name, place in OPERATORS.items()}
     for owner, places in (
         ("fairingscenesettings", SETTINGS),
@@ -110,5 +110,5 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Unregister everything that `register` has added."""
     bpy.utils.unregister_manual_map(manual_pages)

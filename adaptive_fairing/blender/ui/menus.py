@@ -13,7 +13,7 @@ from .settings_panel import draw_run_button
 
 
 def draw_object_menu(self, context) -> None:
-    """Add to Object: run and compare, with the settings of the scene."""
+    """Add the runs and the comparison to the Object menu, with the settings of the scene."""
     self.layout.separator()
     draw_mode_menu(self, context)
     compare = self.layout.operator(OBJECT_OT_adaptive_fairing_compare.bl_idname)
@@ -22,7 +22,7 @@ def draw_object_menu(self, context) -> None:
 
 
 def draw_mode_menu(self, context) -> None:
-    """Add both algorithms, with the settings of the scene; in words that a search may use."""
+    """Add both algorithms, with the settings of the scene, in words that users search for."""
     settings = context.scene.adaptive_fairing
     denoise = iface_("Denoise Scan (Fair, Smooth Noise)")
     draw_run_button(self.layout, settings, DENOISE, text=denoise, icon="MOD_SMOOTH")
@@ -31,7 +31,7 @@ def draw_mode_menu(self, context) -> None:
 
 
 def draw_loop_subdivide(self, context) -> None:
-    """Add the refinement, which fairs nothing."""
+    """Add the refinement, which does not smooth."""
     self.layout.operator(OBJECT_OT_adaptive_fairing_loop_subdivide.bl_idname, icon="MOD_SUBSURF")
 
 
@@ -50,6 +50,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take them back."""
+    """Unregister everything that `register` has added."""
     for menu, draw in _ENTRIES:
         getattr(bpy.types, menu).remove(draw)

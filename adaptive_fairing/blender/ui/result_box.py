@@ -34,7 +34,7 @@ from .layouts import draw_lines, world_length_text
 
 
 def live_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:
-    """Give the record of the active object if its strength is a slider; in Edit Mode it stands."""
+    """Record of the active object, if it has a slider for its strength; also in Edit Mode."""
     record = active_record(context)
     if record is None:
         return None
@@ -94,7 +94,7 @@ def draw_result(context: bpy.types.Context, layout) -> None:
 
 
 def _draw_painted(context, column) -> None:
-    """Draw what painting brings back, as a button that swaps it."""
+    """Draw a button that says what painting brings back, and swaps it."""
     brings_result = weight_paint_settings(context).weight > 0.5
     text = iface_("Painting: Result (1)") if brings_result else iface_("Painting: Original (0)")
     swap = OBJECT_OT_adaptive_fairing_paint_swap.bl_idname
@@ -102,7 +102,7 @@ def _draw_painted(context, column) -> None:
 
 
 def _draw_ends(context, column) -> None:
-    """Draw the buttons that end a result, and of how many objects."""
+    """Draw the buttons that end results, with the number of objects."""
     n_objects = len(result_objects(context))
     buttons = column.row(align=True) if n_objects == 1 else column.column(align=True)
     for operator, icon in (
@@ -119,7 +119,7 @@ def _draw_ends(context, column) -> None:
 
 
 def _draw_slider(context, column, display) -> None:
-    """Draw the slider where the main one is not that of the result, and what an evolution has."""
+    """Draw the slider of the result and, for an evolution, what belongs to it."""
     if not display.slider:
         return
     record = display.obj.adaptive_fairing
@@ -135,7 +135,7 @@ def _draw_slider(context, column, display) -> None:
 
 
 def _draw_evolution(context, column, record) -> None:
-    """Draw the buttons that play an evolution, colour it, and plot its energy H."""
+    """Draw the buttons that play an evolution, colour it and plot its energy H."""
     settings = context.scene.adaptive_fairing
     row = column.row(align=True)
     if context.screen is not None and context.screen.is_animation_playing:
@@ -153,7 +153,7 @@ def _draw_evolution(context, column, record) -> None:
 
 
 def result_text(context: bpy.types.Context, record: bpy.types.PropertyGroup) -> str:
-    """Say in a line what was found and what it has changed."""
+    """Line of text with the findings of a run and its effect."""
     first, last = record.shapes[0], result_measures(record)
     parts = []
     if is_of_strengths(record):

@@ -1,4 +1,4 @@
-"""Panels with the settings of a run, its progress, and the scale of τ on the mesh at hand."""
+"""Panels with the settings of a run, its progress, and the scale of τ on the active mesh."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ class VIEW3D_PT_adaptive_fairing(FairingPanel, bpy.types.Panel):
 
 
 class _SettingsPanel(FairingPanel):
-    """Mix-in: a part of the settings, closed at first."""
+    """Mix-in of panels with a part of the settings, closed at first."""
 
     bl_parent_id = "VIEW3D_PT_adaptive_fairing"
     bl_options = {"DEFAULT_CLOSED"}
@@ -96,7 +96,7 @@ class VIEW3D_PT_adaptive_fairing_advanced(_SettingsPanel, bpy.types.Panel):
 
 
 def _draw_meaning(context, layout, settings) -> None:
-    """Draw the radius that the τ of the paper makes on the active mesh."""
+    """Draw the smoothing radius that the paper's τ gives on the active mesh."""
     scale = _scale(context, settings)
     if scale is not None and not isinstance(scale, str):
         radius = scale.radii(settings.tau * settings.steps)[1]
@@ -107,7 +107,7 @@ def _draw_meaning(context, layout, settings) -> None:
 
 
 def _draw_length(context, layout, settings) -> None:
-    """Draw how long the noise's size, which is given in edges, is on the active mesh."""
+    """Draw the size of the noise, which is given in edges, as a length on the active mesh."""
     scale = _scale(context, settings)
     if scale is not None and not isinstance(scale, str):
         obj, units = context.active_object, context.scene.unit_settings
@@ -119,7 +119,7 @@ def _draw_length(context, layout, settings) -> None:
 
 
 def _scale(context, settings):
-    """Look up what τ means on the active mesh, or have it measured; None while it is unknown."""
+    """Look up the scale of τ on the active mesh, or have it measured; None while it is unknown."""
     obj = context.active_object
     if scipy_problem() is not None or obj is None or obj.type != "MESH":
         return None
@@ -130,7 +130,7 @@ def _scale(context, settings):
 
 
 def _draw_radii(context, layout, settings) -> None:
-    """Draw the smoothing radii in edges in the densest, a typical and the coarsest part, and τ."""
+    """Draw τ, and the smoothing radii in edges in the densest, typical and coarsest parts."""
     box = layout.box()
     box.label(text="Smoothing Radius in Edges")
     obj = context.active_object
@@ -184,7 +184,7 @@ def _draw_run(context, layout, settings) -> None:
 
 
 def _draw_reading(context, layout, settings) -> None:
-    """Draw why the last run refused, or what it took for noise, and a button for the other way."""
+    """Draw the notes of the last run, with a button for the other reading of the surface."""
     reading = reading_of(context.active_object)
     if reading is None or reading.algorithm != settings.algorithm:
         return
@@ -199,7 +199,7 @@ def _draw_reading(context, layout, settings) -> None:
 
 
 def draw_run_button(layout, settings, algorithm=None, **appearance):
-    """Draw a button that runs with the settings of the scene, by its algorithm or the other."""
+    """Draw a button that runs an algorithm with the settings of the scene."""
     operator = layout.operator(OBJECT_OT_adaptive_fairing.bl_idname, **appearance)
     copy_solver(settings, operator, algorithm)
     copy_settings(settings, operator, OUTPUT_NAMES)

@@ -1,4 +1,4 @@
-"""Line of a split view in the 3D view: where original and result meet, to be dragged."""
+"""Line between original and result of a split in the 3D view, to be dragged."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class SplitPlane(NamedTuple):
 
     @classmethod
     def of(cls, obj: bpy.types.Object) -> SplitPlane:
-        """Take it from an object that shows a split."""
+        """Plane of the split that an object shows."""
         record, matrix = obj.adaptive_fairing, obj.matrix_world
         # A plane's normal goes into the world by the inverse transposed matrix.
         normal = matrix.to_3x3().inverted_safe().transposed() @ Vector(record.split_normal)
@@ -44,12 +44,12 @@ class SplitPlane(NamedTuple):
         return cls(matrix @ Vector(record.split_point), normal.normalized(), corners)
 
     def along(self, sight: Vector) -> Vector | None:
-        """Give the direction in the plane across a line of sight; None if that looks at it."""
+        """Direction in the plane across a line of sight; None if that is normal to the plane."""
         found = self.normal.cross(sight.normalized())
         return None if found.length < LEAST_SINE else found.normalized()
 
     def line(self, sight: Vector) -> tuple[Vector, Vector] | None:
-        """Give the ends of the line across a line of sight, if there is one."""
+        """Find the ends of the line across a line of sight; None if there is no line."""
         along = self.along(sight)
         if along is None:
             return None
@@ -59,19 +59,19 @@ class SplitPlane(NamedTuple):
         return self.point + (low - margin) * along, self.point + (high + margin) * along
 
     def moved(self, way: Vector) -> SplitPlane:
-        """Move it as far as a way goes along its normal, within the box."""
+        """Plane moved by the component of a vector along its normal, within the box."""
         offsets = [(corner - self.point).dot(self.normal) for corner in self.corners]
         offset = min(max(way.dot(self.normal), min(offsets)), max(offsets))
         return self._replace(point=self.point + offset * self.normal)
 
     def turned(self, along: Vector, sight: Vector) -> SplitPlane:
-        """Turn it about a line in it, so that the eye looks along it and sees a straight border."""
+        """Plane turned about a line in it into the line of sight, so the border is straight."""
         normal = along.cross(sight).normalized()
         return self._replace(normal=normal if normal.dot(self.normal) > 0 else -normal)
 
 
 class VIEW3D_GT_adaptive_fairing_split(bpy.types.Gizmo):
-    """The line, in pixels of the region."""
+    """The line, drawn in pixels of the region."""
 
     bl_idname = "VIEW3D_GT_adaptive_fairing_split"
 
@@ -150,7 +150,7 @@ def split_at(obj: bpy.types.Object, plane: SplitPlane) -> None:
 
 
 def _sight(context: bpy.types.Context, point: Vector) -> Vector:
-    """Give the direction in which a point is seen."""
+    """Direction in which a point is seen."""
     view = context.region_data
     if view.is_perspective:
         return point - view.view_matrix.inverted().translation
@@ -158,7 +158,7 @@ def _sight(context: bpy.types.Context, point: Vector) -> Vector:
 
 
 def _ends(context: bpy.types.Context) -> tuple[Vector, Vector] | None:
-    """Find the ends of the line in pixels of the region, if it can be seen."""
+    """Find the ends of the line in pixels of the region; None if it cannot be seen."""
     plane = SplitPlane.of(context.active_object)
     line = plane.line(_sight(context, plane.point))
     if line is None:
@@ -168,7 +168,7 @@ def _ends(context: bpy.types.Context) -> tuple[Vector, Vector] | None:
 
 
 def _in_depth(context: bpy.types.Context, event: bpy.types.Event, point: Vector) -> Vector:
-    """Find the place of the pointer in the world, as deep as a point."""
+    """Position of the pointer in the world, at the depth of a point."""
     pointer = event.mouse_region_x, event.mouse_region_y
     return region_2d_to_location_3d(context.region, context.region_data, pointer, point)
 

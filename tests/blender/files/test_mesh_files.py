@@ -130,7 +130,7 @@ def test_ply_with_uv_seams_stays_one_surface(tmp_path):
     obj.data.uv_layers.active.uv[0].vector = (5, 5)
     path = tmp_path / "a.ply"
     notes = export_mesh(obj, path, alone=True)
-    assert notes == ["UVs are left out: .ply has one UV per vertex, the mesh has seams"]
+    assert notes == ["UVs are left out: .ply has one UV per vertex, but the mesh has seams"]
     positions = read_positions(obj.data)
     np.testing.assert_array_equal(read_positions(import_mesh(path).data), positions)
 

@@ -1,6 +1,6 @@
-"""Texts of the interface in other languages: one file a language, named by its code.
+"""Texts of the interface in other languages: one file for each, named by the language's code.
 
-The keys of a file are the English texts of the source. Placeholders stay as they are: texts are
+The keys of a file are the English texts of the source. Placeholders are not translated: texts are
 translated before they are filled in. Messages of the numeric core are English only.
 """
 
@@ -15,13 +15,13 @@ from ...run_properties import CONTEXT
 
 
 def languages() -> dict[str, dict[str, str]]:
-    """Read the files of this folder: texts by English texts, by the code of the language."""
+    """Read the files of this folder: for each language code, translations by English text."""
     files = Path(__file__).parent.glob("*.json")
     return {path.stem: json.loads(path.read_text("utf-8")) for path in sorted(files)}
 
 
 def register() -> None:
-    """Offer the translations to Blender, which takes ``de`` for ``de_DE`` as well."""
+    """Register the translations with Blender, which uses ``de`` for ``de_DE`` as well."""
     # Labels of operators have a context of their own.
     contexts = ("*", bpy.app.translations.contexts.operator_default, CONTEXT)
     offered = {

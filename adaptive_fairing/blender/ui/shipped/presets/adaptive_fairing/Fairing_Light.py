@@ -1,4 +1,4 @@
-"""Take a little noise, the same number of edges everywhere."""
+"""Remove a little noise, over the same number of edges everywhere."""
 
 import bpy
 

@@ -1,4 +1,4 @@
-"""Smooth over more than an edge everywhere."""
+"""Smooth over more than one edge everywhere."""
 
 import bpy
 
