@@ -32,8 +32,8 @@ def flat_hexagon(n_rings: int) -> tuple[FloatArray, Faces]:
 def graded_hexagon(n_rings: int, ratio: float) -> tuple[FloatArray, Faces]:
     """Return the flat hexagon of radius 1 with edges `ratio` times longer at its corners.
 
-    The radius r becomes r (a + (1 - a) r²): at the centre lengths shrink by a, at the rim radial
-    ones grow by 3 - 2 a.
+    The radius r becomes r (a + (1 - a) r²): lengths at the centre shrink by a, radial lengths at
+    the boundary grow by 3 - 2 a.
     """
     vertices, triangles = flat_hexagon(n_rings)
     vertices /= n_rings

@@ -11,10 +11,10 @@ from numpy.typing import NDArray
 from tools.geometry.triangles import (
     Faces,
     FloatArray,
+    boundary_edges,
     is_closed,
     local_edge_lengths,
     normals,
-    rim_edges,
     signed_volume,
     triangle_areas,
 )
@@ -63,8 +63,8 @@ class Reference:
         return signed_volume(self.vertices, self.faces) if is_closed(self.faces) else None
 
     @cached_property
-    def _rims(self) -> NDArray[np.int64]:
-        return rim_edges(self.faces)
+    def _boundary_edges(self) -> NDArray[np.int64]:
+        return boundary_edges(self.faces)
 
     def distances(self, result: FloatArray) -> FloatArray:
         """Measure how far a result (n, 3) and the clean surface are apart, in local edges.
@@ -72,21 +72,21 @@ class Reference:
         Returns
         -------
         (2, k) float
-            Of the k vertices that have edges: first of the result's to the clean surface, then of
-            the clean ones to the result's surface. A rim that was drawn inwards still lies on the
-            clean surface: only the second sees what is missing.
+            For the k vertices that have edges: from the result's vertices to the clean surface,
+            then from the clean vertices to the result's surface. A boundary that was drawn inwards
+            still lies on the clean surface: only the second distance sees what is missing.
         """
         return self._both_ways(result, self._used, self.faces)
 
-    def rim_error(self, result: FloatArray) -> float | None:
-        """Measure how far the rims are from the clean ones, in local edges; None if closed.
+    def boundary_error(self, result: FloatArray) -> float | None:
+        """Measure how far the boundaries are from the clean ones, in local edges; None if closed.
 
-        Root mean square of two distances together: of the result's vertices to the clean rims, and
-        of the clean vertices to the result's rims.
+        Root mean square of two distances together: of the result's vertices to the clean
+        boundaries, and of the clean vertices to the result's boundaries.
         """
-        if not len(self._rims):
+        if not len(self._boundary_edges):
             return None
-        gaps = self._both_ways(result, np.unique(self._rims), self._rims)
+        gaps = self._both_ways(result, np.unique(self._boundary_edges), self._boundary_edges)
         return float(np.sqrt(np.mean(np.square(gaps))))
 
     def _both_ways(self, result: FloatArray, vertices: NDArray, cells: NDArray) -> FloatArray:
@@ -114,7 +114,7 @@ class Reference:
             of every vertex to its own clean place, over the local edge. angle: mean angle to the
             clean faces' normals in degrees, as the literature has it. volume: relative error of
             the volume, None for open meshes. flips: faces whose normal points against the clean
-            one. rim: `rim_error`, and area: `area_error`; None for closed meshes.
+            one. boundary: `boundary_error`, and area: `area_error`; None for closed meshes.
         """
         squares = np.square(self.distances(result)).mean(axis=0)
         counts = np.maximum(np.bincount(self.density_class, minlength=N_CLASSES), 1)
@@ -131,6 +131,6 @@ class Reference:
             if self._volume
             else None,
             "flips": int(np.count_nonzero(cosines < 0)),
-            "rim": self.rim_error(result),
-            "area": self.area_error(result) if len(self._rims) else None,
+            "boundary": self.boundary_error(result),
+            "area": self.area_error(result) if len(self._boundary_edges) else None,
         }

@@ -16,7 +16,7 @@ from .peers import Peer, Values
 
 
 def denoised(vertices: FloatArray, faces: Faces) -> FloatArray:
-    """Denoise; the rim of an open mesh moves, as it does with the peers."""
+    """Denoise; the boundary of an open mesh moves, as it does with the peers."""
     return denoise(vertices, faces, DenoiseSettings(boundary="free")).positions
 
 

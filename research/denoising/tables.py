@@ -38,7 +38,7 @@ def by_mesh(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
     """Auto against the best peer at its best parameter, mesh by mesh."""
     header = (
         "mesh", "vertices", "noisy", "Denoise", "best peer", "ratio", "worst class", "ratio",
-        "angle", "volume", "rim", "area", "flips", "seconds", "which peer",
+        "angle", "volume", "boundary", "area", "flips", "seconds", "which peer",
     )  # fmt: skip
     rows: Rows = []
     for entry in entries:
@@ -56,7 +56,7 @@ def by_mesh(entries: Sequence[Entry], peers: Sequence[Peer]) -> str:
                 f"{own['worst'] / worst.score['worst']:.2f}",
                 f"{own['angle']:.1f}° / {best.score['angle']:.1f}°",
                 f"{_percent(own['volume'])} / {_percent(best.score['volume'])}",
-                f"{_edges(own['rim'])} / {_edges(best.score['rim'])}",
+                f"{_edges(own['boundary'])} / {_edges(best.score['boundary'])}",
                 f"{_percent(own['area'])} / {_percent(best.score['area'])}",
                 f"{own['flips']} / {best.score['flips']}",
                 f"{own['seconds']:.1f}",

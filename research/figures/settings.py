@@ -80,8 +80,8 @@ def _boundary(foot: MeshPair) -> None:
     noisy, triangles = foot.noisy[used], corners.reshape(-1, 3).astype(np.int32)
     panels = [Panel(noisy, "input", "open at the ankle")]
     for boundary, text in (
-        ("fixed", "the rim stays"),
-        ("free", "the rim is smoothed, and shrinks"),
+        ("fixed", "the boundary stays"),
+        ("free", "the boundary is smoothed, and shrinks"),
     ):
         settings = FairingSettings(density="area", tau=BOUNDARY_TAU, steps=STEPS, boundary=boundary)
         panels.append(Panel(fair(noisy, triangles, settings).positions, boundary, text))

@@ -164,7 +164,7 @@ def test_a_clean_result_has_no_errors(ball):
     vertices, faces = ball
     found = Reference(vertices, faces).score(vertices)
     assert found["volume"] is not None
-    assert (found.pop("rim"), found.pop("area")) == (None, None)  # it is closed
+    assert (found.pop("boundary"), found.pop("area")) == (None, None)  # it is closed
     assert found.pop("classes") == pytest.approx([0.0] * N_CLASSES, abs=1e-12)
     assert found == pytest.approx(dict.fromkeys(found, 0.0), abs=1e-5)  # arccos near 1 is coarse
 
@@ -204,14 +204,14 @@ def test_sliding_within_the_surface_is_no_error_but_a_move():
 def test_a_rim_drawn_inwards_is_an_error_of_what_is_missing():
     n = 24
     turn = 2 * np.pi * np.arange(n) / n
-    rim = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
-    vertices = np.concatenate([np.zeros((1, 3)), rim])
+    boundary = np.stack([np.cos(turn), np.sin(turn), 0 * turn], axis=1)
+    vertices = np.concatenate([np.zeros((1, 3)), boundary])
     faces = np.stack([0 * turn, 1 + np.arange(n), 1 + np.roll(np.arange(n), -1)], axis=1)
     reference = Reference(vertices, faces.astype(np.int32))
     found = reference.score(0.9 * vertices)
     # Nearest to a corner of the small polygon is a side of the large one; the other way a corner.
     square = np.mean(np.square([0.1 * np.cos(np.pi / n), 0.1]))
-    assert found["rim"] == pytest.approx(np.sqrt(square) / reference.local_edges[1], rel=1e-9)
+    assert found["boundary"] == pytest.approx(np.sqrt(square) / reference.local_edges[1], rel=1e-9)
     assert found["area"] == pytest.approx(0.81 - 1, rel=1e-9)
     # All vertices of the small disc lie on the large one, but the corners of that stick out of it.
     missing = 0.1 / reference.local_edges[1:]

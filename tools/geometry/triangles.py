@@ -20,7 +20,7 @@ def is_closed(triangles: Faces) -> bool:
     return bool(np.all(np.unique(_sides(triangles), axis=0, return_counts=True)[1] == 2))
 
 
-def rim_edges(triangles: Faces) -> NDArray[np.int64]:
+def boundary_edges(triangles: Faces) -> NDArray[np.int64]:
     """Return the edges (k, 2) that have one triangle, smaller index first."""
     edges, counts = np.unique(_sides(triangles), axis=0, return_counts=True)
     return edges[counts == 1]

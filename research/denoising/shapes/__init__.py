@@ -126,7 +126,7 @@ OPEN: Mapping[str, Shape] = {
     "half_pipe": Shape("open, bent", patches.half_pipe, 0),
     "cap": Shape("open, bent, uneven", patches.cap, 0),
 }
-"""What the treatment of free rims may be tuned on, besides the open shapes among `TUNING`."""
+"""Shapes for tuning the treatment of free boundaries, besides the open ones among `TUNING`."""
 
 GROUPS = {"tuning": TUNING, "held-out": HELD_OUT, "new": NEW, "open": OPEN}
 

@@ -75,7 +75,7 @@ def molecule() -> MeshArrays:
 
 
 def gyroid() -> MeshArrays:
-    """Make a piece of a minimal surface: saddles everywhere, open at the rim."""
+    """Make a piece of a minimal surface: saddles everywhere, open at the boundary."""
     n, reach = 90, 2.9
     axis = np.linspace(-reach, reach, n)
     x, y, z = np.meshgrid(axis, axis, axis, indexing="ij")
@@ -113,7 +113,7 @@ def octopus() -> MeshArrays:
 
 
 def mask() -> MeshArrays:
-    """Make a face with open eyes and an open rim, as a scan from the front."""
+    """Make a face with open eyes and an open boundary, as a scan from the front."""
     solid = Solid()
     solid.add(Ellipsoid((0, 0, 0), (0.82, 0.66, 1.1)))
     solid.add(Ellipsoid((0, -0.38, -0.75), (0.42, 0.3, 0.3)), 0.3)

@@ -49,14 +49,14 @@ def crater(n_points: int = 9_500) -> MeshArrays:
     angle = np.pi * (3 - 5**0.5) * np.arange(n_points)
     disc = share[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=1)
     disc += 0.5 / n_points**0.5 * generator.uniform(-1, 1, disc.shape)
-    n_rim = round(3.2 * n_points**0.5)
-    turn = 2 * np.pi * np.arange(n_rim) / n_rim
+    n_boundary = round(3.2 * n_points**0.5)
+    turn = 2 * np.pi * np.arange(n_boundary) / n_boundary
     inner = disc[np.linalg.norm(disc, axis=1) < 1 - 1.2 / n_points**0.5]
     disc = np.concatenate([inner, np.stack([np.cos(turn), np.sin(turn)], axis=1)])
     faces = triangulated(disc)
     radius, angle = np.linalg.norm(disc, axis=1), np.arctan2(disc[:, 1], disc[:, 0])
     coast = 1 + 0.12 * np.sin(3 * angle + 1) + 0.06 * np.sin(8 * angle) + 0.03 * np.sin(17 * angle)
-    # Drawn towards the middle, and out to the coast near the rim.
+    # Drawn towards the middle, and out to the coast near the boundary.
     place = 2 * disc * (radius**0.7 * (1 + radius**3 * (coast - 1)))[:, None]
     far = np.linalg.norm(place - [0.1, 0.05], axis=1)
     gullies = np.sin(26 * angle + 4 * far) * np.exp(-(((far - 0.9) / 0.4) ** 2))

@@ -1,4 +1,4 @@
-"""Open surfaces: flat, bent and torn ones, with corners, holes and jagged rims."""
+"""Open surfaces: flat, bent and torn ones, with corners, holes and jagged boundaries."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def ell() -> MeshArrays:
 
 
 def sieve() -> MeshArrays:
-    """Make a bumpy disc with a wavy rim, and a round hole, a star and a square in it."""
+    """Make a bumpy disc with a wavy boundary, and a round hole, a star and a square in it."""
     square_hole = polygon([(0.2, -0.6), (0.6, -0.6), (0.6, -0.2), (0.2, -0.2)], 0.035)
     loops = [
         ring((0, 0), 1.1, 190, (0.05, 7)),
@@ -62,16 +62,16 @@ def cap() -> MeshArrays:
 def patch(loops: Sequence[FloatArray], spacing: float) -> tuple[FloatArray, Faces]:
     """Triangulate the part of the plane inside an odd number of loops (k, 2), irregularly."""
     generator = np.random.default_rng(17)
-    rims = np.concatenate(loops)
-    low, high = rims.min(axis=0), rims.max(axis=0)
+    boundaries = np.concatenate(loops)
+    low, high = boundaries.min(axis=0), boundaries.max(axis=0)
     rows = np.arange(low[1], high[1], spacing * 0.75**0.5)
     columns = np.arange(low[0], high[0], spacing)
     x, y = np.meshgrid(columns, rows)
     x[::2] += spacing / 2
     points = np.stack([x.ravel(), y.ravel()], axis=1)
     points += 0.25 * spacing * generator.uniform(-1, 1, points.shape)
-    is_far = cKDTree(rims).query(points)[0] > 0.6 * spacing
-    points = np.concatenate([rims, points[is_far & are_inside(points, loops)]])
+    is_far = cKDTree(boundaries).query(points)[0] > 0.6 * spacing
+    points = np.concatenate([boundaries, points[is_far & are_inside(points, loops)]])
     faces = triangulated(points)
     return points, faces[are_inside(points[faces].mean(axis=1), loops)]
 

@@ -90,9 +90,9 @@ def test_codes_of_large_fans_do_not_overflow():
     # Half a disc: the corner connectivities at its centre are numbered up to the valence squared.
     n = 1600
     angle = np.linspace(0, np.pi, n + 1)
-    rim = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    boundary = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
     faces = np.stack([np.full(n, n + 1), np.arange(n), np.arange(1, n + 1)], axis=1)
-    needed = estimate((np.vstack([rim, [(0, 0, 0)]]), faces))
+    needed = estimate((np.vstack([boundary, [(0, 0, 0)]]), faces))
     n_control_points = n + 2  # every one of the n patches sees the whole fan
     n_entries = n * n_control_points * (n_control_points + 1) // 2
     per_entry = memory_estimate.BYTES_PER_LOCAL_ENTRY + memory_estimate.BYTES_PER_ENTRY_IN_WORK
