@@ -1,10 +1,10 @@
 """Denoising of the boundary as closed curves, where it is free to move.
 
-Filters draw a boundary inwards, because nothing outside holds it.  So its vertices go where the
-filters take them only along the boundary, and no further than their noise.  Across the surface and
-sideways every closed curve of the boundary is denoised by itself: a vertex goes to an average over
-the curve around it.  The average is as wide as the curve allows: it may leave no narrower one's
-confidence interval.  At a corner that happens at once, so corners stay.
+Filters draw a boundary inwards, because nothing outside holds it.  So its vertices follow the
+filters only along the boundary, and no further than their noise.  Across the surface and sideways
+every closed curve of the boundary is denoised by itself: a vertex moves to an average over the
+curve around it.  The average is as wide as the curve allows: it must stay within the confidence
+intervals of all narrower averages.  At a corner it leaves one of them at once, so corners stay.
 
 Source: intersection of confidence intervals, A. Goldenshluger and A. Nemirovski, On spatially
 adaptive estimation of nonparametric regression, 1997.
@@ -28,12 +28,12 @@ DIFFERENCE_OF_WHITE = 70**0.5 / 4
 
 
 class BoundaryCurves:
-    """The boundary of a surface as closed curves, of r vertices in all.
+    """The boundary of a surface as closed curves with r vertices in all.
 
     Parameters
     ----------
     start : TriangleSurface
-        Before denoising.
+        Surface before denoising.
     noise : (n,)
         Standard deviation across the surface in local edge lengths; 0 where it was not judged, as
         on the boundary.
@@ -55,12 +55,12 @@ class BoundaryCurves:
         self._part_judged = self._beside @ (noise > 0).astype(float)
 
     def moves(self, filtered: FloatArray, normals: FloatArray, strength: float) -> FloatArray:
-        """Return how far the vertices go, (r, 3).
+        """Compute the moves (r, 3) of the vertices.
 
         Parameters
         ----------
         filtered : (r, 3)
-            How far the filters take them; where that is 0 there is no noise to remove.
+            Moves by the filters; where they are 0 there is no noise to remove.
         normals : (r, 3)
             Unit normals of the surface.
         strength : float
@@ -82,16 +82,16 @@ class BoundaryCurves:
         return sum((way[:, None] * axis for way, axis in parts), np.zeros((len(noise), 3)))
 
     def _beside_curves(self, noise: FloatArray) -> FloatArray:
-        """Average noise (n,) of the neighbours judged, or else take a typical one; lengths (r,)."""
+        """Mean noise of the judged neighbours, else a typical one, as lengths (r,)."""
         judged = self._part_judged > 0
         typical = float(np.median(noise[self._noise > 0])) if self._noise.any() else 0.0
         mean = self._beside @ noise / np.where(judged, self._part_judged, 1)
         return np.where(judged, mean, typical) * self._spacing
 
     def _part_sideways(self, sideways: FloatArray) -> FloatArray:
-        """Measure the noise sideways as a part of that across, at most 1, (r,).
+        """Measure the noise sideways as a fraction of that across, at most 1, (r,).
 
-        From fourth differences along each curve, of which medians do not see the corners.
+        It is measured by fourth differences along each curve, whose medians ignore the corners.
         """
         r = len(self.vertices)
         links = sparse.coo_array((np.ones(r), (np.arange(r), self._next)), shape=(r, r))
@@ -106,9 +106,9 @@ class BoundaryCurves:
         return of_vertex
 
     def _across(self, filtered: FloatArray, noise: FloatArray) -> FloatArray:
-        """Let the filters take a curve across the surface, (r,), less what they do along it all.
+        """Take the filters' moves across the surface, (r,), less their mean along the whole curve.
 
-        They are right about its shape, but wrong about its place, as they have drawn it inwards.
+        The filters are right about the shape of a curve, but they have drawn all of it inwards.
         """
         smooth, done, ways = filtered, 0, []
         for passes in parameters().curve_passes:
@@ -119,7 +119,7 @@ class BoundaryCurves:
         return widest(ways, noise)
 
     def _sideways(self, direction: FloatArray, noise: FloatArray) -> FloatArray:
-        """Move the curves sideways to averages 2 Kᵖ - K²ᵖ, which keep a bend, (r,)."""
+        """Find the moves sideways, (r,), to averages 2 Kᵖ - K²ᵖ, which keep a bend."""
         smooth, ways = [self._points], []
         for passes in parameters().curve_passes:
             while len(smooth) <= 2 * passes:
@@ -138,12 +138,12 @@ class BoundaryCurves:
 
 
 def widest(ways: list[tuple[FloatArray, float]], noise: FloatArray) -> FloatArray:
-    """Choose of the ways to averages, (r,) each, the last that all before it allow.
+    """Move (r,) to the widest average that stays within the intervals of all narrower ones.
 
     Parameters
     ----------
     ways : list of (r,) and float
-        From narrow to wide averages; and the part of white noise that they keep.
+        Moves to averages, from narrow to wide, and the fraction of white noise that each keeps.
     noise : (r,)
         Standard deviation.
     """

@@ -1,4 +1,4 @@
-"""Bounds of the motion of vertices, which hold last, whatever was estimated."""
+"""Bounds on the motion of vertices, applied last, whatever was estimated."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from .triangle_surface import TriangleSurface
 
 
 class Bounds:
-    """How far every vertex may move: no further than noise has moved it.
+    """Largest displacement of every vertex: no further than noise has moved it.
 
     Parameters
     ----------
     before : TriangleSurface
-        Before denoising.
+        Surface before denoising.
     frame : TriangleSurface
-        Slightly smoothed: unit of length of the noise.
+        The same surface, slightly smoothed: unit of length of the noise.
     start : (n, 3)
-        With spikes put back: that much further a vertex may move.
+        Positions with spikes put back; a vertex may move further by the same distance.
     reach : (n,)
         Standard deviation of the noise in local edge lengths; 0 where none was judged.
     """
@@ -40,7 +40,7 @@ class Bounds:
         self._deviations = parameters().extra_deviations + float(np.sqrt(2 * np.log(n_judged)))
 
     def kept(self, positions: FloatArray, strength: float) -> FloatArray:
-        """Shorten the ways to positions (n, 3) that are too long for the noise times `strength`."""
+        """Shorten displacements to positions (n, 3) that exceed the bound for `strength`."""
         frame, noise = self._frame, beyond_clean(strength * self._reach)
         # Boundaries and cuts, where nothing is judged, may go as far as their neighbours.
         judged = (self._reach > 0).astype(float)

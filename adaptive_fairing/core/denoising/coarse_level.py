@@ -1,11 +1,11 @@
 """Coarse level of a surface: a mesh of fewer vertices, on which wide noise is a few edges wide.
 
-Vertices of the surface, the seeds, are chosen so that no two lie within some edges of each other
-and no other vertex lies further from all of them.  Every vertex joins the cell of its nearest
-seed.  Where three cells meet in a triangle, their seeds are a triangle of the level.  To contract
-every cell to its seed like this keeps a closed surface closed.
+Vertices of the surface, the seeds, are chosen so that no two lie within some edges of each other,
+and every other vertex lies that near to a seed.  Every vertex joins the cell of its nearest seed.
+Where three cells meet in a triangle, their seeds form a triangle of the level.  Contracting every
+cell to its seed in this way keeps a closed surface closed.
 
-What a level finds out is carried back as a smooth field, which leaves everything finer as it is.
+The result on a level is carried back as a smooth field, which does not change finer detail.
 """
 
 from __future__ import annotations
@@ -30,18 +30,18 @@ CORRECTIONS = 2
 
 @dataclass(frozen=True)
 class CoarseLevel:
-    """Coarse mesh over a finer one, for all frames of its surface.
+    """Coarse mesh over a finer one, for all frames of a surface.
 
     Attributes
     ----------
     surface : SolverSurface
-        The level's own mesh; its `vertex_of` are indices into `seeds`.
+        Mesh of the level; its `vertex_of` are indices into `seeds`.
     seeds : (k,) int
         Vertices of the finer mesh.
     cell : (n,) int
         Index into `seeds` for every vertex of the finer mesh; -1 at loose vertices.
     ratio : float
-        Edges of the finer mesh that an edge of the level spans: the median.
+        Median number of edges of the finer mesh that an edge of the level spans.
     """
 
     surface: SolverSurface
@@ -80,7 +80,7 @@ class CoarseLevel:
 
     @cached_property
     def is_known(self) -> BoolArray:
-        """Which vertices of the level tell what to do, (c,): neither cut nor loose."""
+        """Whether a vertex of the level has a value to carry back, (c,): neither cut nor loose."""
         known: BoolArray = ~(self.surface.is_cut | self.topology.is_loose)
         return known
 
@@ -90,13 +90,13 @@ class CoarseLevel:
         return self.seeds[self.surface.vertex_of]
 
     def carried_back(self, values: FloatArray, fine: TriangleSurface) -> FloatArray:
-        """Continue values (c, s) of the level's vertices to a smooth field on the finer mesh.
+        """Extend values (c, s) of the level's vertices to a smooth field on the finer mesh.
 
         Returns
         -------
         (n, s)
-            The same at the seeds, up to a few percent of what differs between neighbouring ones.
-            Cells of which nothing is known take part in their neighbours' values.
+            Equal at the seeds, up to a few percent of the difference between neighbouring seeds.
+            Cells without a value get one from their neighbours.
         """
         seed_of = self.surface.vertex_of[self.is_known]
         target = np.zeros((len(self.seeds), values.shape[1]))
@@ -112,14 +112,14 @@ class CoarseLevel:
         return field
 
     def _spread_in_cells(self, values: FloatArray) -> FloatArray:
-        """Give every vertex the value (k, ...) of its cell, loose ones 0."""
+        """Value (k, ...) of its cell at every vertex; 0 at loose vertices."""
         return np.concatenate([values, np.zeros((1, *values.shape[1:]))])[self.cell]
 
 
 def most_hops(ratio: float) -> int:
-    """Most `hops` of a level whose edges span no more than this many; 0 if they all span more.
+    """Largest `hops` of a level whose edges span at most this many edges; 0 if all span more.
 
-    Measured: 2.15, 3.3, 4.5, 5.7 and 10.5 with 1, 2, 3, 4 and 8, by 3 % at most more or less.
+    Measured: edges span 2.15, 3.3, 4.5, 5.7 and 10.5 with 1, 2, 3, 4 and 8 hops, within 3 %.
     """
     return max(0, math.floor((ratio - 0.95) / 1.18))
 
@@ -129,8 +129,8 @@ def _far_apart(
 ) -> IndexArray:
     """Choose vertices that are more than `hops` edges apart, until there is no room for more.
 
-    In rounds: every vertex joins that has the highest rank, all different and above 0, of the
-    free ones around it.
+    In each round every free vertex joins that has the highest rank of the free ones around it.
+    Ranks are distinct and above 0.
 
     Source: M. Luby, A simple parallel algorithm for the maximal independent set problem, 1986.
     """
@@ -170,9 +170,9 @@ def _nearest(fine: TriangleSurface, seeds: IndexArray) -> LongArray:
 
 
 def _contracted(triangles: IntArray, cell: LongArray) -> IntArray:
-    """Triangles between the cells of vertices (n,), each once, (m', 3).
+    """Triangles (m', 3) between the cells of vertices (n,), each once.
 
-    Those that lie on each other with opposite sides are a fold, and leave nothing.
+    Two triangles with the same corners and opposite orientation are a fold, and both are dropped.
     """
     corners = cell[triangles]
     following = np.roll(corners, -1, axis=1)

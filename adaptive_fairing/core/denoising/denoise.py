@@ -36,9 +36,9 @@ def denoise(
     plan: DenoisePlan | None = None,
     progress: Callable[[DenoiseProgress], None] | None = None,
 ) -> DenoiseResult:
-    """Remove noise from a triangle mesh; estimate from the mesh how much noise there is.
+    """Remove noise from a triangle mesh, after estimating from the mesh how much there is.
 
-    Nothing handed over is changed.
+    The arguments are not changed.
 
     Parameters
     ----------
@@ -49,29 +49,29 @@ def denoise(
         manifold, the solve cuts them apart and holds the vertices there, see `manifold`.
     settings : DenoiseSettings, optional
     weights : (n,) float, optional
-        Factor in [0, 1] of the displacement of a vertex; a vertex of weight 0 stays exactly where
-        it is, and noise is not judged from it. Where most weights are 0 filters only go some rings
-        around the others.
+        Factor in [0, 1] of the displacement of a vertex. A vertex of weight 0 stays exactly where
+        it is, and noise is not judged from it. If most weights are 0, the filters cover only some
+        rings around the other vertices.
     prepared : PreparedMesh, optional
-        What an earlier run on a mesh with the same triangles can hand on.
+        Preparation from an earlier run on a mesh with the same triangles.
     plan : DenoisePlan, optional
-        Of another frame of this whole surface (`DenoiseResult.plan`), made with the same
-        `prepared`: nothing is estimated, the filters are mixed as there.
+        Plan of another frame of this whole surface (`DenoiseResult.plan`), made with the same
+        `prepared`. Then nothing is estimated, and the filters are mixed as in that frame.
     progress : callable, optional
-        Called with `DenoiseProgress` now and then, by any thread but one at a time; may raise to
-        end the run.
+        Called with `DenoiseProgress` now and then, from any thread, but by one at a time. It may
+        raise an exception to end the run.
 
     Returns
     -------
     DenoiseResult
-        `positions` (n, 3) of the vertices, in their order, at the strength asked for; the shapes
-        of other strengths; the noise that was found; notes.
+        `positions` (n, 3) of the vertices in their order, at the chosen strength; the shapes at
+        other strengths; the estimated noise; notes.
 
     Raises
     ------
     InputError
-        Arrays of the wrong shape or type, coordinates that are not finite, indices or weights out
-        of range, no triangle at all; a preparation or a plan for something else.
+        Arrays have the wrong shape or type, coordinates are not finite, indices or weights are out
+        of range, there is no triangle, or the preparation or the plan does not fit.
     MemoryNeededError
         The solve does not fit into memory.
     SolverError

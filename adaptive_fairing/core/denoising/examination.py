@@ -1,4 +1,4 @@
-"""Examination of a mesh before a run: its noise, what it is made of, what is wrong with it."""
+"""Examination of a mesh before a run: its noise, its parts, its defects."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from .wide_noise import level_of_width
 
 
 class Examination(NamedTuple):
-    """What `denoise` would find in a mesh, and what is wrong with it.
+    """Noise that `denoise` would find in a mesh, and the parts and defects of the mesh.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class Examination(NamedTuple):
     is_clean : bool
         Whether there is nothing to remove.
     notes : tuple of str
-        What the roughness is taken for, where there is more to say than its size.
+        Remarks on the kind of roughness, if there are any.
     counts : MeshCounts
     problems : MeshProblems
     """
@@ -53,10 +53,10 @@ def examine(
     *,
     progress: Callable[[DenoiseProgress], None] | None = None,
 ) -> Examination:
-    """Measure the noise of a mesh without removing it, and count what it is made of.
+    """Measure the noise of a mesh without removing it, and count its parts and defects.
 
-    This is what `denoise` does before it filters.  Having filtered, it may still find that what it
-    would remove is not like noise.
+    `denoise` does the same before it filters.  After filtering, it may still find that the removed
+    part is not like noise.
 
     Parameters
     ----------

@@ -2,10 +2,10 @@
 
 One step of semi-implicit diffusion is S = (M + t L)⁻¹ M.  It also shrinks long waves, which it
 should keep.  The corrected step 1 - (1 - S)ᵖ has p times the order of accuracy at long waves and
-still damps the short ones.  Several such steps make one filter, which is the steeper the larger p.
+still damps the short ones.  Several such steps make one filter; it is steeper with a larger p.
 
-Where creases stand close together, no diffusion has room between them.  There another filter fits
-the surface to smoothed normals of its triangles, again by a semi-implicit step.
+Where creases are close together, no diffusion has room between them.  There another filter fits the
+surface to smoothed normals of its triangles, again by a semi-implicit step.
 
 Where noise grows with the edges, a vertex with shorter edges than its neighbours has less noise
 than they have.  It gets a larger weight in M.
@@ -63,18 +63,18 @@ class FilterBank:
         self._normal_weights: FloatArray | None = None
 
     def know_noise(self, noise: FloatArray) -> None:
-        """Let normals count for less where the noise, (n,) in local edge lengths, is stronger."""
+        """Give normals less weight where the noise, (n,) in local edge lengths, is stronger."""
         self._normal_weights = weights_of_normals(self._pattern.topology, noise)
 
     def started(self, noisy: TriangleSurface) -> tuple[TriangleSurface, dict[Filter, FloatArray]]:
-        """Filter in the metric of the mesh alone, for which the surface need not be smooth.
+        """Filter in the metric of the mesh alone, which needs no smooth surface.
 
         Returns
         -------
         surface : TriangleSurface
-            Smoothed enough for a metric to be taken from it.
+            Surface that is smooth enough to take a metric from it.
         filtered : dict of Filter to (n, 3)
-            What the filters of `mesh_family` make of the positions.
+            Positions after each filter of `mesh_family`.
         """
         tuned, family = parameters(), mesh_family()
         first_diffusion = Diffusion(tuned.first_time, tuned.first_order, tuned.first_steps)
@@ -86,19 +86,19 @@ class FilterBank:
     def filtered(
         self, noisy: TriangleSurface, surface: TriangleSurface, families: Round
     ) -> Iterator[tuple[Filter, FloatArray]]:
-        """Filter a surface in the metrics of a smoother one, or either of them by its normals.
+        """Filter a surface in the metrics of a smoother one, or by the normals of either.
 
         Parameters
         ----------
         noisy : TriangleSurface
         surface : TriangleSurface
-            The same one, smoothed: the metrics are taken from it.
+            The same surface, smoothed; the metrics are taken from it.
         families : sequence of FilterFamily, NormalFamily and FlatFamily
 
         Yields
         ------
         Filter, (n, 3)
-            The next filter and what it makes of the positions, family by family.
+            Next filter, and the positions after it, family by family.
         """
         tuned = parameters()
         for family in families:
@@ -122,7 +122,7 @@ class FilterBank:
         least: float,
         correlation: NoiseCorrelation = WHITE,
     ) -> FloatArray | None:
-        """Make the flat faces of a surface flat, in planes fitted to the noisy one, (n, 3).
+        """Flatten the flat faces of a surface into planes fitted to the noisy surface, (n, 3).
 
         None if less than the fraction `least` of the triangles is on flat faces.
         """
@@ -139,10 +139,10 @@ class FilterBank:
     def _fitted(
         self, surface: TriangleSurface, smooth: TriangleSurface, family: NormalFamily
     ) -> Iterator[FloatArray]:
-        """Fit a surface to its normals, smoothed; with the local edge length of a smoother one.
+        """Fit a surface to its smoothed normals, with the local edge length of a smoother surface.
 
-        The step X - (M + t L)⁻¹ t b turns the tangents of every triangle as far as its normal was
-        turned, with b = ∫ (∇x - R ∇x) · ∇φ.
+        The step X - (M + t L)⁻¹ t b, with b = ∫ (∇x - R ∇x) · ∇φ, turns the tangents of every
+        triangle as far as its normal was turned.
         """
         tuned = parameters()
         mass, stiffness = self._matrices(FIT_METRIC.lengths(surface, smooth))
@@ -178,7 +178,7 @@ class FilterBank:
     ) -> Iterator[FloatArray]:
         """Diffuse the noisy positions in a metric of a surface.
 
-        Without a fraction of the pull that is there only because the surface has a boundary.
+        A fraction of the pull that exists only because the surface has a boundary is left out.
         """
         squares = metric.lengths(surface)
         mass, stiffness = self._matrices(squares)

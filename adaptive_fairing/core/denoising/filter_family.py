@@ -20,7 +20,7 @@ class Filter(NamedTuple):
     Attributes
     ----------
     name : str
-        Its own among all filters of a run.
+        Unique name among the filters of a run.
     creases : str
         `KEEPS`, `SEES` or `IGNORES`.
     """
@@ -60,13 +60,13 @@ class FilterFamily(NamedTuple):
 
 
 class FlatFamily(NamedTuple):
-    """The mixture of the rounds before with its flat faces made flat; see `flat_faces`.
+    """The mixture of the earlier rounds with its flat faces flattened, see `flat_faces`.
 
     Attributes
     ----------
     name : str
     correlation : NoiseCorrelation
-        Of smooth noise, through which faces are to be found, or else none.
+        Correlation of smooth noise in which faces are to be found; no correlation otherwise.
     """
 
     name: str
@@ -74,7 +74,7 @@ class FlatFamily(NamedTuple):
 
     @property
     def filters(self) -> tuple[Filter, ...]:
-        """The one filter."""
+        """The only filter."""
         return (Filter(self.name, KEEPS),)
 
 
@@ -86,8 +86,8 @@ class NormalFamily(NamedTuple):
     name : str
     smoothings : tuple of Smoothing
     is_of_noisy : bool
-        Whether the normals are those of the noisy mesh, and not of the mixture of the rounds
-        before.
+        Whether the normals are those of the noisy mesh, instead of the mixture of the earlier
+        rounds.
     """
 
     name: str

@@ -15,7 +15,7 @@ Round = tuple[FilterFamily | NormalFamily | FlatFamily, ...]
 
 
 def gentle_diffusions() -> tuple[Diffusion, ...]:
-    """Return the diffusions of low order, which are enough near creases."""
+    """Return the diffusions of low order, which suffice near creases."""
     tuned = parameters()
     return tuple(
         Diffusion(time, tuned.gentle_order, tuned.diffusion_steps) for time in tuned.gentle_times
@@ -39,9 +39,9 @@ def mesh_family() -> FilterFamily:
 def rounds(angle_factor: float = 1.0, correlation: NoiseCorrelation = WHITE) -> tuple[Round, ...]:
     """Return the filters of each round besides those of the mesh.
 
-    The metrics of a round are those of the mixture of the rounds before it, at first those of the
+    The metrics of a round are those of the mixture of the earlier rounds, at first those of the
     slightly smoothed surface.  Their angles are for coarse noise, times a factor.
-    Flat faces are found through smooth noise of this correlation.
+    The correlation is that of smooth noise in which flat faces are to be found.
     """
     tuned = parameters()
     wide, narrow = angle_factor * tuned.wide_angle, angle_factor * tuned.narrow_angle
@@ -69,10 +69,10 @@ def rounds(angle_factor: float = 1.0, correlation: NoiseCorrelation = WHITE) -> 
 
 
 def rounds_for(typical: float, correlation: NoiseCorrelation = WHITE) -> list[Round]:
-    """Choose the filters of all rounds for noise that is typically so many local edge lengths.
+    """Choose the filters of all rounds for noise of a typical size in local edge lengths.
 
-    The angles of the metrics are scaled to it.  Noise that turns triangles over leaves nothing in
-    their normals.
+    The angles of the metrics are scaled to it.  Noise that turns triangles over leaves no
+    information in their normals, so filters by normals are then left out.
     """
     tuned = parameters()
     factor = float(np.clip(typical / tuned.coarse_noise, tuned.least_angle_factor, 1))

@@ -2,14 +2,14 @@
 
 Faces are found in four steps.
 
-1.  Smooth the normals of the denoised surface.  A triangle is even if none of those around it
-    turns away by more than noise explains, but for those beyond a crease.
-2.  Even triangles that are connected are a face.  Fit planes to the noisy vertices of all faces.
+1.  Smooth the normals of the denoised surface.  A triangle is even if no triangle around it turns
+    away by more than noise explains; triangles beyond a crease do not count.
+2.  Connected even triangles form a face.  Fit planes to the noisy vertices of all faces.
 3.  Drop faces that are bent: their normals vary too much, or a quadric fits them better.
-4.  Let the others grow, ring by ring, up to where the surface leaves their planes.  Those that are
-    bent then become as they were.
+4.  Let the others grow, ring by ring, up to where the surface leaves their planes.  A face that is
+    bent afterwards returns to what it was before.
 
-A vertex of one face then goes onto its plane, a vertex of several to where these meet.
+A vertex of one face then moves onto its plane, a vertex of several faces to where they meet.
 """
 
 from __future__ import annotations
@@ -42,23 +42,23 @@ def flattened(
     Parameters
     ----------
     surface : TriangleSurface
-        Denoised: faces are found on it.
+        Denoised surface, on which the faces are found.
     noisy : (n, 3)
-        Positions of the same vertices that the planes are fitted to.
+        Noisy positions of the same vertices, to which the planes are fitted.
     around : (9, m) int
         Triangles around each one, see `triangles_around`.
     least : float
         Fraction of the triangles that must be on flat faces.
     weights : (m,), optional
-        How much the normal of each triangle counts.
+        Weight of the normal of each triangle.
     correlation : NoiseCorrelation
-        Of smooth noise, or else none.
+        Correlation of smooth noise; no correlation otherwise.
 
     Returns
     -------
     (n, 3)
-        The surface with flat faces; vertices that are not on any are as they were.  None if too
-        few triangles, or none, are on flat faces.
+        Positions with flat faces; vertices on none of them do not move.  None if too few triangles,
+        or none, are on flat faces.
     """
     found = FlatFaces(surface, noisy, around, weights, correlation)
     part = np.mean(found.face >= 0)
@@ -73,10 +73,9 @@ class FlatFaces:
     Attributes
     ----------
     face : (m,) int
-        Number of each triangle's face; `NO_FACE` where it has none.  A number may be left without
-        triangles.
+        Index of each triangle's face; `NO_FACE` without one.  An index may have no triangles.
     planes : PlaneFits
-        The plane of each number.
+        Plane of each index.
     """
 
     def __init__(
@@ -127,7 +126,7 @@ class FlatFaces:
         return PlaneFits(self._noisy, self._spacing, self._triangles, self.face)
 
     def _even(self, around: IntArray) -> BoolArray:
-        """Which triangles have none around them that turns away, but for those beyond creases."""
+        """Whether no triangle around each one turns away, those beyond creases aside, (m,)."""
         tuned = parameters()
         is_even = np.ones(len(self._triangles), dtype=bool)
         # Where there is no other triangle, the product with the last row is 0: a crease.
@@ -151,7 +150,7 @@ class FlatFaces:
         return self._renumbered(np.where(is_even & is_large[number], number, NO_FACE))
 
     def _are_uneven(self) -> BoolArray:
-        """Whose normals differ too much from those of their planes, (k,)."""
+        """Whether the normals of each face differ too much from that of its plane, (k,)."""
         flat = np.flatnonzero(self.face >= 0)
         face, areas = self.face[flat], self._areas[flat]
         cosine = np.abs(dots(self._normals[flat], self.planes.normals[face]))
@@ -161,14 +160,14 @@ class FlatFaces:
         return uneven
 
     def _of_triangles(self, of_faces: BoolArray) -> BoolArray:
-        """Tell of every triangle what is true of its face (k,); not true where it has none."""
+        """Pass flags (k,) of the faces on to their triangles; False without a face."""
         return np.append(of_faces, False)[self.face]
 
     def _drop(self, faces: BoolArray) -> None:
         self.face = np.where(self._of_triangles(faces), NO_FACE, self.face)
 
     def _grow(self) -> bool:
-        """Give triangles beside faces to the one that they turn away from least, if they fit."""
+        """Add triangles beside faces to the face from which they turn away least, if they fit."""
         tuned, planes = parameters(), self.planes
         outside, inside = self._beside
         is_border = (self.face[outside] < 0) & (self.face[inside] >= 0)
@@ -188,7 +187,7 @@ class FlatFaces:
 
     @staticmethod
     def _renumbered(face: IntArray) -> IntArray:
-        """Close the gaps in the numbers."""
+        """Renumber the faces without gaps."""
         has_face = face >= 0
         result = np.full(len(face), NO_FACE)
         result[has_face] = np.unique(face[has_face], return_inverse=True)[1]

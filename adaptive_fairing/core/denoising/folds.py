@@ -1,9 +1,9 @@
 """Folds that noise has left in a denoised surface, and their smoothing.
 
-A triangle is folded if it faces against those across its edges, taken together by their areas.
-Where a spike was put back, or noise wider than the triangles was removed, the vertices of a fold go
-half of their way to the middle of their neighbours, in a few rounds.  Other folds belong to the
-mesh, as bad cuts and decimation leave them: they stay.
+A triangle is folded if it faces against the sum of those across its edges, weighted by area.  Where
+a spike was put back, or noise wider than the triangles was removed, the vertices of a fold move
+half-way to the mean of their neighbours, in a few rounds.  Other folds belong to the mesh, from bad
+cuts or decimation: they stay.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ def unfolded(
     ----------
     positions : (n, 3)
     before : TriangleSurface
-        Before denoising.
+        Surface before denoising.
     is_at, may_move : (n,) bool
-        Vertices at which folds are smoothed, and those that may move.
+        Vertices at which folds are smoothed, and vertices that may move.
     """
     topology, result = before.topology, positions.copy()
     triangles = topology.triangles
@@ -43,7 +43,7 @@ def unfolded(
 
 
 def are_folded(topology: TriangleTopology, positions: FloatArray) -> BoolArray:
-    """Which triangles face against the sum of those across their edges, (m,)."""
+    """Whether each triangle faces against the sum of those across its edges, (m,)."""
     normals = triangle_normals(positions, topology.triangles)
     # Without a triangle across, twin is -1: the last row, which is zero.
     beyond = np.append(normals, np.zeros((1, 3)), axis=0)

@@ -1,11 +1,11 @@
-"""Noise whose width was told: its correlation is known, and its level alone is estimated.
+"""Noise of a given width: its correlation is known, and only its level is estimated.
 
-Noise of width w is alike by exp(-r² / w²) at a distance of r edges, as white noise is after
-w² - 1 averages half with the neighbours.
+Noise of width w has the correlation exp(-r² / w²) at a distance of r edges.  White noise has it
+after w² - 1 passes, each of which averages half with the neighbours.
 
-Contrasts that see such noise best are differences between averages that are narrower than it, and
-hinges.  Each is an upper bound of the level, as everywhere (`noise.contrast`): shape, and finer
-noise, only add to it.  Nothing else is asked: what is told to be noise is not judged.
+The contrasts that see such noise best are hinges, and differences between averages that are
+narrower than it.  Each is an upper bound of the level, as always (`noise.contrast`): shape and
+finer noise only add to it.  There is no other test: noise of a given width is not questioned.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from .triangle_surface import TriangleSurface
 
 
 def verdict_of_width(stage: Stage, width: float) -> NoiseVerdict:
-    """Take noise of a width, in edges, for all that there is.
+    """Verdict that all noise has a given width, in edges.
 
     Parameters
     ----------
     stage : Stage
     width : float
-        Distance in edges at which the noise is alike by 1 / e; 1 for white noise.
+        Distance in edges at which the correlation is 1 / e; 1 for white noise.
     """
     noisy, counted = stage.noisy, stage.parts.is_counted
     frame, passes = noisy.frame, passes_of_width(width)
@@ -48,14 +48,14 @@ def verdict_of_width(stage: Stage, width: float) -> NoiseVerdict:
 
 
 def passes_of_width(width: float) -> int:
-    """Averages half with the neighbours that give white noise a width of some edges."""
+    """Count the averages half with the neighbours that give white noise a width in edges."""
     return round(max(width, 1.0) ** 2 - 1)
 
 
 def _least_size(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, passes: int) -> float:
-    """Least standard deviation that the contrasts of a surface allow noise of one shape.
+    """Least standard deviation, in local edge lengths, that the contrasts allow for a noise.
 
-    In local edge lengths, from that noise with a standard deviation of 1, (n,).
+    The noise (n,) is given with a standard deviation of 1.
     """
     frame, quantile = noisy.frame, parameters().quantile_of_hinges
     raised = frame.raised(noise)
@@ -81,7 +81,7 @@ def _least_size(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, pass
 def _bands(
     positions: FloatArray, frame: TriangleSurface, passes: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Heights of a band narrower than noise of some passes, and of a wider one, (n,) each."""
+    """Heights (n,) of a band narrower than noise of some passes, and of a wider band."""
     typical = max(passes, 1)
     bounds = (passes // 4, max(1, passes // 2)), (typical, 2 * typical)
     narrow, wide = (band_height(positions, frame, low, high) for low, high in bounds)

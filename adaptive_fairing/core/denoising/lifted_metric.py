@@ -1,15 +1,15 @@
 """Metrics of diffusion that follow the mesh and the bending of a surface.
 
-The paper's scalar diffusion tensor makes diffusion as fast as the mesh is coarse.  Taken further,
-the mesh itself gives the unit of length in every direction,
+The paper's scalar diffusion tensor makes diffusion faster where the mesh is coarser.  Taken
+further, the mesh itself gives the unit of length in every direction,
 
     ĝ = (1 - s) m + s g / h² + III / a²,
 
 with the metric m in which every triangle is equilateral with unit edges, the surface's own metric
 g in units of the local edge length h, and the third fundamental form III, in which the length of a
-path is the angle by which the normal turns.  Points count as distant if many edges or a turn of
-many times the angle a lie between them: diffusion with the Laplace-Beltrami operator of ĝ runs
-along creases, not across them.
+path is the angle by which the normal turns.  Two points are distant if many edges lie between them,
+or if the normal turns by many times the angle a.  So diffusion with the Laplace-Beltrami operator
+of ĝ runs along creases, not across them.
 
 Here ĝ is constant on every triangle, and given by the squared lengths of its edges,
 
@@ -88,9 +88,9 @@ def linear_elements(pattern: EdgePattern, squares: FloatArray) -> tuple[EdgeMatr
 
 
 def boundary_flux(surface: TriangleSurface, squares: FloatArray) -> FloatArray:
-    """Integrate ∂x/∂ν φ over the boundary, (n, 3): what L x has there because the surface ends.
+    """Integrate ∂x/∂ν φ over the boundary, (n, 3): the part of L x that the boundary causes.
 
-    L x less that is 0 for a plane, on its boundary as inside.
+    Without this part L x is 0 on a plane, on its boundary as well as inside.
 
     Parameters
     ----------

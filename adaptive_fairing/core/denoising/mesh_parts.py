@@ -1,4 +1,4 @@
-"""Connected parts of a mesh, each with noise and best filters of its own."""
+"""Connected parts of a mesh, each with its own noise and its own best filters."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ class NoiseFound(NamedTuple):
     level : (n,)
         Standard deviation in local edge lengths; 0 where it was not judged.
     impulsive : (n,)
-        How surely the noise is that of single vertices, 0 to 1.
+        Certainty that the noise is that of single vertices, 0 to 1.
     roughness : (n,)
-        The level that the roughness alone would tell; 0 where it was not judged.
+        Level from the roughness alone; 0 where it was not judged.
     notes : tuple of str
-        Why there is nothing to do, if so.
+        Reason why there is nothing to do, if so.
     """
 
     level: FloatArray
@@ -42,21 +42,21 @@ class NoiseFound(NamedTuple):
 
 
 class MeshParts:
-    """Connected parts that are judged each by itself, small ones together.
+    """Connected parts that are judged separately; small ones are judged together.
 
     Parameters
     ----------
     frame : TriangleSurface
-        Slightly smoothed.
+        Slightly smoothed surface.
     is_still : (n,) bool
-        Vertices that nothing is judged from.
+        Vertices from which nothing is judged.
 
     Attributes
     ----------
     is_counted : (n,) bool
         Vertices to judge from.
     may_move : (n,) bool
-        These and those on boundaries.
+        Counted vertices, and those on boundaries.
     """
 
     def __init__(self, frame: TriangleSurface, is_still: BoolArray) -> None:
@@ -84,15 +84,15 @@ class MeshParts:
     def noise(
         self, surface: NoisySurface, strength: float, *, keeps_clean: bool = True
     ) -> NoiseFound:
-        """Estimate the noise, and say if there is nothing to do.
+        """Estimate the noise, and note if there is nothing to do.
 
         Parameters
         ----------
         surface : NoisySurface
         strength : float
-            Factor of the noise, for the note alone.
+            Factor of the noise, used only for the note.
         keeps_clean : bool
-            Whether what looks like a clean mesh has no noise. Or else all roughness is noise.
+            Whether a part that looks clean has no noise; otherwise all roughness is noise.
         """
         tuned = parameters()
         clean = tuned.clean_roughness
@@ -145,7 +145,7 @@ class MeshParts:
         return NoiseFound(noise, impulsive, level, (note,))
 
     def _rough_level(self, surface: NoisySurface, counted: BoolArray) -> FloatArray:
-        """Noise that the roughness of some vertices, (n,) bool, tells: theirs alone, (c,)."""
+        """Noise (c,) of some vertices, (n,) bool, by their roughness."""
         frame = surface.frame
         level: FloatArray = noise_model(surface.roughness, counted).level(frame.spacing[counted])
         if np.median(level) > parameters().clean_roughness and surface.cosines is not None:
@@ -157,8 +157,8 @@ class MeshParts:
     ) -> FloatArray:
         """Noise (n,) that all contrasts of some vertices, (n,) bool, allow.
 
-        From what the roughness tells, (n,).  Every kind of contrast is an upper bound: noise shows
-        in all of them alike, and shape adds.
+        It starts from the noise (n,) by roughness.  Every kind of contrast is an upper bound: noise
+        shows in all of them alike, and shape only adds.
         """
         tuned, frame = parameters(), surface.frame
         least = level
@@ -171,7 +171,7 @@ class MeshParts:
         return least
 
     def _why_nothing(self, level: FloatArray, models: list[str]) -> str:
-        """Say why nothing is to be done: from the roughness (n,), and what tells models."""
+        """Note why there is nothing to do, from the roughness (n,) and signs of models."""
         if models:
             return f"looks like a clean low-poly model: {models[0]}; nothing was changed"
         typical = float(np.median(level[self.is_counted]))
@@ -190,8 +190,8 @@ class MeshParts:
     ) -> list[Mixture]:
         """Mix the filters for the least risk in every part.
 
-        From what each filter removes and its divergence, k of (n,), for several variances of the
-        noise, (s, n); a mixture for each of these.
+        The risk follows from the part that each of k filters removes, (n,) each, and from its
+        divergence.  There is one mixture for each of several variances (s, n) of the noise.
         """
         n_parts, n_classes = len(self._members), len(self._weights)
         chosen = np.zeros((len(variances), n_parts, n_classes, len(removed)))
@@ -210,17 +210,17 @@ class MeshParts:
     def clustering(
         self, before: TriangleSurface, after: FloatArray, noise: FloatArray
     ) -> FloatArray:
-        """Correlate how far vertices have moved with how far those beside them have, (p,).
+        """Correlate the displacements of vertices with those of their neighbours, (p,).
 
-        Noise is as strong everywhere as its model says, so what was removed of it is as large
-        beside a vertex of much as beside one of little.  What was removed of a shape comes in
-        clusters: at corners, creases and slivers much, on faces little.
+        Noise is as strong everywhere as its model says.  So large displacements by removed noise do
+        not lie beside other large ones.  Displacements by removed shape do: they are large at
+        corners, creases and slivers, and small on faces.
 
         Parameters
         ----------
         before : TriangleSurface
         after : (n, 3)
-            The same vertices.
+            Denoised positions of the same vertices.
         noise : (n,)
             Standard deviation in local edge lengths.
         """
@@ -244,25 +244,25 @@ class MeshParts:
         return covariance(size, beside) / np.sqrt(np.maximum(spread, np.finfo(float).tiny))
 
     def counts(self, is_one: BoolArray | None = None) -> FloatArray:
-        """Count the counted vertices of every part, (p,); only those that are some, (n,) bool."""
+        """Count the counted vertices of every part, (p,), among some vertices, (n,) bool."""
         some = self.is_counted if is_one is None else is_one & self.is_counted
         return np.bincount(self._part, some, len(self._members)).astype(np.float64, copy=False)
 
     def at_vertices(self, of_parts: BoolArray) -> BoolArray:
-        """Tell for every vertex what holds for its part, (n,) bool from (p,) bool."""
+        """Pass flags (p,) of the parts on to their vertices, (n,)."""
         of_vertices: BoolArray = of_parts[self._part]
         return of_vertices
 
 
 def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:
-    """Overlapping classes of vertices from dense to coarse, (c, n), adding up to 1.
+    """Membership (c, n) of vertices in overlapping classes from dense to coarse; sums are 1.
 
     Parameters
     ----------
     size : (n,)
         Logarithm of the local edge length.
     is_counted : (n,) bool
-        Vertices whose distribution decides.
+        Vertices whose distribution decides the classes.
     """
     tuned = parameters()
     n_counted = int(np.count_nonzero(is_counted))

@@ -1,6 +1,6 @@
 """Mixing of filters for the least risk, in rounds: the automatic method as a whole.
 
-1.  Judge the noise: of which kind, and how much by connected part and density (`noise_verdict`).
+1.  Judge the noise: its kind, and its level by connected part and density (`noise_verdict`).
 2.  Filter in the metrics of the slightly smoothed surface (`filter_bank`).  Mix the filters so that
     the estimated distance to the surface without noise is least (`unbiased_risk`).
 3.  Filter in the metrics of that mixture, which shows the creases, and mix all filters so far.
@@ -8,7 +8,7 @@
     there are creases (`filter_rounds`).
 
 How much of the noise a filter removes is measured by filtering a second time with a little noise
-added: the metrics depend on the noise too, so a formula for linear filters would not do.
+added.  A formula for linear filters would be wrong, because the metrics depend on the noise too.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class MixedSurfaces:
     solve : SolveReport
         Iterations of all solves together, and the worst of their residuals.
     notes : tuple of str
-        Why nothing was done, if so.
+        Reason why nothing was done, if so.
     other_readings : tuple of str
         See `DenoiseResult`.
     """
@@ -90,12 +90,12 @@ def mixed_surfaces(
     topology : TriangleTopology
     positions : (n, 3)
     is_still : (n,) bool
-        Vertices that noise and risk are not judged from, besides those of the boundary.
+        Vertices from which noise and risk are not judged, besides those of the boundary.
     settings : DenoiseSettings
     width : float, optional
-        Of the noise in edges of this mesh, if it was told.
+        Width of the noise in edges of this mesh, if it was given.
     plan : DenoisePlan, optional
-        Of another frame of this surface: nothing is estimated then.
+        Plan of another frame of this surface; then nothing is estimated.
     progress : ProgressReport
     """
     solves = _Solves(progress)
@@ -177,7 +177,7 @@ def _planned(
     divergence: list[RealArray] = []
 
     def measure() -> None:
-        """Measure what each new filter removes along the normals, and how much of it is noise."""
+        """Measure the removed part of each new filter along the normals, and its divergence."""
         for each in list(track.taken)[len(removed) :]:
             own, of_shadow = (one.removed(each, frame) for one in (track, shadow))
             removed.append((own / unit).astype(np.float32))
@@ -247,7 +247,7 @@ def _planned(
 def _filter_both(
     track: Track, shadow: Track, families: Round, pilot: Mixture | None = None
 ) -> None:
-    """Filter in the next round, on the surfaces of a mixture if one is given."""
+    """Filter both surfaces in the next round, on the surfaces of a mixture if one is given."""
 
     def filter_one(one: Track) -> None:
         one.filter(families, pilot)
@@ -260,7 +260,7 @@ def _filter_both(
 
 
 class _Solves:
-    """What is to be reported of all linear solves; both runs count here, each in its thread."""
+    """Report of all linear solves, collected from both runs, each in its own thread."""
 
     def __init__(self, progress: ProgressReport) -> None:
         self._progress = progress
@@ -270,7 +270,7 @@ class _Solves:
         self._lock = Lock()
 
     def count(self, report: SolveReport) -> None:
-        """Note that a solve is done."""
+        """Count a finished solve."""
         with self._lock:
             self._iterations += report.iterations
             self._residual = max(self._residual, report.residual)
@@ -278,5 +278,5 @@ class _Solves:
             self._progress.again()
 
     def report(self) -> SolveReport:
-        """All solves together."""
+        """Report of all solves together."""
         return SolveReport(self._iterations, self._residual, self._converged)

@@ -20,9 +20,9 @@ class Mixture(NamedTuple):
     by_class : (p, c, k)
         Coefficients in each class of each part.
     weights : (c, n)
-        Of the classes at the vertices, adding up to 1.
+        Weights of the classes at the vertices, with the sum 1.
     part : (n,) int
-        Which part a vertex belongs to.
+        Part of each vertex.
     """
 
     by_class: FloatArray
@@ -31,7 +31,7 @@ class Mixture(NamedTuple):
 
     @property
     def used(self) -> IndexArray:
-        """Which filters are mixed anywhere."""
+        """Whether each filter has a coefficient other than 0 anywhere, (k,)."""
         return np.flatnonzero(self.by_class.any(axis=(0, 1)))
 
     def coefficients(self, index: int) -> RealArray:
@@ -43,7 +43,7 @@ class Mixture(NamedTuple):
         return coefficients
 
     def at(self, vertices: IndexArray) -> Mixture:
-        """Return the same mixture at some of the vertices, (k,)."""
+        """Return the same mixture for some of the vertices, by index."""
         return self._replace(weights=self.weights[:, vertices], part=self.part[vertices])
 
     def within(self, parts: BoolArray) -> Mixture:
@@ -51,7 +51,7 @@ class Mixture(NamedTuple):
         return self._replace(by_class=self.by_class * parts[:, None, None])
 
     def spread(self, is_one: Sequence[bool]) -> Mixture:
-        """Return the same mixture among k' filters: those that are one of its own, (k',) bool."""
+        """Return the same mixture among k' filters; (k',) bool says which of them are its own."""
         by_class = np.zeros((*self.by_class.shape[:2], len(is_one)))
         by_class[..., is_one] = self.by_class
         return self._replace(by_class=by_class)

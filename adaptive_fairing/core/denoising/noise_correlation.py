@@ -16,11 +16,11 @@ class NoiseCorrelation(NamedTuple):
     coefficient : float
         c of the neighbours' mean in (1 - c) w + c mean(w), with white noise w; 0 for white noise.
     seen : float
-        How strong differences of second order are, relative to those of the white noise.
+        Strength of differences of second order, relative to those of the white noise.
     deviation : float
         Standard deviation relative to that of the white noise.
     passes : int
-        Of averaging half with the neighbours' mean, for noise that is smooth over several edges.
+        Number of averages half with the neighbours' mean, for noise smooth over several edges.
     """
 
     coefficient: float = 0.0

@@ -40,15 +40,15 @@ class NoiseVerdict:
     stage : Stage
         The surface; spikes were put back.
     level : (n,)
-        Standard deviation in local edge lengths of what differences of second order see; 0 where
+        Standard deviation in local edge lengths, as differences of second order show it; 0 where
         it was not judged.
     smooth : NoiseCorrelation or None
-        Of noise that is alike over several edges, if that is what it is.
+        Correlation of noise that is smooth over several edges; None for other noise.
     impulsive : (n,)
-        How surely the noise was that of single vertices, 0 to 1.
+        Certainty that the noise was that of single vertices, 0 to 1.
     reach : (n,)
-        Standard deviation in local edge lengths of all noise, spikes included: 0 where nothing may
-        move.
+        Standard deviation in local edge lengths of all noise, including spikes; 0 where nothing
+        may move.
     notes : tuple of str
     other_readings : tuple of str
         See `DenoiseResult`.
@@ -70,16 +70,16 @@ class NoiseVerdict:
 
     @cached_property
     def correlation(self) -> NoiseCorrelation:
-        """Of the noise at neighbours."""
+        """Correlation of the noise at neighbours."""
         if self.smooth is not None:
             return self.smooth
         judged = self.stage.parts.is_counted & (self.level > 0)
         return noise_correlation(self.stage.noisy, judged)
 
     def whole(self, seen: FloatArray) -> FloatArray:
-        """Return the size of all noise from what differences of second order see of it, (n,).
+        """Size (n,) of the whole noise, from its size in differences of second order.
 
-        They see less of noise that is alike at neighbours.
+        Those show less of noise that is correlated at neighbours.
         """
         return seen / self.correlation.seen * self.correlation.deviation
 
@@ -99,7 +99,7 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     ----------
     stage : Stage
     strength : float
-        Factor of the estimated noise, which decides whether there is anything to do.
+        Factor of the estimated noise; decides whether there is anything to do.
     clean : "keep", "detail" or "denoise"
         See `DenoiseSettings`.
     """
@@ -122,7 +122,7 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
 def _noisy_spikes(
     stage: Stage, found: NoiseFound, strength: float, keeps_clean: bool
 ) -> FloatArray:
-    """How surely vertices that stand out are noise, (n,): nowhere if they are the shape's."""
+    """Certainty (n,) that vertices which stand out are noise; 0 if they belong to the shape."""
     if not found.impulsive.any():
         return found.impulsive
     tuned, parts = parameters(), stage.parts
@@ -161,7 +161,7 @@ def _without_spikes(
 
 
 def _with_smooth_noise(verdict: NoiseVerdict, strength: float, clean: str) -> NoiseVerdict:
-    """Look for noise that is alike over several edges, on flat faces and anywhere."""
+    """Look for noise that is smooth over several edges, on flat faces and elsewhere."""
     stage, counted = verdict.stage, verdict.stage.parts.is_counted
     seen = stage.noisy.along_sight()
     anywhere = smooth_noise(seen, counted)
@@ -190,7 +190,7 @@ def _is_removed(smooth: SmoothNoise | FaceNoise, stage: Stage, clean: str) -> bo
 
 
 def shows_in_hinges(smooth: SmoothNoise | FaceNoise, stage: Stage) -> bool:
-    """Whether there are the hinges that smooth noise makes; the flat faces of models have none."""
+    """Whether the hinges are as large as those of smooth noise; flat faces of models have none."""
     noisy, counted = stage.noisy, stage.parts.is_counted
     frame, unit = noisy.frame, smooth.level / smooth.correlation.deviation
     noise = frame.raised(unit * smooth.correlation.applied(noisy.fading.white, frame))

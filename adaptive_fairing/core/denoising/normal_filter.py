@@ -1,10 +1,10 @@
 """Smoothing of triangle normals within the sides of creases.
 
-A triangle's normal becomes the mean of those around it that turn away from it by less than an
-angle, the nearer ones counting for more.  Unlike diffusion in a metric that follows the bending,
-this also works between creases that stand only a few edges apart.
+A triangle's normal becomes the mean of the normals around it that differ from it by less than an
+angle; similar normals count for more.  Unlike diffusion in a metric that follows the bending, this
+also works between creases only a few edges apart.
 
-Noise of one amplitude turns small triangles further than large ones, and their normals count for
+Noise of one amplitude turns small triangles further than large ones, so their normals count for
 less.
 
 Source: X. Sun, P. L. Rosin, R. R. Martin and F. C. Langbein, Fast and effective feature-preserving
@@ -33,14 +33,14 @@ LEAST_RANGE = 0.01
 
 
 class Smoothing(NamedTuple):
-    """How to smooth normals.
+    """Parameters of the smoothing of normals.
 
     Attributes
     ----------
     angle : float
-        In radians, at most π / 2: neighbours that turn further do not count.
+        Angle in radians, at most π / 2; normals that differ by more do not count.
     passes : tuple of int
-        After how many passes the normals are wanted, ascending.
+        Numbers of passes after which the normals are wanted, ascending.
     """
 
     angle: float
@@ -62,12 +62,12 @@ def smoothed_normals(
         Triangles around each one, see `triangles_around`.
     smoothing : Smoothing
     weights : (m,), optional
-        How much each triangle counts, see `weights_of_normals`; without, all count alike.
+        Weight of each triangle, see `weights_of_normals`; by default all are equal.
 
     Yields
     ------
     (m, 3)
-        After each number of passes.
+        Normals after each number of passes.
     """
     least = np.float32(np.cos(smoothing.angle))
     n = len(normals)
@@ -107,10 +107,10 @@ def smoothed_normals(
 
 
 def weights_of_normals(topology: TriangleTopology, noise: FloatArray) -> FloatArray | None:
-    """Tell how much the normals of triangles count, (m,); None if all count alike.
+    """Weights (m,) of the normals of triangles; None if all are equal.
 
-    Noise of σ local edge lengths turns a normal by about σ.  Weights are one over the variance of
-    that, with the square of `coarse_noise` added: less noise does not matter.
+    Noise of σ local edge lengths turns a normal by about σ.  A weight is the inverse of that
+    variance plus the square of `coarse_noise`, because less noise does not matter.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def triangles_around(topology: TriangleTopology) -> IntArray:
 
 
 class TurningLoads:
-    """How far turns of its triangles bend a surface: right sides of the fits to normals.
+    """Right sides of the fits to normals: the effect of turned triangles on a surface.
 
     Parameters
     ----------

@@ -2,7 +2,7 @@
 
 Functions read `parameters()` where they need a number.  `using` replaces the numbers for the code
 inside its block, in the calling thread only: tasks of a thread pool must get them as arguments.
-`python -m research.denoising.sensitivity` shows how the benchmark answers to each.
+`python -m research.denoising.sensitivity` shows the effect of each number on the benchmark.
 
 Lengths are in local edge lengths, times in squared edge lengths, angles in radians.  All numbers
 together were chosen on the tuning shapes of `research/denoising`, for the most part with normal

@@ -1,4 +1,4 @@
-"""Plan of a run: how the filters were mixed, enough for other frames of the surface."""
+"""Plan of a run: the mixture of its filters, which other frames of the surface can use."""
 
 from __future__ import annotations
 
@@ -23,29 +23,29 @@ class DenoisePlan:
     Attributes
     ----------
     filters : tuple of Filter
-        What is mixed, in the order of the coefficients.
+        Filters, in the order of the coefficients.
     noise : (n,)
         Standard deviation of the noise in local edge lengths; 0 where it was not judged.
     pilots : tuple of Mixture
-        Of the filters so far, after each round but the last that was run.
+        Mixtures of the filters so far, after each round except the last.
     mixtures : tuple of Mixture
-        Of all filters, for each of `STRENGTHS`; none if nothing is to be done.
+        Mixtures of all filters, for each of `STRENGTHS`; empty if there is nothing to do.
     kept : (s,)
         Fraction of the noise that each mixture keeps, 0 to 1.
     impulsive : (n,)
-        Fraction of their way by which vertices that stand out are put back before the filters.
+        Fraction by which spikes are put back before the filters, 0 to 1.
     reach : (n,)
-        Standard deviation of all noise, spikes included, in local edge lengths: the unit of how far
-        a vertex may move.
+        Standard deviation of all noise, including spikes, in local edge lengths: the unit of the
+        largest displacement of a vertex.
     typical_noise : float
-        Median of the noise where it was judged, of all of the surface: it decides the filters.
+        Median of the noise where it was judged, over the whole surface; it decides the filters.
     has_creases : bool
         Whether the last round was run, which is for creases.
     correlation : NoiseCorrelation
-        Of the noise at neighbours.
+        Correlation of the noise at neighbours.
     level : CoarseLevel, optional
-        Where the noise was removed, if it is wide, and the plan there. All but `noise` then is of
-        the level's vertices.
+        Level on which wide noise was removed; `on_level` is the plan there. Everything except
+        `noise` then refers to the level's vertices.
     on_level : DenoisePlan, optional
     """
 
@@ -64,7 +64,7 @@ class DenoisePlan:
 
     @classmethod
     def idle(cls, noise: FloatArray, impulsive: FloatArray, reach: FloatArray) -> DenoisePlan:
-        """Leave everything but vertices that stand out as it is."""
+        """Make the plan that only puts spikes back."""
         return cls((), noise, (), (), np.ones(len(STRENGTHS)), impulsive, reach)
 
     def at(self, vertices: IndexArray) -> DenoisePlan:
@@ -94,9 +94,9 @@ class DenoisePlan:
     def radius(self) -> float:
         """Smoothing radius at strength 1, in local edge lengths.
 
-        A Gaussian filter of this standard deviation r keeps the same part of white noise. It keeps
-        cell / (2 π r²), and a vertex has a cell of √3/2 squared edges. The 1 in the formula makes
-        the radius of doing nothing 0.
+        A Gaussian filter of this standard deviation r keeps the same fraction of white noise. It
+        keeps cell / (2 π r²), and a vertex has a cell of √3/2 squared edges. The 1 in the formula
+        makes the radius 0 if nothing is done.
         """
         kept = float(np.clip(self.kept[STRENGTHS.index(1.0)], 1e-6, 1))
         unit = self.level.ratio if self.level is not None else 1.0

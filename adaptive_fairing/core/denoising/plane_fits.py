@@ -25,10 +25,10 @@ class PlaneFits:
     ----------
     positions : (n, 3)
     spacing : (n,)
-        Local edge length; the noise is taken to grow with it.
+        Local edge length; the noise is assumed to grow with it.
     triangles : (m, 3) int
     face : (m,) int
-        Number of each triangle's face, 0 to k - 1; negative where it has none.
+        Index of each triangle's face, 0 to k - 1; negative without one.
 
     Attributes
     ----------
@@ -65,15 +65,15 @@ class PlaneFits:
         return len(self._count)
 
     def heights(self, points: FloatArray, face: IntArray) -> FloatArray:
-        """How far points (p, 3) lie above the planes of faces (p,)."""
+        """Heights (p,) of points (p, 3) above the planes of faces (p,)."""
         height: FloatArray = dots(points - self.centres[face], self.normals[face])
         return height
 
     def are_bent(self, own_part: float = 1.0) -> BoolArray:
-        """Which faces a quadric fits significantly better than a plane, by the F test, (k,).
+        """Whether a quadric fits each face significantly better than a plane, by the F test, (k,).
 
-        With smooth noise as many vertices as there are tell as much as `own_part` of them, each
-        with noise of its own.
+        With smooth noise, the vertices carry as much information as the fraction `own_part` of them
+        would with independent noise.
         """
         offset = self._points - self.centres[self.face]
         sizes = np.sqrt(np.maximum(self._spread[:, :0:-1], np.finfo(float).tiny))
@@ -106,8 +106,8 @@ class PlaneFits:
     def onto(self, surface: FloatArray, spacing: FloatArray) -> FloatArray:
         """Move vertices of a surface (n, 3) the shortest way onto all of their planes.
 
-        Planes that are nearly parallel are met half-way; where the way would be longer than
-        `farthest_to_planes` local edge lengths, (n,), the vertex stays.
+        Between nearly parallel planes the vertex moves half-way. A vertex that would move further
+        than `farthest_to_planes` local edge lengths, (n,), stays.
         """
         tuned, n = parameters(), len(surface)
         normals = self.normals[self.face]
@@ -140,7 +140,7 @@ class PlaneFits:
         return np.bincount(self.face, values, len(self)).astype(np.float64, copy=False)
 
     def _medians(self, values: FloatArray) -> FloatArray:
-        """Median of the values (p,) of each face, (k,); arbitrary where it has none."""
+        """Median (k,) of the values (p,) of each face; arbitrary for a face without values."""
         ordered = values[np.lexsort((values, self.face))]
         last = np.cumsum(self._count)
         middle = np.minimum(last - self._count + self._count // 2, len(ordered) - 1)

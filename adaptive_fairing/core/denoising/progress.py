@@ -11,19 +11,19 @@ SHARE_OF_ROUND = (0.04, 0.11, 0.13, 0.18, 0.27)
 
 
 class DenoiseProgress(NamedTuple):
-    """News of a run.
+    """Progress of a run.
 
     Attributes
     ----------
     phase : str
-        What is being done: "noise" is measured, the mesh is filtered ("filter"), the filters are
-        mixed ("mix"), the result is measured ("measure").
+        "noise" (measuring the noise), "filter", "mix" (mixing the filters) or "measure" (measuring
+        the result).
     number, total : int
-        Which round of filters this is, counted from 1, and of how many; 0 in the other phases.
+        Number of the filter round, counted from 1, and of all rounds; 0 in the other phases.
     fraction_done : float
-        Of the work, 0 to 1.
+        Fraction of the work that is done, 0 to 1.
     fraction_at_end : float
-        Of the work that will be done when the phase ends.
+        Fraction of the work that will be done when the phase ends.
     """
 
     phase: str = "noise"
@@ -34,14 +34,14 @@ class DenoiseProgress(NamedTuple):
 
 
 class ProgressReport:
-    """Tells a caller, if there is one, where a run is.
+    """Reports the progress of a run to a caller, if there is one.
 
     Parameters
     ----------
     tell : callable, optional
         Called with `DenoiseProgress`; may raise to end the run.
     has_plan : bool
-        Whether the noise is known beforehand.
+        Whether a plan is given, so that the noise is already known.
     """
 
     def __init__(self, tell: Callable[[DenoiseProgress], None] | None, *, has_plan: bool) -> None:
@@ -65,11 +65,11 @@ class ProgressReport:
         self.again()
 
     def again(self) -> None:
-        """Tell once more: the caller may want to end the run."""
+        """Report again, because the caller may want to end the run."""
         if self._tell is not None:
             self._tell(self._now)
 
     def finish(self) -> None:
-        """Tell that all is done."""
+        """Report the end of the run."""
         self._now = DenoiseProgress("measure", fraction_done=1.0, fraction_at_end=1.0)
         self.again()

@@ -1,9 +1,8 @@
-"""Weights on a part of a mesh: what is filtered and what is judged for it.
+"""Regions of a mesh for a run with weights: what is filtered, and what is judged.
 
-The noise is judged from the vertices that may move alone: next to them an earlier run may have
-removed it.  Measured on 41,000 vertices, of which 1 % were denoised after their neighbours: judged
-with 4 rings around them, the noise was found to be 20 to 95 % of what it was; from them alone 99
-to 101 %.
+The noise is judged only from the vertices that may move, because an earlier run may have removed it
+next to them.  Measured on 41,000 vertices, of which 1 % were denoised after their neighbours: with
+4 rings around them, 20 to 95 % of the noise was found; from them alone 99 to 101 %.
 """
 
 from __future__ import annotations
@@ -32,9 +31,9 @@ JUDGED = Margin(1, 300)
 
 
 def filtered(width: str | float, plan: DenoisePlan | None) -> Margin | None:
-    """How far filters go on around a part, for noise of a width; None for the whole mesh.
+    """Margin around a part that filters need for noise of a width; None for the whole mesh.
 
-    A plan that goes by a coarse level needs all of it.
+    A plan with a coarse level needs the whole mesh.
     """
     if plan is not None:
         return FILTERED_AS_PLANNED if plan.level is None else None
@@ -44,12 +43,12 @@ def filtered(width: str | float, plan: DenoisePlan | None) -> Margin | None:
 
 
 def not_judged(problem: SolverProblem) -> BoolArray:
-    """Find the vertices that noise and risk are not judged from, besides those of the boundary.
+    """Vertices from which noise and risk are not judged, besides those of the boundary.
 
     Returns
     -------
     (n,) bool
-        Those on cuts, and those that weights of 0 keep where they are, but for a few around.
+        Vertices on cuts and vertices of weight 0, except a few around the moving ones.
     """
     is_cut, moves = problem.frame.surface.is_cut, problem.weights > 0
     if moves.all():

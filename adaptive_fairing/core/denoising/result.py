@@ -15,37 +15,36 @@ from .settings import DenoiseSettings
 
 @dataclass(frozen=True)
 class DenoiseResult:
-    """The denoised mesh at several strengths, and what was found.
+    """The denoised mesh at several strengths, and the estimated noise.
 
     Attributes
     ----------
     strengths : (k,)
-        Ascending factors of the estimated noise; the one of the settings is among them.
+        Ascending factors of the estimated noise, including that of the settings.
     shapes : (k, n, 3)
-        Positions for each strength. Vertices that are held have their input coordinates bit by
-        bit.
+        Positions for each strength. Held vertices have their input coordinates bit by bit.
     start : (n, 3)
         Positions of the input.
     noise : (n,)
         Standard deviation of the noise along the normals, in local edge lengths; 0 where none was
         found.
     noise_level : float
-        Its median over the vertices where noise was found; 0 if there is none.
+        Median of `noise` over the vertices where noise was found; 0 if there is none.
     noise_length : float
         The same in the units of the input.
     radius : float
-        Smoothing radius in local edge lengths: of the Gaussian filter that keeps as much of white
-        noise. 0 if nothing was done.
+        Smoothing radius in local edge lengths: that of the Gaussian filter that keeps the same
+        fraction of white noise. 0 if nothing was done.
     sharp_part : float
-        Part of what was removed that came from filters which keep creases, 0 to 1.
+        Fraction of the removed noise that filters removed which keep creases, 0 to 1.
     crease_part : float
-        Part of the edges of the denoised mesh that are creases, 0 to 1.
+        Fraction of the edges of the denoised mesh that are creases, 0 to 1.
     is_sharp : bool
-        Whether creases were asked for; with features "auto" whether there are more of them than
+        Whether creases were asked for; with features "auto", whether there are more creases than
         smooth meshes have.
     initial : SurfaceMeasures
-        Curvature energy, area and volume of the input's limit surface. Where weights of 0 leave
-        most of the mesh still it is that of the part around the others, which has no volume.
+        Curvature energy, area and volume of the input's limit surface. If weights of 0 hold most of
+        the mesh, they cover only the part around the moving vertices, which has no volume.
     measures : tuple of SurfaceMeasures
         The same for each of `shapes`.
     solve : SolveReport

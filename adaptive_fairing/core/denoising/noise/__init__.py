@@ -1,1 +1,1 @@
-"""Noise of a mesh: its level, its correlation, and shape that only looks like it."""
+"""Noise of a mesh: its level, its correlation, and shape that looks like noise."""

@@ -13,31 +13,31 @@ from .repeats import repeated_part
 
 
 class CleanDetail:
-    """What tells the detail of a clean mesh from noise.
+    """Signs by which the detail of a clean mesh differs from noise.
 
     Parameters
     ----------
     surface : NoisySurface
     is_counted : (n,) bool
-        Vertices of the whole mesh that can be judged from.
+        Vertices of the whole mesh to judge from.
     """
 
     def __init__(self, surface: NoisySurface, is_counted: BoolArray) -> None:
         self._surface, self._all_counted = surface, is_counted
 
     def fades(self, is_counted: BoolArray) -> bool:
-        """Tell if vertices, (n,) bool, have detail as fine as the mesh.
+        """Whether vertices, (n,) bool, have detail as fine as the mesh.
 
-        That fades in differences of higher order, while white noise does not.
+        Such detail fades in differences of higher order, while white noise does not.
         """
         fading = self._surface.fading
         rough, _ = fading.of_mesh(is_counted)
         return fading.fades(is_counted) and rough < parameters().least_roughness
 
     def copies(self, is_counted: BoolArray) -> str:
-        """Say how many triangles at vertices, (n,) bool, are exact copies of others, or "".
+        """Text on the exact copies among the triangles at vertices, (n,) bool; "" without any.
 
-        What a camera or a scanner saw repeats itself too, where its depths are rounded.
+        Meshes of a camera or a scanner with rounded depths have copies too.
         """
         surface, triangles = self._surface, self._surface.topology.triangles
         if surface.cosines is not None:
@@ -47,9 +47,9 @@ class CleanDetail:
         return f"{100 * part:.0f} % of its triangles are exact copies of others" if part else ""
 
     def bends(self, level: FloatArray, is_counted: BoolArray) -> str:
-        """Say what tells that vertices, (n,) bool, belong to a low-poly model that bends, or "".
+        """Text on signs that vertices, (n,) bool, belong to a bent low-poly model; "" without any.
 
-        `level` is the noise in local edge lengths, (n,), as the contrasts tell it.
+        `level` is the noise (n,) in local edge lengths by the contrasts.
         """
         tuned = parameters()
         # Small parts, such as the eyes of a head, go with the whole.
@@ -65,11 +65,10 @@ class CleanDetail:
         return self._said_of(self._all_counted)
 
     def _said_of(self, is_counted: BoolArray) -> str:
-        """Say what tells that vertices, (n,) bool, are a low-poly shape that bends, or "".
+        """Text on signs that vertices, (n,) bool, are a bent low-poly shape; "" without any.
 
-        Measured is how far a vertex stands out from the mean of its neighbours.  In white noise
-        this is independent of how far the neighbours stand out; on a smooth shape it is nearly the
-        same.
+        The measure is the deviation of a vertex from the mean of its neighbours.  In white noise it
+        is independent of the neighbours' deviations; on a smooth shape they are nearly equal.
         """
         tuned = parameters()
         if np.count_nonzero(self._all_counted) > tuned.low_poly:

@@ -1,10 +1,10 @@
-"""Contrasts: differences of positions that noise and shape answer differently.
+"""Contrasts: differences of positions in which noise and shape show differently.
 
 A contrast is a linear difference of a few positions over the standard deviation that white noise of
 size 1 gives it on this mesh.  So noise of size σ makes every contrast, of whatever kind, look like
 σ times a half-normal distribution.  Shape only adds to that, and to one kind more than to another:
-differences of high order hardly see what bends slowly, and two triangles of one flat face have no
-hinge between them however the face is triangulated.  Each kind is thus an upper bound of the noise.
+differences of high order hardly see slow bends, and two triangles of one flat face have no hinge
+between them, however the face is triangulated.  So each kind gives an upper bound of the noise.
 """
 
 from __future__ import annotations
@@ -27,16 +27,15 @@ class Contrast(NamedTuple):
     Attributes
     ----------
     value : (k,)
-        Magnitude, where the noise is measured in local edge lengths along the normals.
+        Magnitudes, in local edge lengths along the normals.
     fineness : (k,)
-        Variance that noise of one unit of length everywhere has in `value`.  About 1 / h², in
-        1 / length².
+        Variance in `value` of noise of one unit of length everywhere, in 1 / length²: about 1 / h².
     size : (k,)
-        Logarithm of the length of the edges around, up to a constant: tells the density.
+        Logarithm of the length of the edges around, up to a constant: a measure of the density.
     vertices : (k, c) int
-        Whose positions count most.
+        Vertices whose positions count most.
     quantile : float
-        Of the magnitudes, from which the noise is read.
+        Quantile of the magnitudes from which the noise is read.
     """
 
     value: FloatArray
@@ -46,7 +45,7 @@ class Contrast(NamedTuple):
     quantile: float
 
     def among(self, is_counted: BoolArray) -> Contrast:
-        """Return the contrasts whose vertices are all counted, (n,) bool."""
+        """Return the contrasts whose vertices are all among the counted ones, (n,) bool."""
         inside = np.flatnonzero(is_counted[self.vertices].all(axis=1))
         return self._replace(
             value=self.value[inside],
@@ -95,9 +94,9 @@ def roughness(positions: FloatArray, frame: TriangleSurface) -> Contrast:
 
 
 def hinges(positions: FloatArray, frame: TriangleSurface) -> Contrast:
-    """Volumes between the two triangles of every inner edge, over what noise makes of them.
+    """Volumes between the two triangles of every inner edge, relative to those of white noise.
 
-    Creases are seen by the hinges across them alone; so the noise is read from the lower ones.
+    Only the hinges across a crease see it, so the noise is read from the smaller hinges.
 
     Parameters
     ----------

@@ -1,8 +1,8 @@
 """Correlation of the noise at neighbouring vertices, estimated from the mesh alone.
 
-Staircases fade in differences of higher order (`order_decay`) as white noise does that was mixed
-with the mean of the neighbours' noise.  Noise that is smooth over several edges cannot be told
-from shape, and is not sought.
+Staircases fade in differences of higher order (`order_decay`) like white noise that was mixed with
+the mean of the neighbours' noise.  Noise that is smooth over several edges cannot be distinguished
+from shape here, and is not looked for.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ N_TRIED = 8
 
 
 def noise_correlation(surface: NoisySurface, is_counted: BoolArray) -> NoiseCorrelation:
-    """Find the correlation with which noise fades as the mesh does.
+    """Find the correlation of noise that fades like the roughness of the mesh.
 
     Parameters
     ----------

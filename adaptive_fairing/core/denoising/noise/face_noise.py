@@ -1,9 +1,9 @@
 """Smooth noise on flat faces, where no shape hides it.
 
-What is left of the positions on a fitted plane is noise, however wide and however strong: its size
-is the level, and its size in bands of several widths tells the correlation.  On a clean model it is
-rounding.  Texture on flat faces is told from noise as elsewhere: noise is even, has the strengths
-of averaged white noise band by band, and is normally distributed (`smooth_noise`).
+The residuals of positions on a fitted plane are noise, however wide and however strong.  Their size
+is the level, and their size in bands of several widths gives the correlation.  On a clean model
+they are rounding.  Texture on flat faces differs from noise as elsewhere: noise is even, has the
+strengths of averaged white noise band by band, and is normally distributed (`smooth_noise`).
 """
 
 from __future__ import annotations
@@ -44,21 +44,20 @@ class FaceNoise(NamedTuple):
     Attributes
     ----------
     part : float
-        Part of the counted vertices that is well inside flat faces, 0 to 1.
+        Fraction of the counted vertices that is well inside flat faces, 0 to 1.
     n_counted : int
-        Number of these.
+        Number of those vertices.
     level : float
         Standard deviation in local edge lengths.
     correlation : NoiseCorrelation
     misfit : float
         Sum of the squared logarithms by which the bands differ from those of noise of this level.
     evenness : float
-        How even the bands are over the faces, relative to noise; 0 to about 1.
+        Evenness of the bands over the faces, relative to noise; 0 to about 1.
     outliers : float
-        How far out the largest heights are, over that of a normal distribution, or the other way
-        round if that is more.
+        Size of the largest heights relative to a normal distribution, or its inverse if larger.
     lean : float
-        How much more there is of hills than of valleys or the other way round, 0 to 1.
+        Imbalance between hills and valleys, 0 to 1.
     """
 
     part: float = 0.0
@@ -72,7 +71,7 @@ class FaceNoise(NamedTuple):
 
     @property
     def may_be_noise(self) -> bool:
-        """Whether it is smooth noise if all that is rough is noise."""
+        """Whether this is smooth noise, provided that all roughness is noise."""
         tuned = parameters()
         return (
             self.part >= tuned.least_on_faces
@@ -83,10 +82,10 @@ class FaceNoise(NamedTuple):
 
     @property
     def is_noise(self) -> bool:
-        """Whether it is smooth noise and no texture.
+        """Whether this is smooth noise and not texture.
 
-        A plane hides no shape, so even odds are enough: of 58 noisy meshes 42 were told so, and of
-        39 with detail all over them 4, all of waves or rocks that are as even as noise.
+        A plane hides no shape, so even odds suffice.  They were found on 42 of 58 noisy meshes, and
+        on 4 of 39 with detail all over them, all of them waves or rocks that are as even as noise.
         """
         evidence = evidence_of_noise(self.misfit, self.evenness, self.outliers, self.lean)
         is_weak = self.level <= parameters().most_level_on_faces
@@ -94,13 +93,13 @@ class FaceNoise(NamedTuple):
 
 
 def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -> FaceNoise:
-    """Measure what the positions of a surface differ from the planes of its flat faces.
+    """Measure the deviations of a surface from the planes of its flat faces.
 
     Parameters
     ----------
     surface : NoisySurface
     faces : FlatFaces
-        Found in spite of smooth noise.
+        Flat faces, found in spite of smooth noise.
     is_counted : (n,) bool
         Vertices to judge from.
     """
@@ -151,9 +150,9 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
 def _explained(
     bands: FloatArray, surface: NoisySurface, frame: TriangleSurface, is_inner: BoolArray
 ) -> tuple[NoiseCorrelation, FloatArray, float]:
-    """Find the noise of unit size whose bands are most like those of heights, (k, n).
+    """Find the noise of unit size whose bands (k, n) are most similar to those of heights.
 
-    Its correlation, its own bands, and the misfit.
+    Returns its correlation, its bands and the misfit.
     """
     found = np.log(np.maximum(typical_sizes(bands[:, is_inner]), 1e-12))
     best = WHITE, bands, np.inf

@@ -46,8 +46,9 @@ class NoiseModel(NamedTuple):
 def noise_model(contrast: Contrast, is_counted: BoolArray) -> NoiseModel:
     """Estimate the noise along the normals from the contrasts of vertices, (n,) bool.
 
-    An upper bound: quantiles do not see the features here and there, but they see a shape that is
-    everywhere.  Noise of neighbours that is alike (scanners, contoured volumes) is under-estimated.
+    This is an upper bound: quantiles ignore isolated features, but not a shape that bends
+    everywhere.  Noise that is correlated at neighbours (scanners, contoured volumes) is
+    under-estimated.
 
     Parameters
     ----------
@@ -81,18 +82,18 @@ def noise_model(contrast: Contrast, is_counted: BoolArray) -> NoiseModel:
 def scan_level(
     rough: Contrast, frame: TriangleSurface, is_counted: BoolArray, cosines: FloatArray
 ) -> FloatArray:
-    """Estimate the noise of what was seen along a line of sight, in local edge lengths, (n,).
+    """Estimate the noise (n,) of a surface seen along a line of sight, in local edge lengths.
 
-    Edges tell how steeply the surface was seen, but nothing of the noise.  That is as strong
-    everywhere along the normals, as a laser's, whose errors grow where the surface is steep; or,
-    where the likelihood says so clearly, as strong everywhere along the line of sight.
+    The length of an edge depends on how steeply the surface was seen, not on the noise.  The noise
+    is equally strong everywhere along the normals, like that of a laser, whose errors grow where
+    the surface is steep; or, if the likelihood is clear, along the line of sight.
 
     Parameters
     ----------
     rough, frame, is_counted
         As for `noise_model`; at least one vertex is counted.
     cosines : (n,)
-        Of the angles between normals and line of sight, more than 0.
+        Cosines of the angles between normals and line of sight, above 0.
     """
     tuned, value = parameters(), rough.value[is_counted]
     of_length = np.sqrt(rough.fineness[is_counted])
@@ -105,7 +106,7 @@ def scan_level(
 
 
 def _variances(contrast: Contrast, bins: list[IndexArray]) -> FloatArray:
-    """Variance of the noise in each bin, as the quantile tells it, (b,)."""
+    """Variance of the noise in each bin by the quantile, (b,)."""
     levels = np.array([contrast.deviation(contrast.value[members]) for members in bins])
     levels *= 1 + LEAST_OF[len(bins)] * MEDIAN_ERROR / np.sqrt([len(each) for each in bins])
     return np.square(levels)
@@ -143,7 +144,7 @@ def _evidence(contrast: Contrast, bins: list[IndexArray], both: NoiseModel) -> f
 
 
 def _unlikelihood(contrast: Contrast, value: FloatArray, expected: FloatArray) -> float:
-    """Minus the logarithm of the likelihood, of the model with these deviations times the best."""
+    """Negative log-likelihood of the model with these deviations times the best factor."""
     tuned = parameters()
     ratio = value / expected
     scale = max(contrast.deviation(ratio), tuned.clean_roughness**2)
@@ -169,10 +170,10 @@ def _quantile_fit(terms: FloatArray, variance: FloatArray) -> FloatArray:
 
 
 def beyond_clean(level: FloatArray) -> FloatArray:
-    """Take off what clean meshes have: what remains is to be removed."""
+    """Subtract the roughness of clean meshes; the rest is noise to remove."""
     return np.maximum(level**4 - parameters().clean_roughness ** 4, 0) ** 0.25
 
 
 def with_clean(level: FloatArray) -> FloatArray:
-    """Add what `beyond_clean` takes off."""
+    """Add what `beyond_clean` subtracts."""
     return (level**4 + parameters().clean_roughness ** 4) ** 0.25

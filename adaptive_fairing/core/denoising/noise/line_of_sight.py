@@ -1,8 +1,8 @@
-"""Lines of sight of a depth camera or a scanner, recovered from the mesh that it left.
+"""Lines of sight of a depth camera or a scanner, recovered from its mesh.
 
-A camera sees its points along rays that are a grid, and a mesh joins neighbours of that grid.  Any
-two triangles side by side are then a parallelogram, as seen by the camera: the sums of the opposite
-corners differ along the line of sight alone.  The errors of the depths lie along that line too.
+A camera sees its points along the rays of a grid, and the mesh joins neighbours of that grid.  So
+two adjacent triangles form a parallelogram as seen by the camera: the sums of opposite corners
+differ only along the line of sight.  The errors of the depths lie along that line too.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ WIDEST_VIEW = 0.7
 
 
 def lines_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatArray | None:
-    """Find the unit vectors (n, 3) along which vertices (n, 3) were seen, if they were.
+    """Find the unit vectors (n, 3) along which vertices (n, 3) were seen; None if they were not.
 
     The lines are parallel or meet in one point, where the camera was.
     """
@@ -64,7 +64,7 @@ def lines_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatAr
 def on_rays(surface: TriangleSurface, points: FloatArray, rays: FloatArray) -> FloatArray:
     """Move points (n, 3) along their rays (n, 3) onto the triangles around their vertices, (n, 3).
 
-    Where no triangle is met, onto the plane through the vertex.
+    A ray that meets no triangle moves its point onto the tangent plane at the vertex.
     """
     gap, cosines = points - surface.positions, dots(surface.normals, rays)
     steepest = np.copysign(np.maximum(np.abs(cosines), LEAST_COSINE_OF_MOVES), cosines)

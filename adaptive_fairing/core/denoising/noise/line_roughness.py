@@ -15,7 +15,7 @@ from ..triangle_surface import TriangleSurface
 
 
 class OppositeLines:
-    """The straight lines between opposite neighbours of every vertex.
+    """Straight lines between opposite neighbours of every vertex.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class OppositeLines:
         self._frame = frame
 
     def passing(self, positions: FloatArray) -> FloatArray:
-        """Where on each line its vertex of `positions` (n, 3) lies, 0 to 1."""
+        """Place of each vertex of `positions` (n, 3) along its lines, 0 to 1."""
         normal = self._frame.normals[self._middle]
         along = positions[self._end] - positions[self._start]
         along -= dots(along, normal)[:, None] * normal
@@ -76,7 +76,7 @@ class LineRoughness:
     Attributes
     ----------
     least, least_of_noise : (n,)
-        Their magnitudes in local edge lengths, of the positions and of the noise.
+        Magnitudes of the least deviations of the positions and of the noise, in local edge lengths.
     """
 
     def __init__(self, positions: FloatArray, frame: TriangleSurface, noise: FloatArray) -> None:

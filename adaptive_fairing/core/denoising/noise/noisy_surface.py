@@ -1,4 +1,4 @@
-"""Noisy surface, with what several measures of the noise read of it, each computed once."""
+"""Noisy surface, with quantities that several measures of the noise share, each computed once."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .own_numbers import LINE_NOISE, WHITE_NOISE, OwnNumbers
 
 
 class NoisySurface:
-    """What the noise is judged from.
+    """Surface from which the noise is judged.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class NoisySurface:
 
     @cached_property
     def fading(self) -> Fading:
-        """How the roughness fades in differences of higher order."""
+        """Decay of the roughness in differences of higher order."""
         return Fading(self.positions, self.frame, self.own.noise(WHITE_NOISE))
 
     @cached_property
@@ -57,7 +57,7 @@ class NoisySurface:
 
     @cached_property
     def cosines(self) -> FloatArray | None:
-        """Of the angles at which a scanner or a depth camera saw the surface, (n,), if one did."""
+        """Cosines (n,) of the angles at which a scanner or a camera saw the surface, if one did."""
         rays = lines_of_sight(self.topology, self.positions)
         if rays is None:
             return None
@@ -67,7 +67,8 @@ class NoisySurface:
     def along_sight(self) -> NoisySurface:
         """Return this surface with the unit of length in which a depth camera's noise is even.
 
-        Its median is that of the local edge length.  What no camera saw comes back as it is.
+        The median of that unit is that of the local edge length.  A surface that no camera saw is
+        returned unchanged.
         """
         if self.cosines is None:
             return self

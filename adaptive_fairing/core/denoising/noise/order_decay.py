@@ -1,8 +1,8 @@
 """Decay of roughness in differences of higher order, by which shape differs from white noise.
 
-White noise shows with the same strength in every difference with the neighbours' mean, of whatever
-order.  Shape fades in the higher ones, the faster the smoother it is; so do the staircases of
-contoured volumes, which are like white noise that was averaged with the neighbours' once.
+White noise has the same strength in differences with the neighbours' mean of every order.  Shape
+fades in the higher orders, faster if it is smoother.  So do the staircases of contoured volumes,
+which are like white noise after one average with the neighbours.
 """
 
 from __future__ import annotations
@@ -35,14 +35,14 @@ class Fading:
         self._positions, self._frame = positions, frame
 
     def fades(self, is_counted: BoolArray) -> bool:
-        """Tell if the roughness of vertices, (n,) bool, fades more than that of white noise."""
+        """Whether the roughness of vertices, (n,) bool, fades more than that of white noise."""
         tuned = parameters()
         _, kept = self.of_mesh(is_counted)
         chance = tuned.fading_deviations / np.sqrt(np.count_nonzero(is_counted))
         return kept < min(tuned.fading_kept, tuned.white_kept - chance)
 
     def of_mesh(self, is_counted: BoolArray) -> tuple[float, float]:
-        """Return the roughness in low order, over the white noise's, and what high orders keep."""
+        """Roughness in low order relative to white noise, and the fraction left in high order."""
         return self._compared(self._of_mesh, is_counted)
 
     def of_noise(self, noise: FloatArray, is_counted: BoolArray) -> tuple[float, float]:

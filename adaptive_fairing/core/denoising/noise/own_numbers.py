@@ -1,11 +1,11 @@
 """Pseudo-random numbers that follow from the geometry alone.
 
-The automatic method adds a little noise of its own to measure what the filters do with noise.
-Numbers from a generator would go with the numbering of the vertices, so that a turned or renumbered
-mesh would get other ones.  Here each vertex gets its number from lengths around it and from its
-distance to the centre of the mesh, which no turn, reflection, renumbering or reversal of the faces
-changes.  And a mesh that is a little different gets a little different numbers, so that rounding
-does not choose the result.
+The automatic method adds a little noise of its own to measure the effect of the filters on noise.
+Numbers from a generator would depend on the numbering of the vertices, so that a renumbered mesh
+would get others.  Here the number of a vertex follows from lengths around it and from its distance
+to the centre of the mesh, which no rotation, reflection, renumbering or reversal of the faces
+changes.  A slightly different mesh gets slightly different numbers, so that rounding does not
+decide the result.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ PROBE, WHITE_NOISE, LINE_NOISE, SEEDS = 1.0, 4.3, 3.1, 9.7
 
 
 class OwnNumbers:
-    """The numbers of a mesh; other ones for each use.
+    """The numbers of a mesh, different for each use.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ class OwnNumbers:
     Attributes
     ----------
     rises : (n,)
-        How far each vertex lies over the mean of its neighbours, see `TriangleSurface.rises`.
+        Height of each vertex over the mean of its neighbours, see `TriangleSurface.rises`.
     """
 
     def __init__(self, positions: FloatArray, frame: TriangleSurface) -> None:
@@ -66,8 +66,8 @@ class OwnNumbers:
     def probe(self) -> FloatArray:
         """Return numbers of mean 0 and mean square 1, (n,), for steps along the normals.
 
-        Signs alone would leap where rounding moves a phase past its end.  A number changes its
-        sign with the normal, so that the step is the same if the faces are turned over.
+        Mere signs would jump where rounding moves a phase past its end.  A number changes its sign
+        with the normal, so that the step is the same if the faces are reversed.
         """
         waves = np.cos(2 * np.pi * self.phases(PROBE)) * self._sides
         probe: FloatArray = waves / np.sqrt(np.mean(np.square(waves)))

@@ -2,8 +2,8 @@
 
 Modelled meshes are full of repetition: rings, mirrored halves, arrays, subdivided flat faces.
 Their triangles have twins with the same three lengths, to the last digit of single precision.
-With noise two triangles agree by chance alone.  How often is estimated with a tolerance that is
-wider by a factor: chance then finds more pairs, by at least the square of the factor.
+With noise two triangles agree only by chance.  The number of chance pairs is estimated with a
+tolerance wider by a factor, which raises it by at least the square of the factor.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ WIDER = 64
 
 
 def repeated_part(triangles: IntArray, positions: FloatArray) -> float:
-    """Measure which part of triangles (m, 3) has exact twins, if more than chance makes; 0 to 1.
+    """Fraction of the triangles (m, 3) with exact twins, 0 to 1; 0 if chance explains them.
 
     The positions (n, 3) are centred: the tolerance follows the size of the numbers.
     """
@@ -39,7 +39,7 @@ def repeated_part(triangles: IntArray, positions: FloatArray) -> float:
 
 
 def _others_alike(values: FloatArray, tolerance: float) -> IndexArray:
-    """How many other rows of (m, k) are the same, rounded to the tolerance, (m,)."""
+    """Count the other rows of (m, k) that are equal after rounding to the tolerance, (m,)."""
     rounded = np.round(values / tolerance).astype(np.int64)
     _, kind, counts = np.unique(rounded, axis=0, return_inverse=True, return_counts=True)
     return counts[kind.ravel()] - 1

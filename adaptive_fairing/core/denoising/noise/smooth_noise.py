@@ -1,11 +1,11 @@
-"""Smooth noise: alike over several edges, as that of range scanners and depth cameras.
+"""Smooth noise: correlated over several edges, like that of range scanners and depth cameras.
 
-In differences of second order it hardly shows.  In wider bands, between averages over few and over
-many neighbours, it does, but so does shape.  Three things tell them apart, together:
+It hardly shows in differences of second order.  It does in wider bands, between averages over few
+and over many neighbours, but so does shape.  Three properties together separate the two:
 
-- Noise is as strong everywhere; a shape bends more here and less there.  What is quiet on a noisy
-  shape is noise alone: so evenness, hills and outliers are judged there.
-- Noise has the strengths of white noise that was averaged, band by band.
+- Noise is equally strong everywhere, while a shape bends more here and less there.  The quiet part
+  of a noisy shape has only noise, so evenness, hills and outliers are judged there.
+- Noise has, band by band, the strengths of averaged white noise.
 - Noise is normally distributed: it has no outliers, and as many hills as valleys.
 
 None of them tells alone.  Their sum, each with a weight, is the logarithm of the odds that this is
@@ -14,7 +14,7 @@ research.denoising.smooth_evidence` judges the weights on shapes with noise and 
 thing no other makes up for: in the next wider band noise is hardly stronger, while shape goes on
 growing.
 
-What is as fine, as even and as random as noise, such as the grain of a rock, looks the same.
+Detail as fine, as even and as random as noise, such as the grain of a rock, looks the same.
 """
 
 from __future__ import annotations
@@ -45,28 +45,27 @@ TAIL, NORMAL_TAIL = 0.95, 2.9058
 
 
 class SmoothNoise(NamedTuple):
-    """What may be smooth noise.
+    """Candidate for smooth noise.
 
     Attributes
     ----------
     evenness : float
-        How even the bands are over the surface, relative to noise; 0 to about 1.
+        Evenness of the bands over the surface, relative to noise; 0 to about 1.
     level : float
         Standard deviation in local edge lengths.
     correlation : NoiseCorrelation
     misfit : float
         Weighted sum of the squared logarithms by which the bands differ from those of noise.
     excess : float
-        Logarithm of how much stronger than noise the widest band is.
+        Logarithm of the strength of the widest band relative to noise.
     quiet_evenness : float
-        How even the bands are within the quieter part of the surface, relative to this noise.
+        Evenness of the bands within the quieter part of the surface, relative to this noise.
     outliers : float
-        How far out the largest heights of the quieter half are, relative to a normal distribution.
+        Size of the largest heights in the quieter half, relative to a normal distribution.
     lean : float
-        How much more there is of hills than of valleys in that half, or the other way round, 0 to
-        1.
+        Imbalance between hills and valleys in that half, 0 to 1.
     n_counted : int
-        Number of vertices that it was judged from.
+        Number of vertices from which it was judged.
     """
 
     evenness: float
@@ -81,7 +80,7 @@ class SmoothNoise(NamedTuple):
 
     @property
     def may_be_noise(self) -> bool:
-        """Whether it is noise if all that is rough is."""
+        """Whether this is noise, provided that all roughness is noise."""
         tuned = parameters()
         return (
             self.correlation.passes >= FEWEST_PASSES
@@ -91,14 +90,14 @@ class SmoothNoise(NamedTuple):
 
     @property
     def is_likely(self) -> bool:
-        """Whether it is more even, and stronger, than most clean shapes are."""
+        """Whether this is more even and stronger than the detail of most clean shapes."""
         tuned = parameters()
         is_strong = self.evenness >= tuned.likely_evenness and self.level >= tuned.likely_level
         return is_strong and self.n_counted >= tuned.fewest_of_scan
 
     @property
     def is_noise(self) -> bool:
-        """Whether it is told from shape: the test that acts by itself."""
+        """Whether this differs from shape clearly enough to be removed without being asked."""
         tuned = parameters()
         evidence = evidence_of_noise(self.misfit, self.quiet_evenness, self.outliers, self.lean)
         return (
@@ -111,9 +110,9 @@ class SmoothNoise(NamedTuple):
 
 
 def evidence_of_noise(misfit: float, evenness: float, outliers: float, lean: float) -> float:
-    """Logarithm of the odds that what is rough is smooth noise and not detail of the shape.
+    """Logarithm of the odds that the roughness is smooth noise and not detail of the shape.
 
-    From what `SmoothNoise` or `FaceNoise` say of it.
+    The arguments are measures of `SmoothNoise` or `FaceNoise`.
 
     Source: logistic regression, D. R. Cox, The regression analysis of binary sequences, 1958.
     """
@@ -127,7 +126,7 @@ def evidence_of_noise(misfit: float, evenness: float, outliers: float, lean: flo
 def measures_of_noise(
     misfit: float, evenness: float, outliers: float, lean: float
 ) -> tuple[float, ...]:
-    """Return what the evidence is linear in; bounded on the side of noise."""
+    """Return the variables in which the evidence is linear, bounded on the side of noise."""
     return (
         float(np.log(misfit + 0.005)),
         min(evenness, 1.0),
@@ -137,7 +136,7 @@ def measures_of_noise(
 
 
 def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
-    """Find the noise of several edges' width that explains the quietest part of a mesh.
+    """Find the noise, several edges wide, that explains the quietest part of a mesh.
 
     Parameters
     ----------
@@ -184,9 +183,9 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
 
 
 def _fit(ratios: FloatArray, weights: FloatArray) -> tuple[int, float, float]:
-    """Which noise fits best, the logarithm of its strength, and the misfit.
+    """Index of the noise that fits best, the logarithm of its strength, and the misfit.
 
-    From the logarithms of the strengths of the bands over those of every noise, (p, k).
+    The argument has the logarithms of the bands' strengths relative to every noise, (p, k).
     """
     narrow = ratios[:, :N_NARROW]
     levels = np.average(narrow, axis=1, weights=weights)
@@ -196,13 +195,13 @@ def _fit(ratios: FloatArray, weights: FloatArray) -> tuple[int, float, float]:
 
 
 def quiet_part(strength: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Strength of the bands in the quietest part of the surface, and that over the median, (k,)."""
+    """Strength (k,) of the bands in the quietest part of the surface, and over the median."""
     quiet, typical = np.quantile(strength, (parameters().quiet_fraction, 0.5), axis=1)
     return quiet, quiet / typical
 
 
 def _quiet_evenness(strength: FloatArray) -> FloatArray:
-    """Strength of the narrow bands in the quietest part, over that in a part that is less so."""
+    """Ratio of the narrow bands' strength in the quietest part to that in a less quiet part."""
     tuned = parameters()
     least, more = np.quantile(
         strength[:N_NARROW], (tuned.quiet_fraction, tuned.quieter_fraction), axis=1

@@ -1,13 +1,13 @@
 """Impulsive noise: single vertices that stand far out of what is around them.
 
-Filters spread a spike over its neighbours, so spikes are taken off first.  A vertex is a spike if
-it lies far from every straight line through it, and further than its neighbours do.  It moves onto
-the nearest of those lines.  Where the surface bends its neighbours stand out as well, and it keeps
-as much height as they have.  Vertices on creases lie on the line along the crease: they are no
-spikes.
+Filters spread a spike over its neighbours, so spikes are put back first.  A vertex is a spike if it
+lies far from every straight line between opposite neighbours, and further than its neighbours do.
+It moves onto the nearest of those lines.  Where the surface bends, its neighbours stand out too,
+and it keeps as much height as they have.  A vertex on a crease lies on the line along the crease,
+so it is not a spike.
 
-Spikes stand beside spikes: the first place of one depends on neighbours that were still out of
-theirs.  In the end all vertices that were moved settle together.
+Spikes occur side by side, so the first position of one depends on neighbours that are still spikes.
+In the end all vertices that were moved settle together.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from .own_numbers import LINE_NOISE, SEEDS, WHITE_NOISE
 
 
 def impulsive_certainty(surface: NoisySurface, level: FloatArray, is_counted: BoolArray) -> float:
-    """Tell how surely noise is impulsive or has heavy tails, from 0 to 1.
+    """Certainty, 0 to 1, that the noise is impulsive or has heavy tails.
 
-    The largest of the deviations from the smoothest lines are compared with their median, and that
-    with the same for normal noise on this mesh.  Neighbours hardly see a spike in this measure,
-    and creases do not raise it.
+    It compares the ratio of the largest to the median deviation from the smoothest lines with that
+    of normal noise on this mesh.  A spike hardly changes this measure at its neighbours, and
+    creases do not raise it.
 
     Parameters
     ----------
     surface : NoisySurface
     level : (n,)
-        Noise that was found, in local edge lengths.
+        Level of the noise, in local edge lengths.
     is_counted : (n,) bool
         Vertices to judge from.
     """
@@ -59,9 +59,9 @@ def without_spikes(surface: NoisySurface, is_counted: BoolArray, may_move: BoolA
     ----------
     surface : NoisySurface
     is_counted : (n,) bool
-        Vertices that tell how far others stand out.
+        Vertices from which the usual deviation is judged.
     may_move : (n,) bool
-        Vertices that may be spikes: on boundaries too.
+        Vertices that may be spikes, on boundaries too.
     """
     return _put_back(surface, surface.positions, is_counted, may_move)
 

@@ -1,7 +1,7 @@
-"""Contours of whole voxels: staircases, whose flat steps are noise and no shape.
+"""Contours of whole voxels: staircases, whose flat steps are noise and not shape.
 
-Their triangles lie in few planes and have few kinds of edges, as those of a model do; but they face
-in more directions than boxes, and their vertices stand out in many more ways than there are edges.
+Like those of a model, their triangles lie in few planes and have few kinds of edges.  But they face
+in more directions than boxes, and their vertices deviate in many more ways than there are edges.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ FIRST_TRIANGLES = 512
 
 
 def is_voxel_contour(triangles: IntArray, positions: FloatArray) -> bool:
-    """Tell if triangles (m, 3) are the contour of a volume of whole voxels."""
+    """Whether triangles (m, 3) are the contour of a volume of whole voxels."""
     tuned = parameters()
     most = tuned.most_kinds_of_edges
     corners = positions[triangles]
@@ -42,7 +42,7 @@ def is_voxel_contour(triangles: IntArray, positions: FloatArray) -> bool:
 
 
 def _n_kinds(vectors: FloatArray) -> int:
-    """Count the different rows of (m, 3), whatever their sign."""
+    """Count the distinct rows of (m, 3) up to their sign."""
     rounded = np.round(vectors / COARSE).astype(np.int64)
     leading = np.argmax(rounded != 0, axis=1)
     sign = np.sign(rounded[np.arange(len(rounded)), leading])
