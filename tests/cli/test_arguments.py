@@ -161,7 +161,7 @@ def test_batches_are_not_of_refine(capsys, option):
         (["refine", "a.ply", "--levels", "2", "--limit"], "--limit: not allowed with"),
         (["refine", "a.ply", "b.ply"], "refine takes one INPUT: did you mean -o b.ply?"),
         (["fair", "a.ply", "--quiet", "b.ply"], "b.ply stands apart: name all INPUTs one after"),
-        (["fair", "a.ply", "--tau", "1", "--radius", "1"], "instead of --radius: give one"),
+        (["fair", "a.ply", "--tau", "1", "--radius", "1"], "both say how far to smooth: give one"),
         (["fair", "a.ply", "--attribute", "Col", "--limit"], "--limit is for the shape"),
         (["fair", "a.ply", "--attribute", "Col", "--keep-volume"], "--keep-volume is for the"),
         (["fair", "a.ply", "--attribute", "Col", "--out-dir", "o"], "for a single mesh"),

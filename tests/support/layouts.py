@@ -7,6 +7,30 @@ from types import SimpleNamespace
 
 import bpy
 
+from adaptive_fairing.blender.ui import (
+    attribute_panel,
+    check_panel,
+    colors_panel,
+    finished_run_panels,
+    sequence_panel,
+    settings_panel,
+)
+
+PANELS = [
+    panel
+    for module in (
+        settings_panel,
+        check_panel,
+        attribute_panel,
+        sequence_panel,
+        colors_panel,
+        finished_run_panels,
+    )
+    for name, panel in vars(module).items()
+    if name.startswith("VIEW3D_PT_adaptive") and panel.__module__ == module.__name__
+]
+"""All panels of the add-on."""
+
 
 class FakeLayout:
     """Takes the calls of a panel's draw function."""

@@ -120,6 +120,21 @@ def random_hull(seed: int, n_vertices: int) -> Mesh:
             return vertices, _faces(faces)
 
 
+def cube(levels: int, unevenness: float = 0.0) -> Mesh:
+    """Return the cube [-1, 1]³ with 2 ** levels edges along each of its own.
+
+    The vertices are moved along faces and creases by up to ``unevenness`` edges in each direction.
+    """
+    points = np.array([[x, y, z] for x in (-1.0, 1) for y in (-1.0, 1) for z in (-1.0, 1)])
+    faces = ConvexHull(points).simplices
+    inward = np.linalg.det(points[faces]) < 0
+    faces[inward] = faces[inward, ::-1]
+    for _ in range(levels):
+        points, faces = split_1_to_4(points, faces)
+    move = np.random.default_rng(7).uniform(-unevenness, unevenness, points.shape) * 2 / 2**levels
+    return points + np.where(np.isclose(np.abs(points), 1), 0, move), faces
+
+
 def noisy_ball(levels: int = 3, noise: float = 0.01) -> Mesh:
     """Sphere with normally distributed noise in every coordinate."""
     vertices, faces = icosphere(levels)

@@ -185,8 +185,12 @@ class TestRefusals:
         ("kind", "domain", "reason"),
         [
             ("INT", "POINT", "only numbers, vectors and colors can be faired"),
-            ("FLOAT", "FACE", "only what belongs to points can be faired"),
-            ("FLOAT2", "CORNER", "only what belongs to points can be faired"),
+            ("FLOAT", "FACE", "only values at vertices and colors of face corners can be faired"),
+            (
+                "FLOAT2",
+                "CORNER",
+                "only values at vertices and colors of face corners can be faired",
+            ),
         ],
     )
     def test_what_cannot_be_faired_is_said(self, obj, kind, domain, reason):

@@ -5,38 +5,17 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from support.layouts import draw
+from support.layouts import PANELS, draw
 from support.meshes import noisy_ball
 from support.objects import add_object
 
 from adaptive_fairing.blender.jobs.solve import Solve
 from adaptive_fairing.blender.operators import modal_run
-from adaptive_fairing.blender.ui import (
-    attribute_panel,
-    check_panel,
-    colors_panel,
-    finished_run_panels,
-    sequence_panel,
-    settings_panel,
-)
 from adaptive_fairing.core import DenoiseSettings
 
 pytestmark = pytest.mark.usefixtures("addon")
 
 TESTS = Path(__file__).resolve().parents[2]
-PANELS = [
-    panel
-    for module in (
-        settings_panel,
-        check_panel,
-        attribute_panel,
-        sequence_panel,
-        colors_panel,
-        finished_run_panels,
-    )
-    for name, panel in vars(module).items()
-    if name.startswith("VIEW3D_PT_adaptive") and panel.__module__ == module.__name__
-]
 
 
 def shown_buttons():

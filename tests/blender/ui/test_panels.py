@@ -5,7 +5,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from support.layouts import FakeContext, FakeLayout, draw
+from support.layouts import PANELS, FakeContext, FakeLayout, draw
 from support.meshes import graded_sphere, icosphere, open_cylinder
 from support.objects import add_object
 
@@ -13,8 +13,6 @@ from adaptive_fairing.blender.jobs.solve import Solve, run_solves
 from adaptive_fairing.blender.operators import mesh_scale, modal_run, settings_layout
 from adaptive_fairing.blender.properties import DENOISE_NAMES, FAIRING_NAMES, OUTPUT_NAMES
 from adaptive_fairing.blender.ui import (
-    attribute_panel,
-    colors_panel,
     finished_run_panels,
     sequence_panel,
     settings_panel,
@@ -22,19 +20,6 @@ from adaptive_fairing.blender.ui import (
 from adaptive_fairing.core import FairingSettings
 
 pytestmark = pytest.mark.usefixtures("addon")
-
-PANELS = [
-    panel
-    for module in (
-        settings_panel,
-        attribute_panel,
-        sequence_panel,
-        colors_panel,
-        finished_run_panels,
-    )
-    for name, panel in vars(module).items()
-    if name.startswith("VIEW3D_PT_adaptive") and panel.__module__ == module.__name__
-]
 
 
 @pytest.fixture

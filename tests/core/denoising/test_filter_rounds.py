@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.spatial import ConvexHull
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, PreparedMesh, denoise
@@ -27,12 +26,7 @@ def prepared():
 
 def noisy_cube(amplitude):
     """A subdivided cube with noise along the directions from its middle: creases, and no margin."""
-    corners = np.array([[x, y, z] for x in (-1.0, 1) for y in (-1.0, 1) for z in (-1.0, 1)])
-    faces = ConvexHull(corners).simplices
-    inward = np.linalg.det(corners[faces]) < 0
-    faces[inward] = faces[inward, ::-1]
-    for _ in range(4):
-        corners, faces = meshes.split_1_to_4(corners, faces)
+    corners, faces = meshes.cube(4)
     outward = corners / np.linalg.norm(corners, axis=1, keepdims=True)
     height = np.random.default_rng(1).normal(0, amplitude * 2 / 2**4, (len(corners), 1))
     return corners + height * outward, faces

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.spatial import ConvexHull
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
@@ -11,19 +10,6 @@ from adaptive_fairing.core.denoising.normal_filter import triangles_around
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.plan import STRENGTHS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
-
-
-def cube():
-    """A cube of edge 2 about the origin, with 16 uneven edges along each of its own."""
-    points = np.array([[x, y, z] for x in (-1.0, 1) for y in (-1.0, 1) for z in (-1.0, 1)])
-    faces = ConvexHull(points).simplices
-    inward = np.linalg.det(points[faces]) < 0
-    faces[inward] = faces[inward, ::-1]
-    for _ in range(4):
-        points, faces = meshes.split_1_to_4(points, faces)
-    # Along faces and creases alone.
-    jitter = np.random.default_rng(7).uniform(-0.2, 0.2, points.shape) * 2 / 2**4
-    return points + np.where(np.isclose(np.abs(points), 1), 0, jitter), faces
 
 
 def bent_sheet(radius):
@@ -37,7 +23,7 @@ def bent_sheet(radius):
     return np.stack([x, y, z], axis=1), faces, (angle > 0) & (angle < np.pi / 2)
 
 
-CUBE, FACES = cube()
+CUBE, FACES = meshes.cube(4, unevenness=0.2)
 EDGE = 2 / 16
 
 

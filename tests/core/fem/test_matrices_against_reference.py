@@ -92,18 +92,18 @@ def assert_all_schemes_close(name, field, tolerance, bound):
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_default_quadrature_is_good_to_1e_3(name):
+def test_mass_and_stiffness_matrix_are_right_to_1e_3(name):
     bound = DEFAULT_BOUNDS.get(name, DEFAULT_BOUND)
     assert_all_schemes_close(name, "density", DEFAULT, bound)
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_tight_quadrature_is_good_to_2e_5(name):
+def test_mass_and_stiffness_matrix_of_tight_quadrature_are_right_to_2e_5(name):
     assert_all_schemes_close(name, "density", TIGHT, TIGHT_BOUND)
 
 
 @pytest.mark.parametrize("name", ["valences 3 to 10, fewer faces", "cylinder"])
-def test_tight_quadrature_is_good_for_rough_fields_too(name):
+def test_mass_and_stiffness_matrix_of_rough_fields_are_right_to_2e_5(name):
     assert_all_schemes_close(name, "rough", TIGHT, TIGHT_BOUND)
 
 
@@ -111,7 +111,7 @@ def test_tight_quadrature_is_good_for_rough_fields_too(name):
 @pytest.mark.parametrize(
     "name", ["tetrahedron", "octahedron", "icosahedron", "valences 3 to 10, fewer faces"]
 )
-def test_every_tolerance_keeps_its_word(name, tolerance):
+def test_every_tolerance_bounds_the_error_of_mass_and_stiffness_matrix(name, tolerance):
     assert_all_schemes_close(name, "density", tolerance, tolerance)
 
 
@@ -130,7 +130,7 @@ def test_the_meshes_have_the_valences_that_they_promise():
 @pytest.mark.parametrize(
     "n_segments", [pytest.param(44), pytest.param(200, marks=pytest.mark.thorough)]
 )
-def test_pole_of_high_valence_on_a_finer_sphere(n_segments):
+def test_mass_and_stiffness_matrix_at_a_pole_of_high_valence(n_segments):
     """The reference is good to about 5e-4 here: the mesh is too large for more levels."""
     vertices, faces = meshes.latlong_sphere(n_segments, 3)
     space = LoopSpace(TriangleTopology(faces, len(vertices)))

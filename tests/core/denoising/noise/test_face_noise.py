@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from scipy.spatial import ConvexHull
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
@@ -14,20 +13,7 @@ from adaptive_fairing.core.denoising.normal_filter import triangles_around
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
-
-def cube():
-    """A cube of edge 2 about the origin, with 32 uneven edges along each of its own."""
-    points = np.array([[x, y, z] for x in (-1.0, 1) for y in (-1.0, 1) for z in (-1.0, 1)])
-    faces = ConvexHull(points).simplices
-    inward = np.linalg.det(points[faces]) < 0
-    faces[inward] = faces[inward, ::-1]
-    for _ in range(5):
-        points, faces = meshes.split_1_to_4(points, faces)
-    jitter = np.random.default_rng(7).uniform(-0.2, 0.2, points.shape) * 2 / 2**5
-    return points + np.where(np.isclose(np.abs(points), 1), 0, jitter), faces
-
-
-CUBE, FACES = cube()
+CUBE, FACES = meshes.cube(5, unevenness=0.2)
 TOPOLOGY = TriangleTopology(FACES, len(CUBE))
 CLEAN = TriangleSurface(TOPOLOGY, CUBE)
 ON_FACE = np.isclose(np.abs(CUBE), 1)
