@@ -1,11 +1,12 @@
 """Noise of a given width: its correlation is known, and only its level is estimated.
 
 Noise of width w has the correlation exp(-r² / w²) at a distance of r edges.  White noise has it
-after w² - 1 passes, each of which averages half with the neighbours.
+after w² passes, each of which averages half with the neighbours.
 
-The contrasts that see such noise best are hinges, and differences between averages that are
-narrower than it.  Each is an upper bound of the level, as always (`noise.contrast`): shape and
-finer noise only add to it.  There is no other test: noise of a given width is not questioned.
+The contrasts that see such noise best are hinges, differences between averages that are narrower
+than it, and heights over flat faces.  Each is an upper bound of the level, as always
+(`noise.contrast`): shape and finer noise only add to it.  There is no other test: noise of a given
+width is not questioned.
 """
 
 from __future__ import annotations
@@ -41,6 +42,10 @@ def verdict_of_width(stage: Stage, width: float) -> NoiseVerdict:
     if counted.any():
         deviation = float(np.std(noise[counted]))
         size = _least_size(noisy, noise / deviation, counted, passes)
+        # On a plane there is no shape.
+        on_faces = stage.face_noise(noisy)
+        if on_faces.part >= parameters().least_on_faces:
+            size = min(size, on_faces.level)
         # What is taken off for clean meshes is added first.
         level[counted] = with_clean(np.array(size))
     correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
@@ -49,7 +54,7 @@ def verdict_of_width(stage: Stage, width: float) -> NoiseVerdict:
 
 def passes_of_width(width: float) -> int:
     """Count the averages half with the neighbours that give white noise a width in edges."""
-    return round(max(width, 1.0) ** 2 - 1)
+    return round(width**2) if width > 1 else 0
 
 
 def _least_size(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, passes: int) -> float:
