@@ -20,7 +20,7 @@ import numpy as np
 from ..linalg.conjugate_gradients import SolveReport, conjugate_gradients
 from ..linalg.edge_matrix import EdgeMatrix, EdgePattern
 from ..linalg.krylov_filters import MAX_ITERATIONS, Diffusion, removed_by
-from ..runtime.arrays import FloatArray
+from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
 from .filter_family import Filter, FlatFamily, NormalFamily
 from .filter_rounds import Round, mesh_family
@@ -144,29 +144,40 @@ class FilterBank:
         The step X - (M + t L)⁻¹ t b, with b = ∫ (∇x - R ∇x) · ∇φ, turns the tangents of every
         triangle as far as its normal was turned.
         """
-        tuned = parameters()
-        mass, stiffness = self._matrices(FIT_METRIC.lengths(surface, smooth))
-        turning = TurningLoads(surface)
-        loads = (
-            tuned.fit_time * turning.of(smooth)
-            for smoothing in family.smoothings
-            for smooth in smoothed_normals(
-                turning.normals, self._around, smoothing, self._normal_weights
-            )
-        )
+        # Both are made apart, so that what they are made of is free while the system is solved.
+        system, load = self._fit_system(surface, smooth), self._fit_loads(surface, family)
         # One system for all fits: they differ in the right sides alone.
-        load = np.concatenate([each.astype(self._precision) for each in loads], axis=1)
         removed, report = conjugate_gradients(
-            mass.plus(tuned.fit_time, stiffness).in_precision(self._precision),
-            load,
-            np.zeros_like(load),
+            system,
+            load.T,
+            np.zeros_like(load.T),
             is_held=self._is_loose,
-            tolerance=tuned.fit_tolerance,
+            tolerance=parameters().fit_tolerance,
             max_iterations=MAX_ITERATIONS,
         )
+        del system, load
         self._on_solve(report)
         for each in np.split(removed, len(family.filters), axis=1):
             yield surface.positions - each
+
+    def _fit_system(self, surface: TriangleSurface, smooth: TriangleSurface) -> EdgeMatrix:
+        mass, stiffness = self._matrices(FIT_METRIC.lengths(surface, smooth))
+        return mass.plus(parameters().fit_time, stiffness).in_precision(self._precision)
+
+    def _fit_loads(self, surface: TriangleSurface, family: NormalFamily) -> RealArray:
+        """Right sides of all fits of a family, three rows each."""
+        tuned, turning = parameters(), TurningLoads(surface)
+        loads = np.empty((3 * len(family.filters), surface.topology.n_vertices), self._precision)
+        fits = (
+            each
+            for smoothing in family.smoothings
+            for each in smoothed_normals(
+                turning.normals, self._around, smoothing, self._normal_weights
+            )
+        )
+        for own, normals in zip(np.split(loads, len(family.filters)), fits, strict=True):
+            own[:] = tuned.fit_time * turning.of(normals).T
+        return loads
 
     def _diffused(
         self,
@@ -186,6 +197,7 @@ class FilterBank:
         if flux_fraction:
             bending -= flux_fraction * boundary_flux(surface, squares)
         del squares  # among the largest arrays
+        mass, stiffness = (each.in_precision(self._precision) for each in (mass, stiffness))
         removed = removed_by(
             diffusions,
             mass,

@@ -160,8 +160,9 @@ class TurningLoads:
         squares = squared_edges(triangles, positions)
         corners = np.ascontiguousarray(positions.T)[:, triangles.T]
         # From corner k to the next: (3 coordinates, 3 corners, m).
-        edges = np.roll(corners, -1, axis=1) - corners
-        self._pulls = half_cotangents(squares, area_elements(squares)) * edges
+        self._pulls = np.roll(corners, -1, axis=1)
+        self._pulls -= corners
+        self._pulls *= half_cotangents(squares, area_elements(squares))
 
     def of(self, turned: FloatArray) -> FloatArray:
         """Integrate (∇x - R ∇x) · ∇φ_a over the surface with turns R of its triangles, (n, 3).

@@ -126,6 +126,7 @@ def conjugate_gradients(
     attainable = ATTAINABLE * np.finfo(inverse.dtype).eps
     target = max(tolerance * reference, attainable * _size(columns, diagonal * free))
 
+    del columns, right_columns  # as large as each of the vectors of the iteration
     state = _State(residual.astype(inverse.dtype, copy=False), inverse)
     square = state.square()
     # pᵀDp with the diagonal D: the size of the terms that may cancel in pᵀAp.

@@ -75,7 +75,9 @@ class EdgeMatrix:
         return self._diagonal.dtype == np.float32
 
     def in_precision(self, precision: type) -> EdgeMatrix:
-        """Return the same entries in another precision."""
+        """Return the same entries in a precision."""
+        if self._diagonal.dtype == precision:
+            return self
         # Not the matrix's own astype, which would sort the entries of every row first.
         data = self._edges.data.astype(precision)
         return EdgeMatrix(self._like(data), self._diagonal.astype(precision))
