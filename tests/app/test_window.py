@@ -87,6 +87,14 @@ def test_progress_is_shown_during_the_run(app):
     assert pictures["running"]["UI"]["colours"] > N_COLOURS_OF_AN_INTERFACE
 
 
+def test_in_edit_mode_the_slider_moves_the_selection_and_is_undone_by_itself(app):
+    seen = app.play("edit_slider")
+    assert seen["moved"] > seen["moved at half"] > seen["moved when dragged"] > 0.0
+    assert seen["undone to half"] == seen["moved at half"]
+    assert seen["undone to whole"] == seen["moved"]
+    assert (seen["strength"], seen["mode"], seen["mode after"]) == (1.0, "EDIT", "EDIT")
+
+
 class TestAutomatic:
     """The method without parameters."""
 

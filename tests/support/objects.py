@@ -206,6 +206,15 @@ def edit_net(obj, how):
         bpy.ops.object.mode_set(mode="OBJECT")
 
 
+def edited_vertices(obj):
+    """Vertices of an object in Edit Mode."""
+    import bmesh  # only there once bpy is
+
+    vertices = bmesh.from_edit_mesh(obj.data).verts
+    vertices.ensure_lookup_table()
+    return vertices
+
+
 def key_positions(obj, name):
     """Positions of a shape key."""
     block = obj.data.shape_keys.key_blocks[name]

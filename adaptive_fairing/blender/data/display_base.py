@@ -20,6 +20,10 @@ if TYPE_CHECKING:  # enabling the add-on does not load the core
     from ...core.runtime.arrays import SingleArray
 
 
+OF_SURFACE = ("surface", "control", "refined_fingerprint")
+"""Properties of the record that say which mesh shows the result."""
+
+
 class Display:
     """Display of an object that has no result: it shows its mesh, or its shape keys.
 
@@ -101,6 +105,14 @@ class Display:
 
     def note_written(self) -> None:
         """Note that the present shapes of the mesh are the result."""
+
+    def share(self, other: bpy.types.Object) -> None:
+        """Let another object, whose mesh was the same before the run, show the same result."""
+        modifier.remove(other)
+        other.data = self.obj.data
+        other.active_shape_key_index = self.obj.active_shape_key_index
+        for name in ("result", "strengths", "n_strengths", "keeps_density", *OF_SURFACE):
+            setattr(other.adaptive_fairing, name, getattr(self.obj.adaptive_fairing, name))
 
     def add_split(self, original: SingleArray) -> None:
         """Show these positions (n, 3) behind the plane of the record."""

@@ -60,7 +60,11 @@ class KeysDisplay(ResultDisplay):
         mesh.adaptive_fairing.checksum = keys_checksum(mesh.shape_keys)
 
     def show(self, place: float) -> None:
-        show_step(self.obj.data.shape_keys, place)
+        keys = self.obj.data.shape_keys
+        show_step(keys, place)
+        # Edit Mode shows the active key, and strokes in Sculpt Mode go to it: the nearest one.
+        distances = [abs(block.frame - keys.eval_time) for block in keys.key_blocks]
+        self.obj.active_shape_key_index = int(np.argmin(distances))
 
     def original(self) -> SingleArray | None:
         mesh = self.obj.data

@@ -10,9 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 
-def is_shared(mesh: bpy.types.Mesh) -> bool:
-    """Whether a mesh has more than one user; the fake user does not count."""
-    return mesh.users - mesh.use_fake_user > 1
+def is_shared(mesh: bpy.types.Mesh, among: int = 1) -> bool:
+    """Whether a mesh has more users than so many; the fake user does not count."""
+    return mesh.users - mesh.use_fake_user > among
 
 
 def n_triangles(mesh: bpy.types.Mesh) -> int:

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import bmesh
 import bpy
 import numpy as np
 
@@ -87,17 +88,20 @@ class LiveDisplay(_OffsetDisplay):
 
     @property
     def is_whole(self) -> bool:
-        return self.has_original and self._has_same_net and not self._touched().all()
+        is_there = self.has_original and self._has_same_net
+        # In Edit Mode coordinates cannot be read.
+        return is_there and (self.obj.data.is_editmode or not self._touched().all())
 
     @property
     def has_original(self) -> bool:
         mesh = self.obj.data
         has_keys = mesh.shape_keys is not None  # of the user, which show another shape
-        return self.obj.mode != "EDIT" and ORIGINAL in mesh.attributes and not has_keys
+        return ORIGINAL in mesh.attributes and not has_keys
 
     @property
     def has_strokes(self) -> bool:
-        return self.has_original and bool(self._touched().any())
+        is_readable = self.has_original and not self.obj.data.is_editmode
+        return is_readable and bool(self._touched().any())
 
     @property
     def goes_on(self) -> bool:
@@ -109,11 +113,12 @@ class LiveDisplay(_OffsetDisplay):
 
     @property
     def _has_same_net(self) -> bool:
-        known = self.obj.data.adaptive_fairing.checksum
-        return known.startswith(f"{len(self.obj.data.vertices)}-")
+        mesh = self.obj.data
+        vertices = bmesh.from_edit_mesh(mesh).verts if mesh.is_editmode else mesh.vertices
+        return mesh.adaptive_fairing.checksum.startswith(f"{len(vertices)}-")
 
     def _touched(self) -> NDArray[np.bool_]:
-        """Whether each vertex was moved by hand, (n,)."""
+        """Whether each vertex was moved by hand, (n,); not in Edit Mode."""
         mesh = self.obj.data
         now = read_mesh_coordinates(mesh)
         if not has_offsets(mesh, self.obj.adaptive_fairing.n_strengths):
@@ -189,7 +194,7 @@ class ModifierDisplay(_OffsetDisplay):
 
     @property
     def has_original(self) -> bool:
-        return self.obj.mode != "EDIT" and modifier.find(self.obj) is not None
+        return modifier.find(self.obj) is not None
 
     @property
     def place(self) -> float:
@@ -227,6 +232,10 @@ class ModifierDisplay(_OffsetDisplay):
         for block in mesh.shape_keys.key_blocks:  # all keys of the user move along
             block.points.foreach_set("co", np.ravel(read_key(block) + offset))
         mesh.update()
+
+    def share(self, other: bpy.types.Object) -> None:
+        super().share(other)
+        modifier.add(other, self._knots, self.place)
 
     def add_split(self, original: SingleArray) -> None:
         super().add_split(Display.shown(self))

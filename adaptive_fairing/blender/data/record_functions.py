@@ -5,6 +5,7 @@ The record itself, with the sliders, is in `record_properties`.
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass, fields
 from typing import Any, TypeAlias
 
@@ -14,6 +15,7 @@ import numpy as np
 from . import split
 from .display import display_of
 from .field_attributes import COMPARED_FIELDS
+from .object_mode import object_mode
 
 Record: TypeAlias = Any
 """A `record_properties.FairingRecord`: Blender makes its properties, no type checker sees them."""
@@ -35,16 +37,18 @@ def has_slider(record: Record) -> bool:
 
 def show_at(record: Record, place: float) -> None:
     """Show a result at a place of its path, if it is still whole, and update its colours."""
-    display = display_of(record.id_data)
-    if record.id_data.mode == "EDIT" or not display.is_whole:
-        return
-    record.held = NOT_HELD
-    display.show(place)
-    if record.view in COMPARED_FIELDS:  # tell the shape that is shown from the original
-        from ...core import FairingSettings
-        from .coloring import color_by_field
+    obj = record.id_data
+    with object_mode(bpy.context) if obj.data.is_editmode else nullcontext():
+        display = display_of(obj)
+        if not display.is_whole:
+            return
+        record.held = NOT_HELD
+        display.show(place)
+        if record.view in COMPARED_FIELDS:  # tell the shape that is shown from the original
+            from ...core import FairingSettings
+            from .coloring import color_by_field
 
-        color_by_field(record.id_data, record.view, FairingSettings())
+            color_by_field(obj, record.view, FairingSettings())
 
 
 def toggle_before(record: Record) -> None:

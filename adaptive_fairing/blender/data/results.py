@@ -150,7 +150,7 @@ def drop_control(obj: bpy.types.Object) -> None:
     """Forget the control mesh of a refined one."""
     record = obj.adaptive_fairing
     control, record.control = record.control, None
-    if control is not None and control.users == 0:
+    if control is not None:
         remove_mesh(control)
 
 

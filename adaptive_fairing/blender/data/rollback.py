@@ -10,6 +10,7 @@ import bpy
 
 from ...files.output_words import FAIRED
 from . import color_material
+from .mesh_arrays import is_shared
 from .targets import writable_object
 
 
@@ -93,7 +94,9 @@ class _Visibility:
 
 
 def remove_mesh(mesh: bpy.types.Mesh) -> None:
-    """Remove a mesh, and the animation of its keys if nothing else uses it."""
+    """Remove a mesh without users, and the animation of its keys if nothing else uses it."""
+    if is_shared(mesh, among=0):  # Blender would remove its objects as well
+        return
     keys = mesh.shape_keys
     animation = keys.animation_data if keys is not None else None
     action = animation.action if animation is not None else None

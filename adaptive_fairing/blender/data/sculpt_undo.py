@@ -1,8 +1,8 @@
-"""Undo steps for changes in Sculpt Mode other than strokes.
+"""Undo steps for changes in Sculpt Mode other than strokes, and for sliders in Edit Mode.
 
 Blender stores strokes as differences, from which it cannot undo another kind of change. So a whole
-state is stored just before the change. For a slider Blender stores no step at all in this mode, so
-the state after it is stored as well, once the slider rests.
+state is stored just before the change. For a slider of an object Blender stores no step at all in
+these modes, so the state after it is stored as well, once the slider rests.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ def keep_before(obj: bpy.types.Object | None) -> None:
 def keep_slide(obj: bpy.types.Object) -> None:
     """Call before every change by a slider, so that all changes until it rests are one step."""
     timers = bpy.app.timers
-    if obj.mode != "SCULPT" or bpy.app.background:
+    if obj.mode not in ("SCULPT", "EDIT") or bpy.app.background:
         return
     if timers.is_registered(_keep_after):
         timers.unregister(_keep_after)
     else:
-        _push("Adaptive Fairing")
+        keep_before(obj)
     timers.register(_keep_after, first_interval=RESTS)
 
 

@@ -46,6 +46,8 @@ class Solve:
     name, session_uid
         Name and number of the Blender object, if there is one. The object itself must not be kept:
         undo and deletion invalidate it.
+    sharing
+        Numbers of other objects that use the same mesh and are to share the result.
     is_of_level
         Whether the mesh is the shown level of a multiresolution sculpture.
     vertices, triangles, weights
@@ -88,6 +90,7 @@ class Solve:
     on_fraction_done: Callable[[float], None] | None = None
     name: str = ""
     session_uid: int = 0
+    sharing: tuple[int, ...] = ()
     is_of_level: bool = False
     denoised: DenoiseResult | None = None
     steps: list[FairingStep] = field(default_factory=list)

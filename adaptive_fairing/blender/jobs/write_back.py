@@ -14,7 +14,7 @@ from ..data.control_mesh import control_read
 from ..data.display import display_of
 from ..data.field_attributes import COMPARED_FIELDS, write_density
 from ..data.fields import shown_density
-from ..data.rollback import written_or_restored
+from ..data.rollback import remove_mesh, written_or_restored
 from .solve import Solve
 
 
@@ -95,6 +95,19 @@ def write_result(
     if view and not (view in COMPARED_FIELDS and display_of(obj).original() is None):
         settings = FairingSettings() if solve.is_denoise else solve.settings
         color_by_field(obj, view, settings)
+
+
+def share_result(solve: Solve, obj: bpy.types.Object, others: list[bpy.types.Object]) -> None:
+    """Give the result of a solve, which an object has, to others that had the same mesh before."""
+    before = others[0].data
+    meshes = {before, *(each.adaptive_fairing.control for each in others)} - {None}
+    for other in others:
+        display_of(obj).share(other)
+        _write_record(other, solve)
+    if before.users == 0:
+        before.name, obj.data.name = f"{before.name} before", before.name
+    for mesh in meshes:
+        remove_mesh(mesh)
 
 
 def _density(solve: Solve) -> np.ndarray:

@@ -13,10 +13,10 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..choices import DENOISE
 from ..data.mesh_arrays import checksum, read_mesh_coordinates
+from ..data.object_mode import object_mode
 from ..properties import solver_settings
 from ..requirements import scipy_problem
 from .modal_run import ModalRun
-from .object_mode import object_mode
 from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
 
 if TYPE_CHECKING:  # the solver needs scipy, which may be missing

@@ -10,13 +10,13 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Quaternion, Vector
 
 from ..choices import DENOISE
+from ..data.object_mode import object_mode
 from ..data.record_functions import end_comparison
 from ..data.regions import refusal
 from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem
 from ..run_properties import SolverProperties
 from .modal_run import ModalRun
-from .object_mode import object_mode
 from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
 
 GAP = 0.25

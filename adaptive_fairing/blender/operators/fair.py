@@ -11,6 +11,7 @@ from ..choices import DENOISE, FAIR
 from ..data.brush_region import BrushRegion
 from ..data.display import display_of
 from ..data.mesh_arrays import is_shared
+from ..data.object_mode import object_mode, prepare_undo
 from ..data.record_functions import end_comparison
 from ..data.regions import refusal, target_objects, vertex_weights
 from ..jobs.kept_preparation import KeptPreparation
@@ -18,7 +19,6 @@ from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem
 from ..run_properties import CONTEXT, OutputProperties, SolverProperties
 from .modal_run import ModalRun, progress, stop_run
-from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
 from .questions import Asking, hints
 from .readings import forget, remember
@@ -87,7 +87,7 @@ class OBJECT_OT_adaptive_fairing(
             for obj in objects:
                 forget(obj)
                 end_comparison(obj.adaptive_fairing)
-            return [self._solve(obj, mode, settings) for obj in objects]
+            return [self._solve(users, mode, settings) for users in self._by_mesh(objects)]
 
     def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
@@ -99,8 +99,6 @@ class OBJECT_OT_adaptive_fairing(
         prepare_undo(context)
         with object_mode(context):
             sources = {solve.session_uid: object_of(solve.session_uid) for solve in solves}
-            meshes = {uid: obj.data for uid, obj in sources.items() if obj and obj.type == "MESH"}
-            shared = {uid for uid, mesh in meshes.items() if is_shared(mesh)}
             for solve in solves:
                 source = sources[solve.session_uid]
                 try:
@@ -113,11 +111,6 @@ class OBJECT_OT_adaptive_fairing(
                         self.report({"INFO"}, text.format(solve.name))
                     elif solve.is_changed:
                         results.append(self._store(solve, source))
-                        if solve.session_uid in shared and results[-1] == source:
-                            text = rpt_(
-                                "{:s} has a mesh of its own now: other objects keep the old one"
-                            )
-                            self.report({"INFO"}, text.format(solve.name))
                         remember(results[-1], solve)
                         _take_over_selection(context, source, results[-1])
                     elif solve.has_result:
@@ -142,6 +135,16 @@ class OBJECT_OT_adaptive_fairing(
         self.report({"INFO"}, _summary(stored, is_stopped))
         return {"FINISHED"}
 
+    def _by_mesh(self, objects):
+        """Put objects together that use one mesh, which gets one result."""
+        from ..data.targets import needs_copy
+
+        users: dict[bpy.types.ID, list[bpy.types.Object]] = {}
+        for obj in objects:
+            is_alone = needs_copy(obj, in_place=self._is_in_place())
+            users.setdefault(obj if is_alone else obj.data, []).append(obj)
+        return users.values()
+
     def _bring_back(self, obj):
         """Show the original where an earlier result is shown: this run changes nothing."""
         if not display_of(obj).is_whole:
@@ -155,7 +158,7 @@ class OBJECT_OT_adaptive_fairing(
     def _store(self, solve, source):
         """Write a result, and report effects on other data than the mesh."""
         from ..data.shown_surface import control_written, refine_result
-        from ..jobs.write_back import store_solve
+        from ..jobs.write_back import object_of, share_result, store_solve
 
         display = display_of(source)
         counts = display.is_whole if solve.is_denoise else display.goes_on
@@ -166,6 +169,9 @@ class OBJECT_OT_adaptive_fairing(
                     "{:s}: the mesh was changed since the last run, whose stored result was dropped"
                 ).format(solve.name),
             )
+        sharing = [object_of(uid) for uid in solve.sharing]
+        others = [each for each in sharing if each is not None and each.data == source.data]
+        is_kept = is_shared(source.data, among=1 + len(others))
         with control_written(source) as kept:
             obj = store_solve(
                 solve,
@@ -176,12 +182,19 @@ class OBJECT_OT_adaptive_fairing(
             )
         if obj != source:
             refine_result(obj)
+        else:
+            if others:
+                share_result(solve, obj, others)
+            if is_kept:
+                text = rpt_("{:s} has a mesh of its own now: other objects keep the old one")
+                self.report({"INFO"}, text.format(solve.name))
         report_kept(self, kept)
         for note in solve.notes:
             self.report({"INFO"}, f"{obj.name}: {note}")
         return obj
 
-    def _solve(self, obj, mode, settings):
+    def _solve(self, users, mode, settings):
+        """Make a solve of a mesh for objects that use it."""
         from ...core import FairingError, InputError
         from ..data.control_mesh import control_read
         from ..data.mesh_arrays import read_triangles
@@ -190,6 +203,7 @@ class OBJECT_OT_adaptive_fairing(
         from ..jobs.solve import Solve
         from ..jobs.write_back import start_positions
 
+        obj, *others = users
         if mode == "OBJECT" and shown_level(obj) is not None:
             return self._solve_of_level(obj, settings)
         with control_read(obj):
@@ -203,6 +217,7 @@ class OBJECT_OT_adaptive_fairing(
             preparations=_preparations,
             name=obj.name,
             session_uid=obj.session_uid,
+            sharing=tuple(each.session_uid for each in others),
         )
         try:
             if self.existing_keys == "REFUSE" and needs_copy(obj, in_place=self._is_in_place()):

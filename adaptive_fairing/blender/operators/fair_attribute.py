@@ -7,13 +7,13 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..choices import FAIR
 from ..data.field_attributes import own_color
+from ..data.object_mode import object_mode, prepare_undo
 from ..data.paint_group import PAINT_GROUP, forget_weights
 from ..data.record_functions import end_comparison, update_shown
 from ..data.regions import refusal, target_objects, vertex_weights
 from ..properties import copy_settings, copy_solver, fairing_settings
 from ..requirements import scipy_problem
 from ..run_properties import OutputProperties, SolverProperties
-from .object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed
 from .settings_layout import draw_amount, draw_density, draw_region
 

@@ -6,9 +6,9 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
+from ..data.object_mode import object_mode
 from ..data.regions import target_objects
 from ..requirements import scipy_problem
-from .object_mode import object_mode
 from .polls import busy_refusal, is_allowed
 from .questions import Asking
 

@@ -10,6 +10,7 @@ from mathutils import Vector
 from ..compatibility import weight_paint_settings
 from ..data.control_mesh import has_control
 from ..data.display import display_of
+from ..data.object_mode import object_mode, prepare_undo
 from ..data.paint_group import forget_weights
 from ..data.record_functions import (
     end_before,
@@ -21,7 +22,6 @@ from ..data.record_functions import (
 from ..data.regions import SCULPT_MASK, sculpt_mask
 from ..data.vertex_groups import add_weights
 from ..requirements import scipy_problem
-from .object_mode import object_mode, prepare_undo
 from .painting import make_faint
 from .polls import busy_refusal, is_allowed
 from .questions import Asking
@@ -35,7 +35,6 @@ SURFACES = (
 )
 
 NO_RESULT = "The active object has no result of Adaptive Fairing that can still be changed"
-NOT_IN_EDIT_MODE = "Leave Edit Mode to compare with the original"
 NO_SLIDER = "Only a result with a slider can be compared with the original"
 
 
@@ -55,8 +54,7 @@ def record_refusal(context: bpy.types.Context) -> str | None:
 def result_refusal(context: bpy.types.Context) -> str | None:
     """Message that the active object has no result; None if it has."""
     obj, refusal = context.active_object, record_refusal(context)
-    # In Edit Mode the attributes cannot be read, so the operators check later.
-    if refusal is not None or obj.mode == "EDIT" or display_of(obj).is_whole:
+    if refusal is not None or display_of(obj).is_whole:
         return refusal
     return "The mesh was changed since the last run: its stored result no longer fits"
 
@@ -135,9 +133,8 @@ class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         refusal, obj = record_refusal(context), context.active_object
-        if refusal is None and obj.mode != "EDIT" and not has_control(obj):
-            if not display_of(obj).has_original:
-                refusal = "The mesh from before the runs is no longer known: Forget keeps this one"
+        if refusal is None and not has_control(obj) and not display_of(obj).has_original:
+            refusal = "The mesh from before the runs is no longer known: Forget keeps this one"
         return is_allowed(cls, refusal, busy_refusal())
 
     def execute(self, context):
@@ -238,8 +235,6 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
     def poll(cls, context):
         obj = context.active_object
         refusal = result_refusal(context)
-        if refusal is None and obj.mode == "EDIT":
-            refusal = NOT_IN_EDIT_MODE
         if refusal is None and not has_slider(obj.adaptive_fairing):
             refusal = NO_SLIDER
         return is_allowed(cls, refusal, busy_refusal())
@@ -278,10 +273,7 @@ class OBJECT_OT_adaptive_fairing_split(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        refusal = result_refusal(context)
-        if refusal is None and context.active_object.mode == "EDIT":
-            refusal = NOT_IN_EDIT_MODE
-        return is_allowed(cls, refusal, busy_refusal())
+        return is_allowed(cls, result_refusal(context), busy_refusal())
 
     def execute(self, context):
         from ..data.results import show_split

@@ -8,8 +8,8 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import NDArray
 
+from ..data.object_mode import object_mode
 from ..requirements import scipy_problem
-from .object_mode import object_mode
 from .polls import is_allowed, no_active_mesh_refusal
 
 

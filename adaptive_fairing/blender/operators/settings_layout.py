@@ -26,9 +26,7 @@ def draw_main(layout, settings, live_record=None) -> None:
     On an object with a result of Denoise, the strength takes effect at once, see `live_record`.
     """
     if settings.algorithm == DENOISE:
-        row = layout.row()
-        row.enabled = live_record is None or live_record.id_data.mode != "EDIT"
-        row.prop(live_record or settings, "strength", slider=live_record is not None)
+        layout.prop(live_record or settings, "strength", slider=live_record is not None)
         row = layout.row()
         row.prop(settings, "width", slider=True)
         if not has_width(settings):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..data.earlier_files import has_earlier_keys, take_keys
-from .object_mode import object_mode, prepare_undo
+from ..data.object_mode import object_mode, prepare_undo
 from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
 
 

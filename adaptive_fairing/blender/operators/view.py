@@ -5,11 +5,11 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_tip as tip_
 
+from ..data.object_mode import object_mode
 from ..data.regions import refusal, target_objects
 from ..properties import fairing_settings
 from ..requirements import scipy_problem
 from . import viewport
-from .object_mode import object_mode
 from .polls import is_allowed
 
 FIELDS = (

@@ -34,13 +34,12 @@ from .layouts import draw_lines, world_length_text
 
 
 def live_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:
-    """Record of the active object, if it has a slider for its strength; also in Edit Mode."""
+    """Record of the active object, if it has a slider for its strength."""
     record = active_record(context)
     if record is None:
         return None
     display = display_of(record.id_data)
-    is_there = display.slider == "strength" and (display.obj.mode == "EDIT" or display.is_whole)
-    return record if is_there else None
+    return record if display.slider == "strength" and display.is_whole else None
 
 
 def draw_result(context: bpy.types.Context, layout) -> None:
@@ -56,9 +55,7 @@ def draw_result(context: bpy.types.Context, layout) -> None:
         return
     display = display_of(obj)
     column = layout.column()
-    if obj.mode == "EDIT":
-        draw_lines(context, column, iface_("Leave Edit Mode to move the slider"), icon="INFO")
-    elif not display.is_whole:
+    if not display.is_whole:
         text = iface_(
             "The mesh was changed since the last run. The next one starts from what is shown"
         )
@@ -125,7 +122,6 @@ def _draw_slider(context, column, display) -> None:
     record = display.obj.adaptive_fairing
     row = column.row()
     row.scale_y = 1.3
-    row.enabled = display.obj.mode != "EDIT"
     row.prop(record, display.slider, slider=True)
     if display.slider == "evolution":
         n_steps = len(record.shapes) - 1

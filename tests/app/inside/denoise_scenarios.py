@@ -280,3 +280,47 @@ def split_line(stage: Stage) -> Scenario:
     yield from stage.press_in_view("ctrl+z")
     yield 1.0
     seen["after undo"] = original()
+
+
+def edit_slider(stage: Stage) -> Scenario:
+    """In Edit Mode: a run on what is selected, the slider dragged, and one Ctrl Z for it."""
+    seen = stage.results
+    obj = add_in_view(stage, 0.05, 5)
+    noisy = vertex_positions(obj)
+    with stage.context():
+        bpy.ops.object.mode_set("EXEC_DEFAULT", True, mode="EDIT")
+        bpy.ops.mesh.select_all(action="DESELECT")
+        bpy.ops.object.mode_set(mode="OBJECT")
+        obj.data.vertices.foreach_set("select", noisy[:, 2] > 0)
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.ed.undo_push(message="Select")
+    yield 0.5
+
+    def moved() -> float:
+        """How far the vertex is from where it was that has gone furthest."""
+        edited = bpy.context.view_layer.objects.active
+        edited.update_from_editmode()
+        copy = edited.data.copy()
+        positions = np.empty_like(noisy)
+        copy.attributes["position"].data.foreach_get("vector", positions.ravel())
+        bpy.data.meshes.remove(copy)
+        return float(np.abs(positions - noisy).max())
+
+    yield from run_to_the_end(stage, 100)
+    seen["moved"] = moved()
+    yield from stage.picture("edit-after")
+    x, y = yield from find_strength(stage)
+    yield from stage.enter_value(x, y, 0.5)
+    yield 1.0
+    seen["moved at half"] = moved()
+    yield from stage.drag(x, y, -20)
+    yield 1.0
+    seen["moved when dragged"] = moved()
+    seen["mode"] = obj.mode
+    yield from stage.picture("edit-dragged")
+    for name in ("half", "whole"):
+        yield from stage.press_in_view("ctrl+z")
+        yield 1.0
+        seen[f"undone to {name}"] = moved()
+    record = bpy.context.view_layer.objects.active.adaptive_fairing
+    seen["strength"], seen["mode after"] = record.strength, record.id_data.mode

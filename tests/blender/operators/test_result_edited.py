@@ -243,16 +243,6 @@ class TestInstances:
             assert_nothing_is_left(obj)
         assert "Warning" not in capfd.readouterr().out
 
-    def test_a_run_on_both_gives_each_a_result_and_says_so_of_each(self, twins, capfd):
-        bpy.ops.object.adaptive_fairing_discard()
-        twins[0].select_set(True)
-        capfd.readouterr()
-        run()
-        said = capfd.readouterr().out
-        assert all(f"{obj.name} has a mesh of its own now" in said for obj in twins)
-        assert twins[0].data != twins[1].data
-        assert all(display_of(obj).goes_on for obj in twins)
-
 
 class TestKeys:
     def test_without_one_of_its_keys_the_evolution_goes_on(self, noisy):

@@ -3,10 +3,11 @@
 import bpy
 import numpy as np
 import pytest
-from support.objects import key_positions, shown_positions
+from support.objects import edited_vertices, key_positions, select, shown_positions
 from support.results import coordinates, core_result, fairing_attributes, near, paper, run
 
 from adaptive_fairing.blender.compatibility import set_modifier_input, weight_paint_settings
+from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.paint_group import PAINT_GROUP
 from adaptive_fairing.blender.data.record_functions import end_comparison
 from adaptive_fairing.blender.operators import following
@@ -149,19 +150,81 @@ class TestComparing:
         left = shown[:, 0] < np.float32(noisy.adaptive_fairing.split_point[0])
         assert np.array_equal(shown_positions(noisy)[left], shown[left])
 
-    @pytest.mark.parametrize("way", ["LIVE", "MODIFIER", "KEYS"])
-    def test_in_edit_mode_nothing_is_compared_and_the_slider_stands(self, noisy, way):
-        paper() if way == "KEYS" else run(result=way)
-        record, name = noisy.adaptive_fairing, "evolution" if way == "KEYS" else "strength"
-        shown, value = shown_positions(noisy), getattr(record, name)
+
+def edited_positions(obj):
+    """Coordinates that Edit Mode shows."""
+    return np.float32([vertex.co for vertex in edited_vertices(obj)])
+
+
+class TestEditMode:
+    """A run on selected vertices is judged where it was called."""
+
+    @pytest.fixture
+    def upper(self, noisy):
+        is_upper = coordinates(noisy)[:, 2] > 0
+        select(noisy, is_upper)
         bpy.ops.object.mode_set(mode="EDIT")
-        for compare in ("before", "split"):
-            with pytest.raises(RuntimeError, match="Leave Edit Mode"):
-                getattr(bpy.ops.object, f"adaptive_fairing_{compare}")()
-        setattr(record, name, 0.3)
-        assert getattr(record, name) == value
+        return is_upper
+
+    def test_the_slider_moves_the_region_and_the_selection_stays(self, noisy, upper):
+        before = edited_positions(noisy)
+        run()
+        denoised = edited_positions(noisy)
+        noisy.adaptive_fairing.strength = 0.0
+        assert np.array_equal(edited_positions(noisy), before)
+        noisy.adaptive_fairing.strength = 1.0
+        assert near(edited_positions(noisy), denoised)
+        assert np.array_equal([each.select for each in edited_vertices(noisy)], upper)
+        assert noisy.mode == "EDIT"
+
+    @pytest.mark.usefixtures("upper")
+    def test_moved_vertices_stay_and_another_net_ends_the_slider(self, noisy):
+        run()
+        edited_vertices(noisy)[7].co.x += 1.0
+        moved = edited_positions(noisy)[7]
+        noisy.adaptive_fairing.strength = 0.4
+        assert np.array_equal(edited_positions(noisy)[7], moved)
+        bpy.ops.mesh.subdivide()
+        assert not display_of(noisy).is_whole
+
+    @pytest.mark.parametrize("step", ["slider", "before", "split", "apply", "discard"])
+    @pytest.mark.usefixtures("upper")
+    def test_undo_brings_back_mesh_and_result_together(self, noisy, step):
+        bpy.ops.ed.undo_push(message="before the run")
+        run()
+        bpy.ops.ed.undo_push(message="run")
+        shown, name = edited_positions(noisy), noisy.name
+        if step == "slider":
+            noisy.adaptive_fairing.strength = 0.5
+        else:
+            getattr(bpy.ops.object, f"adaptive_fairing_{step}")()
+        bpy.ops.ed.undo_push(message=step)
+        bpy.ops.ed.undo()
+        obj = bpy.data.objects[name]
+        assert np.array_equal(edited_positions(obj), shown)
         bpy.ops.object.mode_set(mode="OBJECT")
-        assert np.array_equal(shown_positions(noisy), shown)
+        assert display_of(obj).goes_on
+        assert obj.adaptive_fairing.strength == 1.0
+
+    @pytest.mark.parametrize("way", ["LIVE", "MODIFIER"])
+    def test_before_shows_the_original_and_the_result_again(self, noisy, way):
+        before = coordinates(noisy)
+        run(result=way)
+        shown = shown_positions(noisy)
+        bpy.ops.object.mode_set(mode="EDIT")
+        for expected in (before, shown):
+            bpy.ops.object.adaptive_fairing_before()
+            bpy.ops.object.mode_set(mode="OBJECT")
+            assert np.array_equal(shown_positions(noisy), expected)
+            bpy.ops.object.mode_set(mode="EDIT")
+
+    def test_an_evolution_is_at_its_nearest_step(self, noisy):
+        paper()
+        bpy.ops.object.mode_set(mode="EDIT")
+        for evolution, name in ((0.0, "Basis"), (0.3, "Fairing 1"), (0.7, "Fairing 2")):
+            noisy.adaptive_fairing.evolution = evolution
+            assert noisy.adaptive_fairing.evolution == pytest.approx(evolution)
+            assert np.array_equal(edited_positions(noisy), key_positions(noisy, name))
 
 
 class TestPaintBack:

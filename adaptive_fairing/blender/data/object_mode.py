@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import bpy
 
-from ..data.sculpt_undo import keep_before
+from .sculpt_undo import keep_before
 
 
 @contextmanager
@@ -29,6 +29,9 @@ def object_mode(context: bpy.types.Context) -> Iterator[None]:
         active = context.view_layer.objects.active
         if active is not None and active.session_uid == uid and active.visible_get():
             bpy.ops.object.mode_set(mode=mode)
+        # A step of Edit Mode's history is the edited mesh alone. Blender keeps a whole state beside
+        # it if data were made since the last one.
+        bpy.data.meshes.remove(bpy.data.meshes.new(""))
 
 
 def prepare_undo(context: bpy.types.Context) -> None:
