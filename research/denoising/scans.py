@@ -6,8 +6,9 @@ of the surface nearest to them.
 
 from __future__ import annotations
 
+import bpy  # noqa: F401  mathutils exists once it has been imported
 import numpy as np
-from mathutils.bvhtree import BVHTree  # exists once bpy has been imported
+from mathutils.bvhtree import BVHTree
 from scipy.ndimage import binary_opening, gaussian_filter
 
 from tools.geometry.triangles import (
