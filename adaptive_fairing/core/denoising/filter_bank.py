@@ -22,8 +22,7 @@ from ..linalg.edge_matrix import EdgeMatrix, EdgePattern
 from ..linalg.krylov_filters import MAX_ITERATIONS, Diffusion, removed_by
 from ..runtime.arrays import FloatArray, RealArray
 from ..runtime.precision import SINGLE, Precision
-from .filter_family import Filter, FlatFamily, NormalFamily
-from .filter_rounds import Round, mesh_family
+from .filter_rounds import Filter, FlatFamily, NormalFamily, Round, mesh_family
 from .flat_faces import FlatFaces, flattened
 from .lifted_metric import LiftedMetric, boundary_flux, linear_elements
 from .noise_correlation import WHITE, NoiseCorrelation

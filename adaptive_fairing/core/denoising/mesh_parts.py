@@ -9,15 +9,14 @@ import numpy as np
 from scipy.sparse import csgraph
 
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
-from .mixture import Mixture
+from .mixture import Mixture, least_risk_coefficients
 from .noise.clean_detail import CleanDetail
 from .noise.level import beyond_clean, noise_model, scan_level, with_clean
 from .noise.noisy_surface import NoisySurface
+from .noise.repeats import is_voxel_contour
 from .noise.spikes import impulsive_certainty
-from .noise.voxel_contour import is_voxel_contour
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
-from .unbiased_risk import least_risk_coefficients
 
 
 class NoiseFound(NamedTuple):

@@ -2,7 +2,7 @@
 
 1.  Judge the noise: its kind, and its level by connected part and density (`noise_verdict`).
 2.  Filter in the metrics of the slightly smoothed surface (`filter_bank`).  Mix the filters so that
-    the estimated distance to the surface without noise is least (`unbiased_risk`).
+    the estimated distance to the surface without noise is least (`mixture`).
 3.  Filter in the metrics of that mixture, which shows the creases, and mix all filters so far.
     Repeat this in a metric of a smaller angle, and last by fits to smoothed normals, twice where
     there are creases (`filter_rounds`).
@@ -27,7 +27,7 @@ from .bounds import Bounds
 from .filter_rounds import Round, rounds_for
 from .folds import unfolded
 from .given_width import verdict_of_width
-from .mixture import Mixture
+from .mixture import Mixture, filter_divergence
 from .noise.level import beyond_clean
 from .noise_verdict import NoiseVerdict, noise_verdict
 from .parameters import parameters
@@ -37,7 +37,6 @@ from .settings import DenoiseSettings
 from .stage import Stage, Track
 from .tangential_limit import Sliding
 from .triangle_surface import TriangleSurface
-from .unbiased_risk import filter_divergence
 
 # Vertices of a mesh up to which both runs filter at once, each with one thread.  Most of their
 # work is passes of numpy over all vertices, which no threads share.  Measured on 2 cores, relative

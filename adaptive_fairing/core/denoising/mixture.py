@@ -1,4 +1,19 @@
-"""Coefficients of filters at every vertex, kept as a small table."""
+"""Mixture of filters for which the unbiased risk estimate (Stein) is least.
+
+What a filter k removes of the noisy positions x = x₀ + σ n is e_k.  Of the mixtures x - Σ a_k e_k
+the one with the least distance to the unknown x₀ minimises
+
+    |Σ a_k e_k|² - 2 Σ a_k σ² div e_k,
+
+whose expectation is that distance up to a constant, for normally distributed noise: the divergence
+tells how much of the noise each filter removes.
+
+Filters that are not linear have no formula for it: it is measured by filtering a second time, with
+a little noise added.
+
+Source: C. Stein, Estimation of the mean of a multivariate normal distribution, 1981; mixtures of
+filters after T. Blu and F. Luisier, The SURE-LET approach to image denoising, 2007.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +21,23 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import nnls
 
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
+from .parameters import parameters
+
+# Sums over the vertices are taken over this many at once, which bounds the memory.
+VERTICES_AT_ONCE = 16384
+
+# And matrix products over this many: for larger ones OpenBLAS starts threads, for 40 filters or for
+# one, and they spin for longer than all of this takes.
+VERTICES_PER_PRODUCT = 128
+
+# Relative weights of two terms of the least squares: the first keeps them definite, the second
+# keeps the sum of the coefficients at most 1.
+RIDGE = 1e-6
+CONSTRAINT = 100.0
 
 
 class Mixture(NamedTuple):
@@ -55,3 +85,113 @@ class Mixture(NamedTuple):
         by_class = np.zeros((*self.by_class.shape[:2], len(is_one)))
         by_class[..., is_one] = self.by_class
         return self._replace(by_class=by_class)
+
+
+def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
+    """How much of its own noise a filter removes at each vertex, (n,); for white noise 0 to 1.
+
+    From what it removes of the positions, and of them with the probes added, (n,) each.  The
+    neighbours' probes mix in, but cancel in sums over many vertices.
+
+    Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
+    """
+    tuned = parameters()
+    size = probe / tuned.probe_size
+    divergence = shadow - removed
+    divergence *= size / tuned.probe_size
+    # Large probes would count for more than small ones, mostly with the probe itself.
+    divergence -= np.square(size) - np.mean(np.square(size))
+    return np.clip(
+        divergence, 1 - tuned.largest_response, 1 + tuned.largest_response, out=divergence
+    )
+
+
+def least_risk_coefficients(
+    removed: Sequence[RealArray],
+    divergence: Sequence[RealArray],
+    variances: FloatArray,
+    classes: RealArray,
+) -> FloatArray:
+    """Find the coefficients of the filters in the best mixture.
+
+    Parameters
+    ----------
+    removed : k of (n,)
+        Normal part of what each filter removes.
+    divergence : k of (n,)
+        Its derivative with respect to the same vertex's noise: 1 where all noise is removed, 0
+        where none is.
+    variances : (s, n)
+        Of the noise, in the squared unit of `removed`; a mixture is found for each.
+    classes : (c, n)
+        Weights of the vertices in each density class, adding up to 1; 0 for those that do not
+        count.  The coefficients at a vertex are the mean of those of the classes, with these
+        weights.
+
+    Returns
+    -------
+    (s, c, k)
+        Coefficients a ≥ 0 with a sum of at most 1 in each class; the rest is left unfiltered.
+    """
+    square, gains = _normal_equations(removed, divergence, variances, classes)
+    n_classes, n_filters = len(classes), len(removed)
+    n = n_classes * n_filters
+    size = float(np.trace(square)) / n
+    result = np.zeros((len(variances), n_classes, n_filters))
+    if not size > 0:
+        return result
+    square[np.diag_indices(n)] += RIDGE * size
+    # Not numpy's: its OpenBLAS starts threads for matrices as small as this.
+    factor = cholesky(square, lower=True)
+    # The sum of a class and a slack is 1, as further equations of great weight.
+    system = np.zeros((n + n_classes, n + n_classes))
+    system[:n, :n] = factor.T
+    weight = CONSTRAINT * np.sqrt(size)
+    for index in range(n_classes):
+        system[n + index, index * n_filters : (index + 1) * n_filters] = weight
+        system[n + index, n + index] = weight
+    for coefficients, gain in zip(result, gains, strict=True):
+        if gain.any():
+            seen = solve_triangular(factor, gain, lower=True)
+            target = np.concatenate([seen, np.full(n_classes, weight)])
+            found, _ = nnls(system, target, maxiter=100 * len(target))
+            coefficients[:] = found[:n].reshape(n_classes, n_filters)
+    return result
+
+
+def _normal_equations(
+    removed: Sequence[RealArray],
+    divergence: Sequence[RealArray],
+    variances: FloatArray,
+    classes: RealArray,
+) -> tuple[FloatArray, FloatArray]:
+    """Sum up ⟨e_i, e_j⟩ and σ² div e_i over the vertices, by class: (c k, c k) and (s, c k)."""
+    n_classes, n_filters = len(classes), len(removed)
+    n = n_classes * n_filters
+    square = np.zeros((n_classes, n_filters, n_classes, n_filters))
+    gains = np.zeros((n_classes, len(variances), n_filters))
+    pairs = [(i, j) for i in range(n_classes) for j in range(i + 1)]
+    for start in range(0, classes.shape[1], VERTICES_AT_ONCE):
+        some = slice(start, start + VERTICES_AT_ONCE)
+        weights = classes[:, some].astype(np.float64)
+        rows = np.stack([row[some] for row in removed], dtype=np.float64)
+        for i, j in pairs:
+            weight = weights[i] * weights[j]
+            if weight.any():
+                square[i, :, j] += _products(weight * rows, rows)
+        gain_rows = np.stack([row[some] for row in divergence], dtype=np.float64)
+        # The weights go to the variances, which are fewer than the filters.
+        for index, weight in enumerate(weights):
+            gains[index] += _products(weight * variances[:, some], gain_rows)
+    for i, j in pairs:
+        square[j, :, i] = square[i, :, j]
+    return square.reshape(n, n), gains.swapaxes(0, 1).reshape(-1, n)
+
+
+def _products(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Scalar products of rows (j, n) with others (k, n), added up over small matrix products."""
+    whole = first.shape[1] // VERTICES_PER_PRODUCT * VERTICES_PER_PRODUCT
+    parts = (r[:, :whole].reshape(len(r), -1, VERTICES_PER_PRODUCT) for r in (first, second))
+    left, right = (part.swapaxes(0, 1) for part in parts)
+    products: FloatArray = np.matmul(left, right.swapaxes(1, 2)).sum(axis=0)
+    return products + first[:, whole:] @ second[:, whole:].T

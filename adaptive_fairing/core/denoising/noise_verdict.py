@@ -10,7 +10,6 @@ import numpy as np
 from ..runtime.arrays import FloatArray
 from .mesh_parts import NoiseFound
 from .noise.contrast import hinges
-from .noise.correlation import noise_correlation
 from .noise.face_noise import FaceNoise
 from .noise.level import beyond_clean
 from .noise.own_numbers import WHITE_NOISE
@@ -74,7 +73,7 @@ class NoiseVerdict:
         if self.smooth is not None:
             return self.smooth
         judged = self.stage.parts.is_counted & (self.level > 0)
-        return noise_correlation(self.stage.noisy, judged)
+        return self.stage.noisy.fading.correlation(judged)
 
     def whole(self, seen: FloatArray) -> FloatArray:
         """Size (n,) of the whole noise, from its size in differences of second order.

@@ -69,7 +69,7 @@ class DenoiseParameters:
     # one, 0.82 after two.
     undenting_rounds: int = 2
 
-    # plane_fits
+    # flat_faces: planes.
     # Fits of a plane: the second leaves outliers out. With four nothing was better.
     plane_fits: int = 2
     # Vertices that lie this many standard deviations off the plane do not count.
@@ -238,7 +238,7 @@ class DenoiseParameters:
     # shorter edges than others. By hand.
     rough_fraction: float = 0.1
 
-    # noise/correlation
+    # noise/order_decay
     # Less roughness that fades is shape, which fades as well. Contoured voxels measure 0.13 to
     # 0.18.
     least_roughness: float = 0.11
@@ -335,7 +335,7 @@ class DenoiseParameters:
     # or else there would be nothing that more strength could remove. By hand.
     least_of_narrow: float = 0.3
 
-    # noise/voxel_contour
+    # noise/repeats: contours of voxels.
     # Contoured voxels have at most this many kinds of edges; marching cubes have 27.
     most_kinds_of_edges: int = 100
     # Contoured voxels have this many kinds of vertices for each kind of edges; models have fewer

@@ -7,10 +7,10 @@ from support import meshes
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoising.filter_bank import FilterBank
 from adaptive_fairing.core.denoising.filter_rounds import mesh_family
+from adaptive_fairing.core.denoising.mixture import filter_divergence
 from adaptive_fairing.core.denoising.noise.own_numbers import OwnNumbers
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
-from adaptive_fairing.core.denoising.unbiased_risk import filter_divergence
 
 
 def exact_filters(size, seed=0):

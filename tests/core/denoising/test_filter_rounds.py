@@ -6,8 +6,13 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, PreparedMesh, denoise
 from adaptive_fairing.core.denoising.filter_bank import FilterBank
-from adaptive_fairing.core.denoising.filter_family import FilterFamily, NormalFamily
-from adaptive_fairing.core.denoising.filter_rounds import mesh_family, rounds, rounds_for
+from adaptive_fairing.core.denoising.filter_rounds import (
+    FilterFamily,
+    NormalFamily,
+    mesh_family,
+    rounds,
+    rounds_for,
+)
 from adaptive_fairing.core.denoising.plan import STRENGTHS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support import meshes
 
-from adaptive_fairing.core.denoising.plane_fits import PlaneFits
+from adaptive_fairing.core.denoising.flat_faces import PlaneFits
 
 GRID, FACES = meshes.flat_grid(24, 24)
 GRID = GRID - GRID.mean(axis=0)

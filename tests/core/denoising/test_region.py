@@ -6,8 +6,7 @@ from support import meshes
 
 from adaptive_fairing.core import InputError, LoopSpace, PreparedMesh, denoise
 from adaptive_fairing.core.denoising import denoise as entry
-from adaptive_fairing.core.denoising import region
-from adaptive_fairing.core.denoising.region import FILTERED
+from adaptive_fairing.core.denoising.denoise import FILTERED
 from adaptive_fairing.core.problem import prepared_surface
 from adaptive_fairing.core.problem.problem import Margin
 
@@ -61,7 +60,7 @@ def test_the_plan_of_the_whole_serves_its_parts(whole, monkeypatch):
 
     assert difference() < 0.05
     with monkeypatch.context() as narrow:
-        narrow.setattr(region, "FILTERED_AS_PLANNED", Margin(1))
+        narrow.setattr(entry, "FILTERED_AS_PLANNED", Margin(1))
         assert difference() > 0.05
 
 

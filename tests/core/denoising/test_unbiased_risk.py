@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from adaptive_fairing.core.denoising.mesh_parts import density_classes
-from adaptive_fairing.core.denoising.unbiased_risk import least_risk_coefficients
+from adaptive_fairing.core.denoising.mixture import least_risk_coefficients
 
 N = 4000
 ONE_CLASS = np.ones((1, N))

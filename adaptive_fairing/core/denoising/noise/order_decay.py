@@ -2,7 +2,7 @@
 
 White noise has the same strength in differences with the neighbours' mean of every order.  Shape
 fades in the higher orders, faster if it is smoother.  So do the staircases of contoured volumes,
-which are like white noise after one average with the neighbours.
+like white noise that was mixed with the mean of the neighbours' noise.
 """
 
 from __future__ import annotations
@@ -12,11 +12,15 @@ from functools import cached_property
 import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
+from ..noise_correlation import WHITE, NoiseCorrelation
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 
 # Orders of the differences that are compared.
 LOW, HIGH = 2, 5
+
+# Number of coefficients of the neighbours' mean that are tried; the first is 0, for white noise.
+N_TRIED = 8
 
 
 class Fading:
@@ -45,9 +49,28 @@ class Fading:
         """Roughness in low order relative to white noise, and the fraction left in high order."""
         return self._compared(self._of_mesh, is_counted)
 
-    def of_noise(self, noise: FloatArray, is_counted: BoolArray) -> tuple[float, float]:
-        """Return the same two numbers for noise (n,) along the normals, in local edge lengths."""
-        return self._compared(_differences(self._frame.raised(noise), self._frame), is_counted)
+    def correlation(self, is_counted: BoolArray) -> NoiseCorrelation:
+        """Find the correlation of noise that fades like the roughness of the mesh.
+
+        From vertices, (n,) bool, at least one.
+        """
+        tuned = parameters()
+        rough, kept = self.of_mesh(is_counted)
+        if rough < tuned.least_roughness or not self.fades(is_counted):
+            return WHITE
+        coefficients = np.linspace(0, tuned.most_correlation, N_TRIED)
+        rows = [(1.0, 1.0, np.std(self.white[is_counted]))]
+        for coefficient in coefficients[1:]:
+            noise = NoiseCorrelation(coefficient).applied(self.white, self._frame)
+            differences = _differences(self._frame.raised(noise), self._frame)
+            rows.append((*self._compared(differences, is_counted), np.std(noise[is_counted])))
+        seen, kept_of_noise, deviation = np.array(rows).T
+        found = float(np.interp(-kept, -np.minimum.accumulate(kept_of_noise), coefficients))
+        return NoiseCorrelation(
+            found,
+            float(np.interp(found, coefficients, seen)),
+            float(np.interp(found, coefficients, deviation)),
+        )
 
     # Not needed for a mesh that is clean at first sight.
     @cached_property

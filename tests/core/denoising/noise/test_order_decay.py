@@ -5,7 +5,6 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
-from adaptive_fairing.core.denoising.noise.correlation import noise_correlation
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.noise_correlation import NoiseCorrelation
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
@@ -34,7 +33,7 @@ def noisy(vertices, faces, coefficient, amplitude):
 def found(points, smooth, faces):
     everywhere = np.ones(len(points), dtype=bool)
     frame = frame_of(smooth, faces)
-    return noise_correlation(NoisySurface(points, frame), everywhere)
+    return NoisySurface(points, frame).fading.correlation(everywhere)
 
 
 @pytest.mark.parametrize("amplitude", [0.05, 0.1, 0.4])
