@@ -1,15 +1,15 @@
 """Mixture of filters for which the unbiased risk estimate (Stein) is least.
 
-What a filter k removes of the noisy positions x = x₀ + σ n is e_k.  Of the mixtures x - Σ a_k e_k
-the one with the least distance to the unknown x₀ minimises
+Filter k removes e_k from the noisy positions x = x₀ + σ n.  Of the mixtures x - Σ a_k e_k the one
+with the least distance to the unknown x₀ minimises
 
     |Σ a_k e_k|² - 2 Σ a_k σ² div e_k,
 
-whose expectation is that distance up to a constant, for normally distributed noise: the divergence
-tells how much of the noise each filter removes.
+whose expectation is the squared distance up to a constant, for normally distributed noise.  The
+divergence measures how much of the noise each filter removes.
 
-Filters that are not linear have no formula for it: it is measured by filtering a second time, with
-a little noise added.
+It has no formula for filters that are not linear, so it is measured by filtering a second time,
+with a little noise added.
 
 Source: C. Stein, Estimation of the mean of a multivariate normal distribution, 1981; mixtures of
 filters after T. Blu and F. Luisier, The SURE-LET approach to image denoising, 2007.
@@ -88,10 +88,10 @@ class Mixture(NamedTuple):
 
 
 def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
-    """How much of its own noise a filter removes at each vertex, (n,); for white noise 0 to 1.
+    """Fraction (n,) of a vertex's own noise that a filter removes; 0 to 1 for white noise.
 
-    From what it removes of the positions, and of them with the probes added, (n,) each.  The
-    neighbours' probes mix in, but cancel in sums over many vertices.
+    It follows from the parts (n,) that the filter removes without and with the probes added.  The
+    neighbours' probes contribute too, but cancel in sums over many vertices.
 
     Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
     """
@@ -117,21 +117,20 @@ def least_risk_coefficients(
     Parameters
     ----------
     removed : k of (n,)
-        Normal part of what each filter removes.
+        Normal component of the part that each filter removes.
     divergence : k of (n,)
-        Its derivative with respect to the same vertex's noise: 1 where all noise is removed, 0
-        where none is.
+        Its derivative with respect to the noise of the same vertex: 1 if all noise is removed, 0 if
+        none is.
     variances : (s, n)
-        Of the noise, in the squared unit of `removed`; a mixture is found for each.
+        Variances of the noise, in the squared unit of `removed`; there is a mixture for each.
     classes : (c, n)
-        Weights of the vertices in each density class, adding up to 1; 0 for those that do not
-        count.  The coefficients at a vertex are the mean of those of the classes, with these
-        weights.
+        Weights of the vertices in each density class, with the sum 1; 0 for vertices that do not
+        count.  The coefficients at a vertex are the mean over the classes with these weights.
 
     Returns
     -------
     (s, c, k)
-        Coefficients a ≥ 0 with a sum of at most 1 in each class; the rest is left unfiltered.
+        Coefficients a ≥ 0 with a sum of at most 1 in each class; the rest is not filtered.
     """
     square, gains = _normal_equations(removed, divergence, variances, classes)
     n_classes, n_filters = len(classes), len(removed)

@@ -80,23 +80,23 @@ class DenoiseResult:
 
     @property
     def chosen(self) -> int:
-        """Index of the strength that was asked for."""
+        """Index of the chosen strength."""
         return STRENGTHS.index(1.0)
 
     @property
     def positions(self) -> FloatArray:
-        """Positions at the strength that was asked for, (n, 3)."""
+        """Positions (n, 3) at the chosen strength."""
         return self.shapes[self.chosen]
 
     @property
     def is_changed(self) -> bool:
-        """Whether any vertex has moved; if not, `notes` say why."""
+        """Whether any vertex has moved; if not, `notes` says why."""
         return not np.array_equal(self.positions, self.start)
 
     def at(self, strength: float) -> FloatArray:
         """Positions (n, 3) at any strength from 0, the input, to the largest of `strengths`.
 
-        Between two strengths they are interpolated linearly; beyond the last they stay there.
+        They are linear between two strengths, and constant beyond the last.
         """
         knots = np.concatenate([[0.0], self.strengths])
         place = float(np.interp(strength, knots, np.arange(len(knots))))

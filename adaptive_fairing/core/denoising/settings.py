@@ -16,26 +16,26 @@ WIDTHS = 1.0, 16.0
 
 @dataclass(frozen=True)
 class DenoiseSettings:
-    """What `denoise` cannot find out by itself, because it is a matter of taste.
+    """Settings of `denoise`: what it cannot estimate, because it is a matter of taste.
 
     Attributes
     ----------
     strength : float
         Factor of the estimated noise, above 0 and below 100.
     features : str
-        "sharp" keeps creases wherever it can, "smooth" has no creases to keep, "auto" chooses per
-        place.
+        "sharp" keeps creases wherever possible, "smooth" assumes that there are none, "auto"
+        decides locally.
     boundary : str
-        "fixed": boundary vertices stay exactly where they are; "free": they move along.
+        "fixed": boundary vertices stay exactly where they are; "free": they move with the surface.
     clean : str
-        "keep": what looks like a clean mesh or a low-poly model comes back unchanged, and a note
-        says why; "detail": so does what is rough over several edges, even if it is like the smooth
-        noise of a scanner, which "keep" removes; "denoise": all that is rough is taken for noise.
+        "keep": a mesh that looks clean or like a low-poly model comes back unchanged, and a note
+        says why. "detail": so does a mesh with detail that looks like the smooth noise of a
+        scanner, which "keep" removes. "denoise": all roughness is treated as noise.
     width : "auto" or float
-        Of the noise: the distance in edges, from 1 to 16, at which two heights of it are alike by
-        1 / e; about half the size of its bumps. White noise has 1. Noise of a width that was told
-        is removed, whatever it looks like: `clean` plays no part. "auto" finds noise of up to four
-        edges where it is told from shape.
+        Width of the noise: the distance in edges, from 1 to 16, at which its correlation is 1 / e;
+        about half the size of its bumps. White noise has 1. Noise of a given width is removed even
+        from a mesh that looks clean: `clean` is not used. "auto" finds noise up to four edges wide
+        where it differs from shape.
     max_deviation : float, optional
         No vertex ends further than this length, in object units, from its input position.
 

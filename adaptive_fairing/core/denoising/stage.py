@@ -1,4 +1,4 @@
-"""Stage of a run: a surface before it is filtered, and on its way through the filters."""
+"""Stage of a run: a surface before it is filtered, and while it passes the filters."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ from .triangle_surface import TriangleSurface
 
 
 class Track:
-    """A surface on its way through the filters, with what each filter takes away.
+    """A surface while it passes the filters, with the part that each filter removes.
 
-    What is taken away is kept in single precision, which is plenty for it, to save memory.
+    The removed parts are stored in single precision, which suffices, to save memory.
 
     Parameters
     ----------
     bank : FilterBank
     start : TriangleSurface
-        What is filtered.
+        Surface to filter.
 
     Attributes
     ----------
     surface : TriangleSurface
-        What the next filters take their metrics and normals from.
+        Surface from which the next filters take their metrics and normals.
     taken : dict of Filter to (n, 3)
     """
 
@@ -50,14 +50,14 @@ class Track:
         }
 
     def filter(self, families: Round, pilot: Mixture | None = None) -> None:
-        """Add the filters of a round, on the surface that a mixture makes if one is given."""
+        """Add the filters of a round, on the surface of a mixture if one is given."""
         if pilot is not None:
             self.surface = TriangleSurface(self.start.topology, self.mixed(pilot))
         for each, result in self._bank.filtered(self.start, self.surface, families):
             self.taken[each] = self._taken_by(result)
 
     def repeat(self, plan: DenoisePlan, progress: ProgressReport) -> None:
-        """Filter as on another frame of the surface."""
+        """Filter in the same way as another frame of the surface."""
         self._bank.know_noise(plan.noise)
         # Without creases there was no last round.
         pilots = (None, *plan.pilots)
@@ -68,7 +68,7 @@ class Track:
             self.filter(families, pilot)
 
     def removed(self, each: Filter, frame: TriangleSurface) -> FloatArray:
-        """Measure the normal part of what a filter takes away, in local edge lengths, (n,)."""
+        """Measure the normal component (n,) of the part that a filter removes, in local edges."""
         return frame.along_normal(self.taken[each].astype(np.float64))
 
     def mixed(self, mixture: Mixture) -> FloatArray:
@@ -83,7 +83,7 @@ class Track:
 
 
 class Stage:
-    """A surface with all that the method needs of it before the noise is known.
+    """A surface with everything that the method needs before the noise is known.
 
     Attributes
     ----------
@@ -111,7 +111,7 @@ class Stage:
         self.parts = MeshParts(self.frame, is_still)
 
     def calmed(self, impulsive: FloatArray) -> Stage:
-        """Put vertices back that stand out, by a part (n,) of their way."""
+        """Put spikes back by a fraction (n,) of their displacement."""
         positions = self.noisy.positions
         calm = without_spikes(self.noisy, self.parts.is_counted, self.parts.may_move)
         start = positions + impulsive[:, None] * (calm - positions)
@@ -125,10 +125,10 @@ class Stage:
         return face_noise(noisy, faces, self.parts.is_counted)
 
     def undented(self, level: FloatArray, impulsive: FloatArray) -> FloatArray | None:
-        """Make flat faces flat, where low spikes left dents, by a part (n,) of the way.
+        """Flatten flat faces in which low spikes left dents, by a fraction (n,).
 
-        None where that is not all there is to do: where spikes were not the noise, or the level
-        (n,) of the rest is more than that of clean meshes, or there are no flat faces.
+        None if more than that is needed: the noise was not spikes, the level (n,) of the rest is
+        above that of clean meshes, or there are no flat faces.
         """
         judged = level[level > 0]
         is_clean = not len(judged) or not beyond_clean(np.median(judged, keepdims=True)).any()

@@ -1,16 +1,16 @@
 """Limit of the motion of vertices along the surface.
 
-Filters also move vertices along the surface: towards the middle of their neighbours, and inwards at
-a boundary.  A large part of that is no noise, and small triangles between larger ones may be turned
-over.  So vertices go only a fraction of their way along the surface, no further than one standard
-deviation of the noise, and less where a triangle would be turned over.  They go all of their way
+Filters also move vertices along the surface: towards the mean of their neighbours, and inwards at a
+boundary.  A large part of that is not noise, and small triangles between larger ones may be turned
+over.  So vertices make only a fraction of their move along the surface, at most one standard
+deviation of the noise, and less where a triangle would be turned over.  They make their whole move
 along the normal.
 
-What a scanner or a depth camera saw was not moved along the surface by noise, but along the rays.
-In the end its vertices go along them onto the surface that is found so.
+In a mesh of a scanner or a depth camera, noise moved the vertices along the rays, not along the
+surface.  So in the end they move along their rays onto the denoised surface.
 
-Where the noise is as large as the edges, the noisy triangles do not tell where the surface is and
-which of its sides is up.  There vertices go where the filters take them.
+Where the noise is as large as the edges, the noisy triangles do not show where the surface is and
+which of its sides is up.  There vertices follow the filters.
 """
 
 from __future__ import annotations
@@ -27,17 +27,19 @@ from .triangle_surface import TriangleSurface
 
 
 class Sliding:
-    """What limits the moves of vertices along the surface.
+    """Limits for the moves of vertices along the surface.
 
     Parameters
     ----------
     start : TriangleSurface
-        Before fairing.
+        Surface before denoising.
     frame : TriangleSurface
+        The same surface, slightly smoothed.
     has_creases : bool
-        Whether the faired surface has creases.  Then it tells best what is along it: a vertex on a
-        flat face near a crease must not leave the face.  Otherwise the smoothed normals of the
-        noisy one do, which slivers and boundaries do not disturb.
+        Whether the denoised surface has creases.  If so, its normals define the directions along
+        the surface, because a vertex on a flat face near a crease must not leave the face.
+        Otherwise the smoothed normals of the noisy surface do, which slivers and boundaries do not
+        disturb.
     noise : (n,)
         Standard deviation in local edge lengths.
     boundary_moves : bool
@@ -72,9 +74,9 @@ class Sliding:
         self._may_turn = is_told & (cosines > -tuned.upright_cosine)
 
     def limited(self, faired: FloatArray, strength: float = 1.0) -> FloatArray:
-        """Return faired positions (n, 3) with less sliding, and no triangle turned if possible.
+        """Return denoised positions (n, 3) with less sliding, if possible without turned triangles.
 
-        Boundaries are denoised from the noise times `strength`.
+        Boundaries are denoised by the noise times `strength`.
         """
         tuned = parameters()
         move = faired - self._positions
@@ -110,7 +112,7 @@ class Sliding:
         return on_rays(TriangleSurface(self._topology, result), self._positions, self._rays)
 
     def _is_turned(self, positions: FloatArray, faces: NDArray[np.intp]) -> BoolArray:
-        """Which of some triangles are turned over."""
+        """Whether each of some triangles is turned over."""
         normal = unit_vectors(triangle_normals(positions, self._triangles[faces]))
         is_down = dots(normal, self._upwards[faces]) < parameters().turned_cosine
         is_against = dots(normal, self._before[faces]) < 0

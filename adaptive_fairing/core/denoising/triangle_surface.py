@@ -1,4 +1,4 @@
-"""Triangle surface, with what the automatic method measures of it."""
+"""Triangle surface, with the quantities that the automatic method measures on it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .parameters import parameters
 
 
 class TriangleSurface:
-    """A surface of triangles; what is measured at its vertices is computed once.
+    """A surface of triangles; each quantity at its vertices is computed once.
 
     The local edge length h and the normals of a slightly smoothed surface are the unit of length
     and the direction in which noise is measured.
@@ -24,7 +24,7 @@ class TriangleSurface:
     ----------
     topology : TriangleTopology
     positions : (n, 3)
-        Must not be changed any more.
+        Positions, which must not be changed any more.
     """
 
     def __init__(self, topology: TriangleTopology, positions: FloatArray) -> None:
@@ -75,7 +75,7 @@ class TriangleSurface:
         return component
 
     def rises(self, positions: FloatArray) -> FloatArray:
-        """How far positions (n, 3) lie over the mean of their neighbours, as `along_normal`."""
+        """Heights (n,) of positions (n, 3) over the mean of their neighbours, as `along_normal`."""
         return self.along_normal(positions - self.mean @ positions)
 
     def raised(self, heights: FloatArray) -> FloatArray:
@@ -89,12 +89,12 @@ class TriangleSurface:
         return values
 
     def crease_part(self) -> float:
-        """Measure which part of the inner edges are creases, where triangles meet at an angle."""
+        """Fraction of the inner edges that are creases, where triangles meet at an angle."""
         normal, twin = unit_vectors(self.triangle_normals()), self.topology.twin
         side = np.flatnonzero(twin >= 0)
         cosine = dots(normal[side // 3], normal[twin[side] // 3])
         return float(np.mean(cosine < np.cos(parameters().crease_angle))) if len(side) else 0.0
 
     def has_creases(self) -> bool:
-        """Whether enough edges are creases for the filters that sharpen them to be worth it."""
+        """Whether enough edges are creases for the filters that sharpen them."""
         return self.crease_part() > parameters().fewest_creases

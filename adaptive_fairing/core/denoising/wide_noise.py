@@ -1,8 +1,8 @@
 """Wide noise: removed on a coarser level of the surface, where it spans few edges.
 
-There the filters reach as far as the noise does, creases and flat faces are told as on any mesh,
-and a run takes a fraction of the time.  How the level moves is carried back as a smooth
-field, so what is finer than the level, creases included, stays as it is.  The field has all three
+There the filters reach as far as the noise, creases and flat faces are found as on any mesh, and a
+run takes a fraction of the time.  The displacement of the level is carried back as a smooth field,
+so everything finer than the level, including creases, does not change.  The field has all three
 coordinates: heights along the normals of the finer mesh would turn triangles over at its creases.
 """
 
@@ -37,7 +37,7 @@ def denoised_surfaces(
 ) -> MixedSurfaces:
     """Denoise positions on the solver's mesh, for all of `STRENGTHS`; wide noise on a level.
 
-    Parameters as of `mixed_surfaces`.
+    Parameters as in `mixed_surfaces`.
     """
     width = None if settings.width == "auto" else float(settings.width)
     fine = TriangleSurface(topology, positions)
@@ -73,9 +73,9 @@ def denoised_surfaces(
 
 
 def level_of_width(fine: TriangleSurface, width: float | None) -> CoarseLevel | None:
-    """Make the coarsest level on which noise of a width, in edges, spans enough of its edges.
+    """Make the coarsest level on which noise of a width, in edges, spans enough edges.
 
-    None if that is the surface itself, or if levels would have too few vertices.
+    None if that is the surface itself, or if every level would have too few vertices.
     """
     if width is None:
         return None
@@ -88,7 +88,7 @@ def level_of_width(fine: TriangleSurface, width: float | None) -> CoarseLevel | 
 
 
 def _away_from_boundary(topology: TriangleTopology, far: float) -> FloatArray:
-    """How far vertices are from boundaries, which stay: from 0 there to 1 at `far` edges, (n,)."""
+    """Weights (n,) by the distance from boundaries, which stay: 0 there, up to 1 at `far` edges."""
     boundary = topology.boundary_vertices
     if not len(boundary):
         return np.ones(topology.n_vertices)
