@@ -42,7 +42,7 @@ CG_TOLERANCE = 1e-6
 
 
 class Amount(NamedTuple):
-    """How much a step smooths: our τ, and the diffusion time in the mesh's units."""
+    """Amount of smoothing in a step: our τ, and the diffusion time in the mesh's units."""
 
     tau: float
     time: float

@@ -59,7 +59,7 @@ def machine() -> str:
 
 
 def load() -> str:
-    """How busy the machine is with other work, as text: the load average of the last minute."""
+    """Text with the load average of the last minute: other work on the machine."""
     return f"{os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else "unknown"
 
 

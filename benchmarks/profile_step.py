@@ -70,14 +70,14 @@ class Profile(NamedTuple):
 
 
 class Rates(NamedTuple):
-    """What the machine can do: floating-point operations and bytes per second, on all cores."""
+    """Peak of the machine: floating-point operations and bytes per second, on all cores."""
 
     arithmetic: float
     traffic: float
 
 
 class Work(NamedTuple):
-    """What one step cannot avoid: floating-point operations, and bytes to and from memory."""
+    """Least work of one step: floating-point operations, and bytes to and from memory."""
 
     operations: float
     transferred: float

@@ -34,7 +34,7 @@ MANIFEST = "blender_manifest.toml"
 CONTENTS = (MANIFEST, "__init__.py", "LICENSE", "adaptive_fairing")
 NO_WHEELS = "no-wheels"
 WITHOUT_SCIPY = "without_scipy"
-"""What the name of the zip without wheels says, where the others name a platform."""
+"""Word in the name of the zip without wheels, in place of a platform."""
 
 PACKAGES = (NO_WHEELS, *WHEELS)
 

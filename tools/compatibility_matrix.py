@@ -53,7 +53,7 @@ COLUMNS = (
 
 @dataclass
 class Row:
-    """What one Blender did: a short text per column, and every failure and crash in full."""
+    """Results of one Blender: a short text per column, and every failure and crash in full."""
 
     name: str
     cells: dict[str, str] = field(default_factory=dict)

@@ -175,7 +175,7 @@ class Samples:
 
 
 def kinds(points: FloatArray) -> FloatArray:
-    """Which of six kinds a point is, as seen from each corner, (3, n_points)."""
+    """Kind of a point, one of six, as seen from each corner, (3, n_points)."""
     return np.unique(points.T.round(6), return_inverse=True)[1].reshape(3, -1)
 
 

@@ -13,7 +13,7 @@ from typing import NamedTuple, NoReturn
 from ..files.formats import SUFFIXES, is_supported
 
 MOST_FRAMES = 1_000_000
-"""Of the timeline of Blender."""
+"""Largest number of frames on Blender's timeline."""
 
 
 class ArgumentsError(Exception):

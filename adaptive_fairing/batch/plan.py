@@ -19,8 +19,7 @@ RECORDS = "fairing_records"
 _LONGEST_NAME = 240
 
 KEYED_SUFFIX = ".ply"
-"""Format of frames that are put together to one keyed object: exact, and vertices keep their
-numbers."""
+"""Format of frames that become one object with shape keys: exact, and vertices keep their order."""
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from .summary import DONE, FAILED
 Json = dict[str, Any]
 
 COMPANIONS = (".bin", ".mtl")
-"""Suffixes of files that formats put beside theirs, under the same name."""
+"""Suffixes of files that belong to a file and have its name."""
 
 
 def stamp(path: Path) -> Json | None:

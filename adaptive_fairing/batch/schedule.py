@@ -15,16 +15,16 @@ from .process import Events, WorkerProcess
 Json = dict[str, Any]
 
 START_BYTES = 400_000_000
-"""Blender with numpy and scipy, before it has a mesh: 290 MB as a module (measured)."""
+"""Memory of Blender with numpy and scipy before it has a mesh: 290 MB as a module (measured)."""
 
 READING_FACTOR = 4
-"""Memory while a file is read, in sizes of the file: a first guess, before the mesh is known."""
+"""Memory while a file is read, in multiples of its size: a first guess before the mesh is known."""
 
 LARGE_BYTES = 1_500_000_000
-"""A process that has held more ends after it: freed memory does not always go back."""
+"""A process that has held more ends after its mesh: freed memory does not always return."""
 
 SECONDS_BETWEEN_LOOKS = 0.2
-"""At what the processes hold, where the system tells: estimates may be wrong."""
+"""Time between checks of the memory that the processes hold, because estimates may be wrong."""
 
 
 @dataclass

@@ -12,7 +12,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from .choices import ALGORITHMS, DENOISE, LIVE, RESULTS, SCHEMES
 
 CONTEXT = "Adaptive Fairing"
-"""Translation context of texts that Blender would translate by another meaning, or too long."""
+"""Translation context of texts that Blender would translate wrongly or too long."""
 
 
 class SolverProperties:

@@ -23,7 +23,7 @@ CHILD = "--child"
 
 
 SECONDS_TO_LEAVE = 0.8
-"""After an interrupt, for a process that is in the middle of a long computation."""
+"""Time that a process has to end after an interrupt before it is killed."""
 
 
 class CrashError(Exception):

@@ -2,7 +2,7 @@
 
 DONE = 0
 COULD_NOT = 1
-"""For reasons of a file, a mesh or the solver."""
+"""Failure because of a file, a mesh or the solver."""
 
 WRONG_ARGUMENTS = 2
 INTERRUPTED = 130

@@ -164,7 +164,7 @@ def _is_being_written(draft: Path, mark: str) -> bool:
 
 
 _LONGEST_PAUSE = 3600.0
-"""Seconds after which nobody goes on with a draft, in case its process number is used again."""
+"""Seconds after which a draft counts as abandoned, in case its process number is used again."""
 
 
 def _is_running(process: int) -> bool:

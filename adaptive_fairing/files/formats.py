@@ -19,7 +19,7 @@ BLEND = ".blend"
 
 @dataclass(frozen=True)
 class MeshFormat:
-    """How Blender reads and writes one kind of mesh file.
+    """Blender's operators and options for one kind of mesh file.
 
     Attributes
     ----------

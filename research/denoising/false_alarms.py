@@ -42,7 +42,7 @@ PRIMITIVES: dict[str, tuple[Callable[..., object], dict]] = {
     "torus": (bpy.ops.mesh.primitive_torus_add, {"major_segments": 192, "minor_segments": 64}),
     "Suzanne": (bpy.ops.mesh.primitive_monkey_add, {}),
 }
-"""What adds each one, and its fine settings."""
+"""Operator that adds each primitive, and its fine settings."""
 
 MODIFIERS: dict[str, Callable[[np.random.Generator], dict]] = {
     "BEVEL": lambda random: {
@@ -58,7 +58,7 @@ MODIFIERS: dict[str, Callable[[np.random.Generator], dict]] = {
         "factor": random.uniform(0.2, 0.8), "angle": random.uniform(0.2, 0.8),
     },
 }  # fmt: skip
-"""What modellers use, with random settings."""
+"""Modifiers that modellers use, with random settings."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -59,7 +59,7 @@ VARIANTS: dict[str, tuple[Callable[..., FloatArray], float]] = {
     "a thousand sizes away, in single precision": (_far, 0.001),
     "with jitter of 0.1 % of the diagonal": (_jittered, 0.01),
 }
-"""What is done to each boolean model, and the part of the diagonal that may not be exceeded."""
+"""Variants of each boolean model, and the fraction of the diagonal not to be exceeded."""
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

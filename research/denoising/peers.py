@@ -253,7 +253,7 @@ IN_USE: Sequence[Peer] = (
         {"simple": {"weights": "SIMPLE"}, "length weighted": {"weights": "LENGTH_WEIGHTED"}},
     ),
 )
-"""What people use. The parameters that are not named are at the program's defaults."""
+"""Methods in common use; parameters that are not named have the program's defaults."""
 
 SIGMAS = {f"σ {sigma:g}": {"sigma": sigma} for sigma in (0.2, 0.35, 0.5)}
 

@@ -116,7 +116,7 @@ def by_noise(standings: dict[str, tuple[int, Standing]]) -> str:
 
 
 def of_clean(entries: Sequence[Entry]) -> str:
-    """How far `denoise` moves meshes without noise."""
+    """Table of the moves of meshes without noise by `denoise`."""
     rows = [
         [entry.pair.name, f"{entry.ours['moved']:.4f}", f"{entry.ours['mean']:.4f}"]
         for entry in entries

@@ -27,7 +27,7 @@ AMBIENT = 0.9
 
 @dataclass(frozen=True)
 class View:
-    """Where the camera stands and what it sees.
+    """Position and view of the camera.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ class View:
 
 @dataclass(frozen=True)
 class Look:
-    """How the picture is made."""
+    """Settings of a picture."""
 
     size: tuple[int, int] = (800, 800)
     samples: int = 48

@@ -28,7 +28,7 @@ ASSETS = Path(__file__).resolve().parents[2] / "assets"
 
 @dataclass(frozen=True)
 class Sample:
-    """How one sample is made.
+    """Recipe of one sample.
 
     Attributes
     ----------

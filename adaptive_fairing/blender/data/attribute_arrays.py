@@ -23,7 +23,7 @@ STORAGE = {
     "INT16_2D": ("value", 2, np.int16),
     "INT32_2D": ("value", 2, np.int32),
 }
-"""Property, numbers per element and their type, by Blender's type; texts are kept apart."""
+"""Property, numbers per element and their type, by Blender's type; texts are treated separately."""
 
 TEXT = "STRING"
 

@@ -14,7 +14,7 @@ from .mesh_building import integers
 
 FACE_SET = ".sculpt_face_set"
 FULL_PART = 0.5
-"""Part of the radius within which a vertex has its whole weight; from there it falls to 0."""
+"""Fraction of the radius within which the weight is 1; from there it falls to 0."""
 
 
 class BrushRegion(NamedTuple):

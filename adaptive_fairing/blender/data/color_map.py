@@ -62,13 +62,13 @@ RANGE_PERCENTILES = (1.0, 99.0)
 """Ends of the colour range: a few extreme vertices must not leave the rest in one colour."""
 
 CURVATURE_PERCENTILES = (5.0, 95.0)
-"""The same for curvatures, of which noise makes more extremes: they are second derivatives."""
+"""The same for curvatures, which as second derivatives have more extremes where there is noise."""
 
 CURVATURE_FIELDS = ("CURVATURE", "GAUSSIAN")
-"""In the order in which `LimitSurface.refined_curvature` gives them."""
+"""Curvatures in the order in which `LimitSurface.refined_curvature` returns them."""
 
 SIGNED_FIELDS = ("REMOVED", *CURVATURE_FIELDS)
-"""Fields with a zero that matters: it gets the middle of the colours for both sides of zero."""
+"""Fields whose zero matters: they get the map with zero in the middle."""
 
 NO_VALUE = (0.5, 0.5, 0.5)
 """sRGB colour of a value that is not a number."""

@@ -15,7 +15,7 @@ from .vertex_groups import read_groups, same_groups, write_groups
 
 CONTROL = "CONTROL"
 LEVELS = {"LIMIT": 0, "REFINED_1": 1, "REFINED_2": 2, "REFINED_3": 3}
-"""Steps of refinement by surface; without any the vertices move to their limit points."""
+"""Steps of refinement by surface; with 0 the vertices move to their limit positions."""
 
 
 def has_control(obj: bpy.types.Object) -> bool:

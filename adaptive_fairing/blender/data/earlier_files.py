@@ -22,7 +22,7 @@ from .shape_keys import animated_frames, has_step_keys, remove_fairing_keys, sho
 from .stored_path import StoredPath
 
 MEASURES = ("strength", "curvature_energy", "area", "volume", "displacement")
-"""What `FairingRecord.steps` and `FairingRecord.shapes` both have."""
+"""Properties that `FairingRecord.steps` and `FairingRecord.shapes` both have."""
 
 _STARTS = ("fairing_original", "fairing_offset_", "fairing_split")
 

@@ -19,10 +19,10 @@ FIELD_ATTRIBUTES = {
     "GAUSSIAN": "fairing_gaussian_curvature",
     "REMOVED": "fairing_removed",
 }
-"""Float attribute of each field that can be looked at."""
+"""Float attribute of each field that can be shown."""
 
 COMPARED_FIELDS = ("DISPLACEMENT", "REMOVED")
-"""Fields that tell the shown shape from the original."""
+"""Fields that compare the shown shape with the original."""
 
 COLORS_BEFORE = "fairing_colors_before"
 """Custom property of a mesh: names of the active colours and of those of renders before a view."""

@@ -30,7 +30,7 @@ class Field(NamedTuple):
 
 
 POWERS = {"DISPLACEMENT": 1, "REMOVED": 1, "CURVATURE": -1, "GAUSSIAN": -2}
-"""Power of a length that a value is; that of the density depends on its measure."""
+"""Power of a length in the unit of a field; that of the density depends on its measure."""
 
 
 def measure_field(obj: bpy.types.Object, field: str, settings: FairingSettings) -> Field:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from .mesh_arrays import flat_float32, read_key
 
 SETTINGS = ("interpolation", "mute", "slider_min", "slider_max", "value", "vertex_group")
-"""What a key has beside its shape, its place and the key it is relative to."""
+"""Properties of a key besides its shape, its place and the key that it is relative to."""
 
 
 @dataclass(frozen=True)

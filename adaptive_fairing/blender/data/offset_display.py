@@ -32,10 +32,10 @@ if TYPE_CHECKING:  # enabling the add-on does not load the core
     from ...core.runtime.arrays import SingleArray
 
 N_STRENGTHS = 8
-"""Room for strengths in a record: a vector property has a fixed size."""
+"""Largest number of strengths in a record: a vector property has a fixed size."""
 
 ROUNDING = 2.0**-21
-"""Distance from its line up to which a vertex is untouched, over the largest coordinate.
+"""Distance from its line up to which a vertex is untouched, relative to the largest coordinate.
 
 Four units in the last place: the original, the offset, their sum, and one refinement are rounded.
 """

@@ -12,7 +12,7 @@ if TYPE_CHECKING:  # enabling the add-on does not load the core
     from ...core.runtime.arrays import SingleArray
 
 PAINT_GROUP = "Fairing"
-"""Vertex group of which the weights say how much of the result is seen: 1 all, 0 the original."""
+"""Vertex group whose weights say how much of the result is shown: 1 all, 0 the original."""
 
 _weights: dict[tuple[int, int], SingleArray] = {}  # of the object that was shown last
 

@@ -18,7 +18,7 @@ from .field_attributes import COMPARED_FIELDS
 from .object_mode import object_mode
 
 Record: TypeAlias = Any
-"""A `record_properties.FairingRecord`: Blender makes its properties, no type checker sees them."""
+"""A `record_properties.FairingRecord`; Blender makes its properties, unseen by type checkers."""
 
 NOT_HELD = -1.0
 

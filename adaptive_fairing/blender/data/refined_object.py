@@ -34,11 +34,11 @@ from .rollback import remove_mesh
 from .vertex_groups import read_groups, write_groups
 
 SHARP_CREASE = 1.0
-"""Blender's crease weight from which a crease is infinitely sharp."""
+"""Blender's weight of a crease that is infinitely sharp."""
 
 RENEWED = ("custom_normal", "sharp_face", ".select_vert", ".select_edge", ".select_poly")
-"""Attributes that the refined mesh does not inherit: it is smooth, has its own normals, and
-nothing of it is selected."""
+"""Attributes that the refined mesh does not inherit: it is smooth, has its own normals, and has no
+selection."""
 
 
 @dataclass(frozen=True)

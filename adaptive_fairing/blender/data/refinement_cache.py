@@ -13,7 +13,7 @@ from ...core.surface.cut_surface import CutSurface, cut_surface
 from ...core.surface.refined_net import RefinedNet
 
 LARGEST_KEPT = 2_000_000
-"""Triangles of a refined mesh from which on nothing of it is kept: it takes too much memory."""
+"""Number of triangles from which on a refined mesh is not cached: it takes too much memory."""
 
 
 class RefinedShape(NamedTuple):

@@ -10,7 +10,7 @@ from __future__ import annotations
 import bpy
 
 RESTS = 0.2
-"""Seconds without a change after which a slider rests."""
+"""Seconds without a change after which a slider counts as at rest."""
 
 
 def keep_before(obj: bpy.types.Object | None) -> None:

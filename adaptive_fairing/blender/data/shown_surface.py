@@ -30,13 +30,13 @@ from .rollback import remove_mesh
 from .stored_path import stored_names
 
 LARGEST_EXACT = 500_000
-"""Triangles of a refined mesh up to which it gets exact normals.
+"""Largest number of triangles of a refined mesh with exact normals.
 
-Normals that follow the slider take Blender seconds from there on, and its own differ little.
+Above it, normals that follow the slider take seconds, and Blender's own differ little.
 """
 
 OWN_PREFIXES = (".", "fairing_")
-"""How the names of attributes begin that nobody else's work is in."""
+"""Prefixes of attributes that hold no work of the user."""
 
 
 def show_surface(obj: bpy.types.Object, surface: str) -> tuple[tuple[str, ...], str | None]:

@@ -17,7 +17,7 @@ from ...files.inspection.contents import FarPoints, is_far
 from ..data.mesh_arrays import read_mesh_coordinates, read_positions, write_positions
 
 _MOST_DECIMALS = 13
-"""A double has no more that count where single precision is too coarse."""
+"""Most decimals that count in a double where single precision is too coarse."""
 
 
 def move_near_origin(far: FarPoints) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 _STATES = (b"s ", b"g ", b"usemtl ")
-"""Starts of lines that hold for all faces below them."""
+"""First words of lines that apply to all faces below them."""
 
 
 def restore_order(path: Path) -> list[str]:

@@ -27,14 +27,14 @@ from .frame_sequence import Place, Preparations, read_place, same_strength
 from .solve import Settings
 
 KEY_BYTES = 24
-"""Of a vertex in the list of results and in a shape key, for each step or strength."""
+"""Bytes of a vertex in the list of results and in a shape key, for each step or strength."""
 
 EXPORT_BYTES = 200
-"""Of a vertex while the output is written, with the copies that exporters make."""
+"""Bytes of a vertex while the output is written, with the copies that exporters make."""
 
 
 REFINE_BYTES, REFINE_KEY_BYTES = 480, 56
-"""Of a vertex of a refined output while it is made, and more for each step or strength."""
+"""Bytes of a vertex of a refined output while it is made, and those for each step or strength."""
 
 
 class _PutAsideError(Exception):

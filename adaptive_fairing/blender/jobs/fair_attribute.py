@@ -29,11 +29,11 @@ FAIRED_TYPES = ("FLOAT", "FLOAT2", "FLOAT_VECTOR", *COLORS)
 """Blender's types of attributes that can be faired."""
 
 LEAST_WEIGHT = 1e-4
-"""A vertex outside of a group enters it with such a weight; diffusion leaves no exact 0."""
+"""Least weight with which a vertex enters a group; diffusion leaves no exact 0."""
 
 
 NOTICED = 1e-3
-"""How far beyond its limit a value is worth a word: less than half a step of a byte colour."""
+"""Excess over a limit that is reported: less than half a step of a byte colour."""
 
 
 class FairedAttribute(NamedTuple):

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...core import PreparedMesh
 
 LARGEST_KEPT = 400_000
-"""Triangles from which on only the connectivity is kept: the rest takes about 1 kB for each."""
+"""Number of triangles from which on only connectivity is kept: the rest takes 1 kB for each."""
 
 
 class KeptPreparation:

@@ -15,7 +15,7 @@ from ..data.mesh_arrays import write_positions
 from .solve import Solve
 
 GAP = 0.1
-"""Free room between the two objects, as a part of their width."""
+"""Gap between the two objects, as a fraction of their width."""
 
 
 def denoised_beside(

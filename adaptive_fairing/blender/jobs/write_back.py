@@ -98,7 +98,7 @@ def write_result(
 
 
 def share_result(solve: Solve, obj: bpy.types.Object, others: list[bpy.types.Object]) -> None:
-    """Give the result of a solve, which an object has, to others that had the same mesh before."""
+    """Pass the result of a solve on to other objects that had the same mesh before."""
     before = others[0].data
     meshes = {before, *(each.adaptive_fairing.control for each in others)} - {None}
     for other in others:

@@ -20,16 +20,16 @@ from .modal_run import ModalRun
 from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
 
 GAP = 0.25
-"""Space between two copies, as a part of the object's size."""
+"""Gap between two copies, as a fraction of the object's size."""
 
 LABEL_GAP = 0.06
-"""Space between a copy and its label, as a part of the object's size."""
+"""Gap between a copy and its label, as a fraction of the object's size."""
 
 LABEL_SIZE = 0.11
-"""Height of the labels, as a part of the object's size."""
+"""Height of the labels, as a fraction of the object's size."""
 
 FRONT = Quaternion((1.0, 0.0, 0.0), math.pi / 2)
-"""How the front view is turned: what scripts get, which have no view."""
+"""Rotation of the front view, for scripts, which have no view."""
 
 
 class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.Operator):

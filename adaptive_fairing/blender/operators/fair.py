@@ -26,7 +26,7 @@ from .results import discard_result, report_kept
 from .settings_layout import draw_operator
 
 _finished: list = []
-"""Solves of the last run: the redo panel may ask for the same again, stored another way."""
+"""Solves of the last run: the redo panel may ask for the same solves, stored in another way."""
 
 _preparations = KeptPreparation()
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...core.diffusion.smoothing_radius import RadiusScale
 
 LARGEST_UNASKED = 200_000
-"""Polygons of a mesh that is still measured without being asked to: a fraction of a second."""
+"""Largest number of polygons that is measured without being asked: a fraction of a second."""
 
 REMEMBERED = 32
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 TIMER_SECONDS = 0.1
 QUIT_SECONDS = 5.0
 FIRST_PHASE_SECONDS = 3.0
-"""Guess for a mesh of 200 000 triangles, so that the bar moves at once."""
+"""Guessed duration for a mesh of 200 000 triangles, so that the bar moves at once."""
 
 
 @dataclass

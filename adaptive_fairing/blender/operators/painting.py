@@ -15,7 +15,7 @@ from . import viewport
 from .polls import is_allowed
 
 FAINT = 0.25
-"""Opacity of the overlay while somebody paints back."""
+"""Opacity of the overlay while the user paints back."""
 
 _before: dict[int, float] = {}  # opacity by the address of a view
 

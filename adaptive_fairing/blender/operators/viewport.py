@@ -21,7 +21,7 @@ SHOWN = {
 """Shading of a view that shows the colours."""
 
 BLENDERS = {"color_type": "MATERIAL", "show_specular_highlight": True}
-"""What Blender itself has instead, for a view that was saved as it shows the colours."""
+"""Blender's default shading, for a view that was saved while it showed the colours."""
 
 _before: dict[int, dict[str, str | bool]] = {}  # by the address of a view that was changed
 

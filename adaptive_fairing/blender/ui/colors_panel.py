@@ -18,7 +18,7 @@ from ..operators.view import (
 from .layouts import FairingPanel, draw_lines, world_text
 
 DENSITY_TITLES = {1: "Mean edge length at a vertex", 2: "Area of the triangles at a vertex"}
-"""What the density is, by its power of a length."""
+"""Name of the density's measure, by its power of a length."""
 
 
 class VIEW3D_PT_adaptive_fairing_view(FairingPanel, bpy.types.Panel):

@@ -15,7 +15,7 @@ MARGIN_PIXELS = 50
 ICON_PIXELS = 20
 
 UNITS = {"NONE": ("", 1.0), "METRIC": ("m", 1.0), "IMPERIAL": ("ft", 1 / 0.3048)}
-"""Unit of length and what it is worth, of every system of units: a metre has that many."""
+"""Unit of length of every system of units, and how many of them a metre has."""
 
 
 class FairingPanel:

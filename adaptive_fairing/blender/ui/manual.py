@@ -9,7 +9,7 @@ from __future__ import annotations
 import bpy
 
 MANUAL = "https://extensions.blender.org/add-ons/adaptive-fairing/#"
-"""What every place is appended to: the website of the manifest, or where ``site/`` is published."""
+"""Address before every place: the website of the manifest, or that of the published ``site/``."""
 
 OPERATORS = {
     "": "clean-a-scan/#remove-the-noise",
@@ -41,7 +41,7 @@ OPERATORS = {
     "_compare": "settings/#result",
     "_preset_add": "settings/#presets",
 }
-"""Place of an operator, by what its name has after ``object.adaptive_fairing``."""
+"""Place of an operator, by the part of its name after ``object.adaptive_fairing``."""
 
 SETTINGS = {
     "algorithm": "settings/#method",
@@ -86,7 +86,7 @@ RECORD = {
     "evolution": "settings/#result",
     "swatch_*": "colours/#what-the-colours-mean",
 }
-"""Place of what the panel shows of a result."""
+"""Place of a value of a result in the panel."""
 
 PREFERENCES = dict.fromkeys(("algorithm", "result", "threads"), "clean-a-scan/#preferences")
 """Place of a preference of the add-on."""

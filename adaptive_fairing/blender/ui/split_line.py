@@ -15,16 +15,16 @@ if TYPE_CHECKING:
     from gpu.types import GPUBatch
 
 OVERHANG = 0.1
-"""How far the line goes beyond the object's box at either end, as a part of its length."""
+"""Overhang of the line beyond the object's box at either end, as a fraction of its length."""
 
 REACH = 8
-"""Pixels around the line, at the interface's scale 1, where it is taken hold of."""
+"""Distance from the line within which it can be dragged, in pixels at the interface's scale 1."""
 
 LEAST_SINE = 1e-3
-"""Of the angle between a line of sight and the normal of a plane that has a line."""
+"""Least sine of the angle between line of sight and normal for which a plane has a line."""
 
 WIDTH = 2
-"""Pixels of the line, at the interface's scale 1."""
+"""Width of the line in pixels at the interface's scale 1."""
 
 
 class SplitPlane(NamedTuple):

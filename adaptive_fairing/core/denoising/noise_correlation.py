@@ -39,4 +39,4 @@ class NoiseCorrelation(NamedTuple):
 
 
 WHITE = NoiseCorrelation()
-"""Noise that neighbours have nothing of in common."""
+"""Noise without correlation between neighbours."""

@@ -24,7 +24,7 @@ SCHEMES: Mapping[str, str] = MappingProxyType(
 """The schemes as the command line, Blender and reports name them: word -> `method`."""
 
 DENSITIES: Mapping[str, str] = MappingProxyType({"edge": "edge_length", "area": "area"})
-"""The measures of density as they are named there: word -> `density`."""
+"""The measures of density as they are named in the same places: word -> `density`."""
 
 DEFAULT_RADIUS = 0.5
 

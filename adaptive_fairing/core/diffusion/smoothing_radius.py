@@ -29,7 +29,7 @@ EXTREME_FRACTION = 0.01
 
 @dataclass(frozen=True)
 class RadiusScale:
-    """How the smoothing radius grows with time in three parts of one mesh.
+    """Growth of the smoothing radius with time in three parts of one mesh.
 
     Attributes
     ----------

@@ -34,7 +34,7 @@ POINTS_PER_BLOCK = 98304
 
 
 class Group(NamedTuple):
-    """Where the triangles of a group are in the arrays of their block and chunk.
+    """Place of a group's triangles in the arrays of their block and chunk.
 
     Attributes
     ----------
@@ -69,7 +69,7 @@ class Group(NamedTuple):
 
 
 class BlockSegment(NamedTuple):
-    """Where the triangles of a segment are in the arrays of their block and chunk.
+    """Place of a segment's triangles in the arrays of their block and chunk.
 
     Attributes
     ----------

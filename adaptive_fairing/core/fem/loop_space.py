@@ -307,7 +307,7 @@ class _Assembled(NamedTuple):
 
 
 class _Contribution(NamedTuple):
-    """What a chunk adds to the entries and the rows of L X in its range, and to the measures."""
+    """Contribution of a chunk to entries and to rows of L X in its range, and to the measures."""
 
     entries: list[RealArray]
     bending: RealArray

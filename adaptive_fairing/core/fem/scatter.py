@@ -15,7 +15,7 @@ from .blocks import Chunk
 
 
 class ChunkEntries(NamedTuple):
-    """Where the local matrices of a chunk go.
+    """Global entries for the local matrices of a chunk.
 
     Attributes
     ----------

@@ -46,7 +46,7 @@ class Operator(Protocol):
 
 @dataclass(frozen=True)
 class SolveReport:
-    """How a linear solve ended.
+    """Report of a linear solve.
 
     Attributes
     ----------

@@ -17,7 +17,7 @@ ROWS_PER_CHUNK = 8192
 
 
 class EdgePattern:
-    """Where the entries of edges stand: row by row, in the order of the one-rings.
+    """Pattern of the entries of edges: row by row, in the order of the one-rings.
 
     Attributes
     ----------

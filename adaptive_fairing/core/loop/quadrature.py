@@ -61,7 +61,7 @@ class QuadratureRule:
 
 @dataclass(frozen=True, eq=False)
 class QuadratureChoice:
-    """How patches are integrated.
+    """Quadrature rules for regular and irregular patches.
 
     Attributes
     ----------

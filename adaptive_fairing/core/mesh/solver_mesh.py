@@ -22,8 +22,8 @@ from .topology import TriangleTopology
 FRAME_SIZE = 6.0  # the paper resizes the mesh into the box [-3, 3]³
 
 Frame: TypeAlias = Literal["box", "sphere", False]
-"""What is scaled to `FRAME_SIZE`: the longest side of the box around the mesh, or the diameter of
-the smallest sphere around it, which does not change when the mesh is turned; or nothing."""
+"""Length that is scaled to `FRAME_SIZE`: the longest side of the box around the mesh, or the
+diameter of the smallest sphere around it, which is the same for a turned mesh; or none."""
 
 FRAMES = ("box", "sphere")
 

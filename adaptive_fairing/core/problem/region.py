@@ -15,10 +15,10 @@ from ..runtime.arrays import BoolArray, FloatArray, IndexArray
 from .prepared_surface import PreparedSurface
 
 SUPPORT_RINGS = 3
-"""Rings around a vertex that its equation depends on.
+"""Number of rings around a vertex on which its equation depends.
 
-Its Loop basis function is not 0 on triangles with a corner in the first ring.  Their corners are
-in the second, and the control points around those in the third.
+Its Loop basis function is not 0 on triangles with a corner in the first ring.  Their corners are in
+the second ring, and the control points around those in the third.
 """
 
 # Of the triangles. Larger parts save little, and what is measured is better all of the mesh.

@@ -13,7 +13,7 @@ from ..runtime.threads import chunks, for_each
 from .refined_topology import RefinedTopology
 
 CACHED_ROWS = 4096
-"""Rows worked on at a time, so that all intermediate arrays stay in the cache."""
+"""Number of rows processed at a time, so that all intermediate arrays stay in the cache."""
 
 
 def edge_control_points(mesh: RefinedTopology, control: FloatArray, result: FloatArray) -> None:

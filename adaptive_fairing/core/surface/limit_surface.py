@@ -83,7 +83,7 @@ class RefinementLevels:
         return tangent_matrices(self.mesh(0))
 
     def mesh(self, level: int) -> RefinedTopology:
-        """Give the connectivity after `level` steps.
+        """Make the connectivity after `level` steps, once.
 
         Raises
         ------

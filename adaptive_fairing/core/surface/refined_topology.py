@@ -73,7 +73,7 @@ class RefinedTopology:
 
     @property
     def ring_start(self) -> IntArray:
-        """Where the ring of every vertex begins, (n_vertices + 1,)."""
+        """Start of every vertex's ring, (n_vertices + 1,)."""
         return self._rings[0]
 
     @property
@@ -216,7 +216,7 @@ class RefinedTopology:
 
 
 def _other_sides(half_edge: IntArray) -> tuple[IntArray, IntArray]:
-    """Give the half-edges after and before one in its triangle; nothing useful for -1."""
+    """Half-edges after and before one in its triangle; meaningless for -1."""
     k = half_edge % 3
     start = half_edge - k
     return start + (k + 1) % 3, start + (k + 2) % 3

@@ -89,7 +89,7 @@ def sectors_of(mesh: RefinedTopology) -> Sectors:
 
 
 def counted(sizes: IndexArray) -> tuple[IndexArray, IndexArray]:
-    """Give the group of every member, and its place in it, for groups of these sizes."""
+    """Group of every member, and its place in the group, for groups of these sizes."""
     group = np.repeat(np.arange(len(sizes)), sizes)
     return group, np.arange(len(group)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
 

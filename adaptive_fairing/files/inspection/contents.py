@@ -11,14 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from ...core.errors import listed
 
 LARGEST = float(np.finfo(np.float32).max)
-"""Blender keeps coordinates in single precision: what is larger becomes infinite there."""
+"""Largest coordinate in Blender's single precision; a larger one becomes infinite."""
 
 SMALLEST = float(np.finfo(np.float32).tiny / np.finfo(np.float32).eps)
-"""Of a mesh that is smaller, single precision keeps fewer digits than of others, or none."""
+"""Smallest size of a mesh; below it single precision loses digits, or all of them."""
 
 FAR = 32
-"""So many times its size from the origin a mesh loses five of the 24 binary digits of single
-precision."""
+"""Distance from the origin, in sizes of the mesh, at which five of the 24 binary digits of single
+precision are lost."""
 
 
 class DamagedError(Exception):
@@ -27,7 +27,7 @@ class DamagedError(Exception):
 
 @dataclass(frozen=True)
 class Contents:
-    """What a mesh file holds.
+    """Counts of a mesh file, and corrections for its importer.
 
     Attributes
     ----------

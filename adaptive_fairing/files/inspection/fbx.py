@@ -21,7 +21,7 @@ _WIDE_OFFSETS = 7500
 _NUMBER_BYTES = {"Y": 2, "C": 1, "B": 1, "I": 4, "F": 4, "D": 8, "L": 8}
 _ARRAYS = {"f": "<f4", "d": "<f8", "l": "<i8", "i": "<i4", "b": "u1", "c": "u1"}
 _LARGEST_RATIO = 1032
-"""Of deflate: so many bytes at most come out of one."""
+"""Largest number of bytes that deflate makes from one."""
 
 _DEEPEST = 64
 

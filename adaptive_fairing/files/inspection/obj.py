@@ -34,7 +34,7 @@ _POINT = re.compile(rb"^[ \t]*v[ \t]+(\S+)[ \t]+(\S+)[ \t]+(\S+)", re.MULTILINE)
 _CHUNK = 100_000
 
 _SAMPLE = 1000
-"""Vertices that tell whether all must be read: if a mesh is far or tiny, so are its first ones."""
+"""First vertices, read to find out if a mesh is far or tiny; then all vertices are read."""
 
 # Matches numbers that are certainly finite in single precision, as nearly all are. Vertices with
 # other numbers are read one by one, which is slow.

@@ -22,13 +22,13 @@ _FIRST_PACKED, _FIRST_WITHOUT_RANK, _FIRST_WIDE = (0, 4), (0, 5), (0, 7)
 
 _IS_ARRAY, _IS_INLINED, _IS_PACKED = 1 << 63, 1 << 62, 1 << 61
 _SMALLEST_PACKED = 16
-"""Shorter arrays are stored as they are."""
+"""Shorter arrays are not packed."""
 
 _INT = 3
 """The type of whole numbers of four bytes."""
 
 _LEAF, _CHILD = -2, -1
-"""Jumps of paths: nothing follows, a child follows; 0 is a sibling; others lead to the sibling."""
+"""Jumps in paths: nothing follows, or a child; 0 means a sibling, other numbers lead to it."""
 
 
 class Attribute(NamedTuple):

@@ -86,8 +86,8 @@ TUNING: Mapping[str, Shape] = {
     "speck_pawn": Shape("mixed, specks", lambda: speckled(*turned.pawn())),
     "folded_shelf": Shape("cad, folds", lambda: folded(*machined.shelf())),
 }
-"""What the parameters of `denoise` may be tuned on; from the foot on only since it had been
-measured on them without."""
+"""Shapes for tuning the parameters of `denoise`. Those from the foot on were added after a
+measurement on them without tuning."""
 
 HELD_OUT: Mapping[str, Shape] = {
     "octopus": Shape("organic", implicit.octopus, 90),
@@ -101,7 +101,7 @@ HELD_OUT: Mapping[str, Shape] = {
     "knot": Shape("tube", parametric.knot, 90),
     "crater": Shape("terrain", parametric.crater, 0),
 }
-"""What was never looked at while tuning."""
+"""Shapes that were never looked at while tuning."""
 
 NEW: Mapping[str, Shape] = {
     "block": Shape("cad, even", new.block),
@@ -117,7 +117,7 @@ NEW: Mapping[str, Shape] = {
     "brain": Shape("organic, folds", new.brain, 90),
     "mushroom": Shape("mixed", new.mushroom, 90),
 }
-"""What is looked at once, when all parameters stand. Nothing is tuned on it."""
+"""Shapes that are looked at once, when all parameters are final. Nothing is tuned on them."""
 
 OPEN: Mapping[str, Shape] = {
     "square": Shape("open, flat", patches.square, 0),

@@ -77,7 +77,7 @@ def patch(loops: Sequence[FloatArray], spacing: float) -> tuple[FloatArray, Face
 
 
 def are_inside(points: FloatArray, loops: Sequence[FloatArray]) -> np.ndarray:
-    """Which points (n, 2) lie inside an odd number of loops."""
+    """Whether each point (n, 2) lies inside an odd number of loops."""
     inside = np.zeros(len(points), dtype=bool)
     for start in loops:
         way = np.roll(start, -1, axis=0) - start

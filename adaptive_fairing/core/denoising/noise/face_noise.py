@@ -169,7 +169,7 @@ def _explained(
 
 
 def _tail(values: FloatArray) -> float:
-    """How far out the largest values are, relative to a normal distribution."""
+    """Size of the largest values relative to a normal distribution."""
     size = np.abs(values)
     return float(np.quantile(size, TAIL) / max(np.median(size), 1e-9)) / NORMAL_TAIL
 
