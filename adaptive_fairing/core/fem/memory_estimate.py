@@ -28,7 +28,7 @@ FAIR_BYTES_PER_TRIANGLE = 650  # topology, patches, sparsity pattern, matrix, so
 BYTES_PER_LOCAL_ENTRY = 4  # place in the matrix of an entry of a triangle's local matrix
 BYTES_PER_ENTRY_IN_WORK = 16  # the same while its chunk is assembled, and places are looked up
 BYTES_PER_TABLE_NUMBER = 16  # basis functions at quadrature points: in the table and its parts
-DENOISE_BYTES_PER_TRIANGLE = 2300  # all but the tables: what the filters remove, mostly
+DENOISE_BYTES_PER_TRIANGLE = 2000  # all but the tables: what the filters remove, mostly
 
 # Neighbours beyond which a vertex is worth naming: its memory grows with their cube.
 NOTABLE_VALENCE = 300
