@@ -11,7 +11,7 @@ import bpy
 
 NAME = "adaptive_fairing"
 
-# What Blender gave back on registering, which it wants to see again on unregistering.
+# Handle that Blender returned on registering; it is needed to unregister.
 _registered: list[object] = []
 
 

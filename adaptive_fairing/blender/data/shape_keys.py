@@ -258,7 +258,7 @@ def animated_frames(obj: bpy.types.Object) -> tuple[float, float] | None:
 def keyframe_keys(keys: bpy.types.Key, frames: Sequence[float]) -> None:
     """Show every absolute key at a frame of its own, with linear interpolation between them."""
     for frame, block in zip(frames, keys.key_blocks, strict=True):
-        # Where a key stands is read, never computed: 0, 10, 20, 30.0000019 …
+        # The time of a key is read, never computed: 0, 10, 20, 30.0000019 …
         keys.eval_time = block.frame
         keys.keyframe_insert("eval_time", frame=frame)
     for curve in compatibility.fcurves(keys):

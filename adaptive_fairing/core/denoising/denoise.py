@@ -36,7 +36,7 @@ FILTERED = Margin(12)
 # for no clear gain.
 FILTERED_AS_PLANNED = Margin(16)
 
-# Of noise whose width was told, so many rings for each edge of it.
+# Rings for each edge of width, for noise of a given width.
 RINGS_OF_WIDTH = 4
 
 # The noise is judged only from the vertices that may move, because an earlier run may have removed

@@ -13,7 +13,7 @@ from .noise_correlation import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing
 from .parameters import parameters
 
-# What a filter does at creases. Those that see creases keep what stands out of the noise.
+# Behaviour of a filter at creases. Filters that see creases keep those that stand out of the noise.
 KEEPS, SEES, IGNORES = "keeps", "sees", "ignores"
 
 

@@ -27,10 +27,10 @@ from .triangle_surface import TriangleSurface
 
 NO_FACE = -1
 
-# Of the median of absolute values and the standard deviation, for normal noise.
+# Ratio of the median of absolute values to the standard deviation, for normal noise.
 MEDIAN_TO_DEVIATION = 1.4826
 
-# In local edge lengths: exact planes have residuals of rounding.
+# Deviation in local edge lengths: exact planes have residuals of rounding.
 LEAST_DEVIATION = 1e-9
 
 # Relative to the trace, keeps a system of a handful of vertices on one line definite.
@@ -115,7 +115,7 @@ class FlatFaces:
             if not self._grow():
                 break
         self.planes = self._fitted()
-        # Those that are bent now have grown too far: onto what is round.
+        # Faces that are bent now have grown too far, onto a round part.
         has_grown_too_far = self._of_triangles(self.planes.are_bent(self._own_part))
         if has_grown_too_far.any():
             self.face = np.where(has_grown_too_far, found, self.face)
@@ -137,7 +137,7 @@ class FlatFaces:
         """Whether no triangle around each one turns away, those beyond creases aside, (m,)."""
         tuned = parameters()
         is_even = np.ones(len(self._triangles), dtype=bool)
-        # Where there is no other triangle, the product with the last row is 0: a crease.
+        # Without another triangle the product with the last row is 0, as at a crease.
         normals = np.append(self._normals, np.zeros((1, 3)), axis=0)
         for other in around:
             cosine = dots(self._normals, normals[other])

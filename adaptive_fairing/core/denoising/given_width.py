@@ -46,7 +46,7 @@ def verdict_of_width(stage: Stage, width: float) -> NoiseVerdict:
         on_faces = stage.face_noise(noisy)
         if on_faces.part >= parameters().least_on_faces:
             size = min(size, on_faces.level)
-        # What is taken off for clean meshes is added first.
+        # The part that is subtracted for clean meshes is added first.
         level[counted] = with_clean(np.array(size))
     correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
     return NoiseVerdict(stage, level, correlation, np.zeros(len(counted)), level, ())

@@ -108,7 +108,7 @@ class MeshParts:
         for members in self._members:
             counted = np.zeros(len(level), dtype=bool)
             counted[members] = self.is_counted[members]
-            # As in a mesh of so few, nothing can be told: specks stay as they are.
+            # As in a mesh of so few vertices nothing can be judged: specks do not change.
             if np.count_nonzero(counted) < tuned.fewest_vertices:
                 continue
             level[counted] = self._rough_level(surface, counted)
@@ -120,7 +120,7 @@ class MeshParts:
                 certainty = impulsive_certainty(surface, level, counted)
                 impulsive[members] = certainty * self.may_move[members]
             if not keeps_clean:
-                # What is taken off for clean meshes is added first.
+                # The part that is subtracted for clean meshes is added first.
                 noise[counted] = with_clean(level[counted])
                 continue
             triangles = surface.topology.triangles

@@ -171,7 +171,7 @@ def _planned(
     # The risk is in local edge lengths, but not in less than the noise: else a few vertices of tiny
     # edges, with noise of many, would decide for all.
     unit = np.maximum(noise, 1)
-    # In single precision, like what they are measured from.
+    # In single precision, like the arrays that they are measured from.
     removed: list[RealArray] = []
     divergence: list[RealArray] = []
 

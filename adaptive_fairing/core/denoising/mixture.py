@@ -67,7 +67,7 @@ class Mixture(NamedTuple):
     def coefficients(self, index: int) -> RealArray:
         """Coefficients of one filter at the vertices, (n,)."""
         classes = self.by_class[:, :, index].astype(self.weights.dtype)
-        # In most meshes there is one part, whose classes need no copy for every vertex.
+        # Most meshes are one part, whose classes need no copy for every vertex.
         of_vertex = classes.take(self.part, axis=0) if len(classes) > 1 else classes
         coefficients: RealArray = np.einsum("cn,nc->n", self.weights, of_vertex)
         return coefficients

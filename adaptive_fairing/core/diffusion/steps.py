@@ -176,7 +176,7 @@ def _steps(
         used_density = density
         # The system of the next step measures this step's surface on the way.
         if index < settings.steps and solve.converged:
-            # Where single precision did not serve it is not tried again.
+            # Where single precision did not suffice it is not tried again.
             in_single, in_double = system.matrix.is_single, system.in_double
             density = next_density(problem, current, settings, density)
             system = _system(space, current, settings, times, density, in_single, in_double)

@@ -94,5 +94,5 @@ class SpaceTables:
 
 @lru_cache(maxsize=MOST_KEPT)
 def _kept_tables(patch_class: PatchClass, choice: QuadratureChoice) -> PatchTables:
-    # So small a table of products pays for any class that is not rare.
+    # A table of products of this size is worth it for any class that is not rare.
     return PatchTables([basis_table(patch_class, choice)], FEW_TRIANGLES + 1)

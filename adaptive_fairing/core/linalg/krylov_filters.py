@@ -194,7 +194,7 @@ class _Space:
         n = self.n_directions
         eigenvalues, vectors = np.linalg.eigh(self._bending[:n, :n])
         eigenvalues = np.maximum(eigenvalues, LEAST_EIGENVALUE)
-        # What one solve with the common time removed is the first direction.
+        # The first direction is what one solve with the common time removes.
         already = Diffusion(COMMON_TIME, 1, 1).removed(eigenvalues)
         ratios = np.stack([d.removed(eigenvalues) / already for d in diffusions], axis=1)
         coefficients: FloatArray = self._first_length * (vectors @ (vectors[0][:, None] * ratios))

@@ -110,7 +110,7 @@ class SymmetricPattern:
         if ends[-1] > LARGEST_TABLE:
             return self._searched_places(low, high)
         base = ends - last - 1
-        # Of an entry only the place in its row is kept, which fits into a byte: a small table.
+        # Only the place of an entry in its row is stored, which fits into a byte: a small table.
         row_sizes = np.diff(self.row_starts[low : high + 1])
         narrow = np.min_scalar_type(row_sizes.max()).type
         table = workspace.array("places", int(ends[-1]), dtype=narrow)

@@ -50,7 +50,7 @@ def chunk_triangles(class_of: IndexArray, class_sizes: IndexArray) -> list[Index
     slabs = triangle_slabs(len(class_of))
     is_uncommon = class_sizes < UNCOMMON_PER_SLAB * len(slabs)
     n_uncommon = int(class_sizes[is_uncommon].sum())
-    # So many that their chunks do not become larger than a slab.
+    # As many as fit without making their chunks larger than a slab.
     n_together = min(MOST_SLABS_TOGETHER, len(slabs) // 2, len(class_of) // max(n_uncommon, 1))
     if np.count_nonzero(is_uncommon) < FEWEST_UNCOMMON or n_together < 2:
         return [np.arange(slab.start, slab.stop) for slab in slabs]

@@ -203,7 +203,7 @@ def class_groups(
         [(a * base + b) * base + c, (b * base + c) * base + a, (c * base + a) * base + b]
     )
     smallest = keys.min(axis=0)
-    # As argmin, which takes several times as long along this axis.
+    # The same as argmin, which takes several times as long along this axis.
     first_corner = np.where(smallest == keys[0], 0, np.where(smallest == keys[1], 1, 2))
     unique, class_of = _numbered(smallest)
     class_codes = names[np.stack([unique // base**2, unique // base % base, unique % base], axis=1)]

@@ -168,7 +168,7 @@ def _orientation(edges: _PairedEdges, n_triangles: int) -> tuple[BoolArray, Bool
     n_sheets, sheet = connected_components(_graph(rows, columns, 2 * n), directed=False)
     as_is, turned = sheet[:n], sheet[n:]
     two_sided = as_is != turned
-    # Of the two sheets of a piece take the one that leaves more triangles as they are.
+    # Take the one of a piece's two sheets that leaves more triangles unturned.
     n_kept = np.bincount(as_is[two_sided], minlength=n_sheets)
     kept, other = n_kept[as_is], n_kept[turned]
     flip[two_sided] = (kept < other)[two_sided] | ((kept == other) & (as_is > turned))[two_sided]

@@ -21,7 +21,8 @@ Its Loop basis function is not 0 on triangles with a corner in the first ring.  
 the second ring, and the control points around those in the third.
 """
 
-# Of the triangles. Larger parts save little, and what is measured is better all of the mesh.
+# Largest fraction of the triangles in a part. Larger parts save little, and measures of the whole
+# mesh are better.
 LARGEST_PART = 0.5
 
 

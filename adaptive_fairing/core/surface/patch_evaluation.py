@@ -117,7 +117,7 @@ def checked_places(
             f"{len(unknown)} points are in triangles outside 0 … {n_triangles - 1}: points "
             f"{listed(unknown)}"
         )
-    # Not "<" and ">": so that what is no number counts as outside, too.
+    # Not "<" and ">", so that NaN counts as outside too.
     is_inside = (places >= -ROUNDING).all(axis=1) & (np.abs(places.sum(axis=1) - 1) <= ROUNDING)
     outside = np.flatnonzero(~is_inside)
     if len(outside):

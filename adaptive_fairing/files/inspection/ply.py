@@ -277,7 +277,7 @@ def _walk_binary(data: bytes, place: int, element: Element) -> Rows:
     columns, lists = {}, {}
     for each in element.properties:
         ends = np.concatenate([[0], np.cumsum(lengths[each.name])]).astype(np.int64)
-        # Where the bytes of all values are: those of a row follow its place without gaps.
+        # Offsets of the bytes of all values: those of a row follow its own without gaps.
         width = each.dtype.itemsize
         shift = np.array(places[each.name], dtype=np.int64) - width * ends[:-1]
         index = np.arange(width * ends[-1]) + np.repeat(shift, width * np.diff(ends))

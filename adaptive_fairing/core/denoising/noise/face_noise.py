@@ -190,7 +190,7 @@ def _within_faces(surface: NoisySurface, face: IntArray, normals: FloatArray) ->
     weights = np.concatenate([1 / count[first], np.ones(len(alone))])
     places = np.concatenate([first, alone]), np.concatenate([second, alone])
     mean = sparse.csr_array((weights, places), shape=(n, n))
-    # Of the two normals of a plane the one on the surface's side.
+    # The one of a plane's two normals that is on the surface's side.
     side = np.where(dots(normals[face], frame.normals) < 0, -1.0, 1.0)
     along = np.where((face >= 0)[:, None], side[:, None] * normals[face], frame.normals)
     return frame.with_frame(normals=along, mean=mean)

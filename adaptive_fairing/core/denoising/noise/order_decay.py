@@ -84,7 +84,7 @@ class Fading:
     def _compared(self, differences: FloatArray, is_counted: BoolArray) -> tuple[float, float]:
         low, high = np.median(differences[:, is_counted], axis=1)
         white_low, white_high = np.median(self._of_white[:, is_counted], axis=1)
-        # What is not rough at all does not fade.
+        # A surface without roughness does not fade.
         kept = (high / low) / (white_high / white_low) if low > 0 else 1.0
         return float(low / white_low), float(kept)
 
