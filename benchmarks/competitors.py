@@ -216,9 +216,10 @@ def _of_ours(name: str, **options: bool) -> dict[str, Callable[[meshes.Mesh, Amo
     return whole | {f"{name}, {kind}": partial(ours, **options, **_KINDS[kind]) for kind in _KINDS}
 
 
+OWN_RUNS = {**_of_ours(OURS), **_of_ours(DENOISE, denoises=True)}
+
 PROGRAMS: Mapping[str, Callable[[meshes.Mesh, Amount], Smoother]] = {
-    **_of_ours(OURS),
-    **_of_ours(DENOISE, denoises=True),
+    **OWN_RUNS,
     KEPT: ours_on_the_first_surface,
     "libigl, cotangent + CG": libigl,
     "libigl, cotangent + Cholesky": partial(libigl, cholesky=True),

@@ -29,7 +29,7 @@ from adaptive_fairing.core.diffusion.smoothing_radius import equivalent_uniform_
 from tools.geometry.triangles import edge_lengths
 
 from . import cgal_program, meshes
-from .competitors import AGAIN, DENOISE, KEPT, OURS, PART, PRESS, PROGRAMS, SMALL_PRESS
+from .competitors import AGAIN, DENOISE, KEPT, OURS, OWN_RUNS, PART, PRESS, PROGRAMS, SMALL_PRESS
 from .measuring import MEGABYTE, Result, load, log_slope, machine, seconds_text, table
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -290,6 +290,16 @@ def print_slopes(sizes: dict[str, list[tuple[int, dict[str, Result]]]]) -> None:
         print(table(["", "one step", "step", "memory"], rows))
 
 
+def _like_others(results: dict[str, Result]) -> dict[str, Result]:
+    """Results of what every program does: smoothing all of a mesh from scratch."""
+    others = OWN_RUNS.keys() - {OURS}
+    return {
+        name: result
+        for name, result in results.items()
+        if name not in others and not name.endswith(EARLIER)
+    }
+
+
 def main() -> None:
     """Run the contest on every mesh asked for."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -313,7 +323,12 @@ def main() -> None:
     if any(len(series) > 1 for series in sizes.values()):
         from .speed_plot import draw  # matplotlib is wanted for this alone
 
-        draw({name: series for name, series in sizes.items() if len(series) > 1}, arguments.plot)
+        drawn = {
+            shape: [(n, _like_others(results)) for n, results in series]
+            for shape, series in sizes.items()
+            if len(series) > 1
+        }
+        draw(drawn, arguments.plot)
         print(f"\ndrawn in {arguments.plot}")
 
 
