@@ -124,7 +124,7 @@ def refuse_unknown(parsers: dict[str, Parser], algorithm: str, words: Sequence[s
 
 def _add_output(group: Any, algorithm: str) -> None:
     contents = {
-        DENOISE: ".blend (all strengths, as shape keys) or a mesh format (the one asked for)",
+        DENOISE: ".blend (all strengths, as shape keys) or a mesh format (the chosen one)",
         FAIR: ".blend (every step as a shape key, animated) or a mesh format (the last step)",
         REFINE: ".blend or a mesh format",
     }[algorithm]
@@ -146,7 +146,7 @@ def _add_denoise(parser: Parser, common: Any) -> None:
         "--strength",
         type=float,
         metavar="X",
-        help="how much of the estimated noise to remove: 0 none, 1 all (default: 1.0)",
+        help="noise to remove, as a factor of the estimated noise (default: 1.0)",
     )
     _add_choice(
         common,
