@@ -95,7 +95,7 @@ memory: peak of the whole process, and its growth by the smoothing per triangle.
 moved: root mean square displacement after the last step, in mean edges; CGAL keeps the volume."""
 
 
-def best(runs: list[dict[str, float | None]]) -> Result:
+def best(runs: list[dict[str, float | None]], has_steps: bool) -> Result:
     """Take the shortest times of several runs, each by itself."""
     one = min(run["one"] for run in runs)
     fours = [run["four"] for run in runs if run["four"] is not None]
@@ -103,7 +103,7 @@ def best(runs: list[dict[str, float | None]]) -> Result:
     four = min(fours) if fours else None
     step = min(steps, default=None)
     # A smaller difference than this is lost in the noise.
-    if step is None and four is not None and four > 1.05 * one:
+    if has_steps and step is None and four is not None and four > 1.05 * one:
         step = (four - one) / 3
     return Result(
         one=one,
@@ -172,7 +172,11 @@ class Contest:
                     runs.setdefault(name, []).append(run)
                     self._last[name] = len(mesh.triangles), run["one"]
         path.unlink()
-        return {name: best(runs[name]) for name in self._commands if name in runs}
+        return {
+            name: best(runs[name], not name.startswith(DENOISE))
+            for name in self._commands
+            if name in runs
+        }
 
     def _is_too_slow(self, name: str, n_triangles: int, turn: int, has_run: bool) -> bool:
         if name not in self._last:
