@@ -49,15 +49,20 @@ def read_attributes(mesh: bpy.types.Mesh, without: tuple[str, ...] = ()) -> list
         if attribute.data_type == TEXT:
             values = np.array([item.value for item in attribute.data], dtype=object)
         elif attribute.data_type in STORAGE:
-            name, width, dtype = STORAGE[attribute.data_type]
-            values = np.empty(width * len(attribute.data), dtype=dtype)
-            attribute.data.foreach_get(name, values)
-            values = values if width == 1 else values.reshape(-1, width)
+            values = read_values(attribute)
         else:
             continue
         described = attribute.name, attribute.data_type, attribute.domain
         arrays.append(AttributeArray(*described, values))
     return arrays
+
+
+def read_values(attribute: bpy.types.Attribute) -> NDArray:
+    """Read an attribute of a type in `STORAGE`: (n,) or (n, width)."""
+    name, width, dtype = STORAGE[attribute.data_type]
+    values = np.empty(width * len(attribute.data), dtype=dtype)
+    attribute.data.foreach_get(name, values)
+    return values if width == 1 else values.reshape(-1, width)
 
 
 def write_attribute(mesh: bpy.types.Mesh, array: AttributeArray) -> None:
@@ -87,19 +92,7 @@ def remove_attributes(mesh: bpy.types.Mesh, names: Iterable[str]) -> None:
                     setattr(attributes, which, next(iter(mesh.color_attributes.keys()), ""))
 
 
-def read_boolean(mesh: bpy.types.Mesh, name: str, size: int) -> NDArray[np.bool_]:
-    """Read a flag, (size,); False where the attribute is missing."""
-    values = np.zeros(size, dtype=bool)
+def read_or_zeros(mesh: bpy.types.Mesh, name: str, size: int, dtype: type = np.float32) -> NDArray:
+    """Read a number or a flag, (size,); zeros where the mesh has no such attribute."""
     attribute = mesh.attributes.get(name)
-    if attribute is not None and size:
-        attribute.data.foreach_get("value", values)
-    return values
-
-
-def read_float(mesh: bpy.types.Mesh, name: str, size: int) -> NDArray[np.float32]:
-    """Read a number, (size,); 0 where the attribute is missing."""
-    values = np.zeros(size, dtype=np.float32)
-    attribute = mesh.attributes.get(name)
-    if attribute is not None and size:
-        attribute.data.foreach_get("value", values)
-    return values
+    return np.zeros(size, dtype) if attribute is None else read_values(attribute)

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from .attribute_arrays import read_boolean
+from .attribute_arrays import read_or_zeros
 from .mesh_arrays import read_mesh_coordinates
 from .mesh_building import integers
 
@@ -35,7 +35,7 @@ class BrushRegion(NamedTuple):
 
     def _is_beyond(self, mesh: bpy.types.Mesh) -> NDArray[np.bool_]:
         """Whether each vertex is hidden or has a face of another face set, (n,)."""
-        is_beyond = read_boolean(mesh, ".hide_vert", len(mesh.vertices))
+        is_beyond = read_or_zeros(mesh, ".hide_vert", len(mesh.vertices), bool)
         if FACE_SET in mesh.attributes and self.polygon < len(mesh.polygons):
             face_set = integers(mesh.attributes[FACE_SET].data, "value", 1)
             corner_set = np.repeat(face_set, integers(mesh.polygons, "loop_total", 1))

@@ -9,9 +9,9 @@ import bpy
 import numpy as np
 
 from . import modifier, split
-from .mesh_arrays import read_mesh_coordinates, write_positions
+from .mesh_arrays import write_positions
 from .paint_group import made_paint_group, remove_paint_group
-from .shape_keys import has_foreign_keys, mixed_keys, remove_fairing_keys
+from .shape_keys import has_foreign_keys, remove_fairing_keys, shown_positions
 from .stored_path import StoredPath, remove_path
 
 if TYPE_CHECKING:  # enabling the add-on does not load the core
@@ -77,10 +77,7 @@ class Display:
 
     def shown(self) -> SingleArray:
         """Positions (n, 3) that the object shows, other modifiers aside; not in Edit Mode."""
-        mesh = self.obj.data
-        if mesh.shape_keys is not None:
-            return mixed_keys(mesh.shape_keys)
-        return read_mesh_coordinates(mesh)
+        return shown_positions(self.obj.data)
 
     def apply(self) -> None:
         """Keep the shape that is shown, and remove everything else of the result."""
@@ -153,4 +150,6 @@ class ResultDisplay(Display, ABC):
 
 def is_behind(original: SingleArray, record: bpy.types.PropertyGroup) -> NDArray[np.bool_]:
     """Whether each vertex is on the side of the split that shows the original, (n,)."""
+    if record.is_before:
+        return np.ones(len(original), dtype=bool)
     return (original - np.float32(record.split_point)) @ np.float32(record.split_normal) < 0

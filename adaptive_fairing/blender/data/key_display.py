@@ -43,7 +43,7 @@ class KeysDisplay(ResultDisplay):
     @property
     def has_strokes(self) -> bool:
         known = self.obj.data.adaptive_fairing.checksum
-        return bool(known) and known != keys_checksum(self.obj.data.shape_keys)
+        return bool(known) and known != str(keys_checksum(self.obj.data.shape_keys))
 
     @property
     def place(self) -> float:
@@ -57,7 +57,7 @@ class KeysDisplay(ResultDisplay):
 
     def note_written(self) -> None:
         mesh = self.obj.data
-        mesh.adaptive_fairing.checksum = keys_checksum(mesh.shape_keys)
+        mesh.adaptive_fairing.checksum = str(keys_checksum(mesh.shape_keys))
 
     def show(self, place: float) -> None:
         keys = self.obj.data.shape_keys

@@ -70,7 +70,7 @@ class _OffsetDisplay(ResultDisplay):
         weights = paint_weights(self.obj)
         if weights is not None:
             offset *= weights[:, None]
-        if record.is_split:
+        if record.is_before or record.is_split:
             offset[is_behind(original, record)] = 0
         return offset
 

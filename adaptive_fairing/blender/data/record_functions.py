@@ -5,7 +5,8 @@ The record itself, with the sliders, is in `record_properties`.
 
 from __future__ import annotations
 
-from contextlib import nullcontext
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, fields
 from typing import Any, TypeAlias
 
@@ -20,8 +21,6 @@ from .object_mode import object_mode
 Record: TypeAlias = Any
 """A `record_properties.FairingRecord`; Blender makes its properties, unseen by type checkers."""
 
-NOT_HELD = -1.0
-
 
 def forget(record: Record) -> None:
     """Forget the runs, with their measures."""
@@ -30,51 +29,59 @@ def forget(record: Record) -> None:
     record.steps.clear()
 
 
-def has_slider(record: Record) -> bool:
-    """Whether a slider runs from the original to the result."""
-    return bool(display_of(record.id_data).slider)
+@contextmanager
+def _mesh_writable(obj: bpy.types.Object) -> Iterator[None]:
+    """Leave Edit Mode for the body, and update the colours that depend on the shape after it."""
+    with object_mode(bpy.context) if obj.data.is_editmode else nullcontext():
+        yield
+        view = obj.adaptive_fairing.view
+        if (
+            view in COMPARED_FIELDS and display_of(obj).is_whole
+        ):  # tell the shape that is shown from the original
+            from ...core import FairingSettings
+            from .coloring import color_by_field
+
+            color_by_field(obj, view, FairingSettings())
 
 
 def show_at(record: Record, place: float) -> None:
     """Show a result at a place of its path, if it is still whole, and update its colours."""
     obj = record.id_data
-    with object_mode(bpy.context) if obj.data.is_editmode else nullcontext():
-        display = display_of(obj)
-        if not display.is_whole:
-            return
-        record.held = NOT_HELD
-        display.show(place)
-        if record.view in COMPARED_FIELDS:  # tell the shape that is shown from the original
-            from ...core import FairingSettings
-            from .coloring import color_by_field
-
-            color_by_field(obj, record.view, FairingSettings())
+    with _mesh_writable(obj):
+        if display_of(obj).is_whole:
+            end_before(record)
+            display_of(obj).show(place)
 
 
-def toggle_before(record: Record) -> None:
-    """Switch between the original and the result."""
-    if record.held != NOT_HELD:
-        end_before(record)
-        return
-    held = display_of(record.id_data).place
-    show_at(record, 0.0)
-    record.held = held
+def show_before(record: Record, is_before: bool) -> None:
+    """Show the original, or the result again, whatever the slider says."""
+    if record.is_before != is_before:
+        record.is_before = is_before
+        with _mesh_writable(record.id_data):
+            _compare(record.id_data)
 
 
 def end_before(record: Record) -> None:
-    """Show the result again if the original is shown."""
-    if record.held != NOT_HELD:
-        show_at(record, record.held)
-        record.held = NOT_HELD
+    """Show the result again after the original."""
+    show_before(record, False)
 
 
 def end_comparison(record: Record) -> None:
     """Show the whole result again; in Object Mode."""
-    end_before(record)
-    if record.is_split:
-        record.is_split = False
-        split.remove(record.id_data)
-        update_shown(record.id_data)
+    if record.is_before or record.is_split:
+        record.is_before = record.is_split = False
+        _compare(record.id_data)
+
+
+def _compare(obj: bpy.types.Object) -> None:
+    """Show the original where the record says so, and the result elsewhere."""
+    display, record = display_of(obj), obj.adaptive_fairing
+    original = display.original() if record.is_before or record.is_split else None
+    if original is None:
+        split.remove(obj)
+        update_shown(obj)
+    else:
+        display.add_split(original)
 
 
 def update_shown(obj: bpy.types.Object) -> None:

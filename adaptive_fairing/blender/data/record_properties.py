@@ -15,7 +15,7 @@ from bpy.props import (
 
 from .display import display_of
 from .offset_display import N_STRENGTHS
-from .record_functions import NOT_HELD, show_at
+from .record_functions import show_at
 from .sculpt_undo import keep_slide
 from .shape_keys import last_step
 
@@ -127,15 +127,14 @@ class FairingRecord(bpy.types.PropertyGroup):
     chosen: IntProperty(description="In earlier files, see `earlier_files`")
     strengths: FloatVectorProperty(size=N_STRENGTHS)
     n_strengths: IntProperty()
-    held: FloatProperty(default=NOT_HELD, description="Of the slider, while the original is shown")
+    is_before: BoolProperty(description="Whether the original is shown for a moment")
     is_split: BoolProperty(description="Whether one half shows the original")
     split_normal: FloatVectorProperty(size=3)
     split_point: FloatVectorProperty(size=3)
     strength: FloatProperty(
         name="Strength",
         description=(
-            "How much of the noise is removed: 0 is the original, 1 what was estimated; works in "
-            "real time"
+            "How much of the noise is removed: 0 is none, 1 what was estimated; works in real time"
         ),
         min=0.0,
         soft_max=2.0,

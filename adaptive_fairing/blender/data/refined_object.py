@@ -23,8 +23,7 @@ from .attribute_arrays import (
     GEOMETRY,
     AttributeArray,
     read_attributes,
-    read_boolean,
-    read_float,
+    read_or_zeros,
     write_attribute,
 )
 from .key_copies import read_keys, write_keys
@@ -169,10 +168,10 @@ class _Source:
         creases, held = np.empty((0, 2), dtype=np.int64), np.empty(0, dtype=np.int64)
         if sharp_creases:
             n_edges = len(self.ends)
-            is_sharp = read_boolean(mesh, "sharp_edge", n_edges)
-            is_sharp |= read_float(mesh, "crease_edge", n_edges) >= SHARP_CREASE
+            is_sharp = read_or_zeros(mesh, "sharp_edge", n_edges, bool)
+            is_sharp |= read_or_zeros(mesh, "crease_edge", n_edges) >= SHARP_CREASE
             creases = self.ends[is_sharp]
-            pinned = read_float(mesh, "crease_vert", len(mesh.vertices)) >= SHARP_CREASE
+            pinned = read_or_zeros(mesh, "crease_vert", len(mesh.vertices)) >= SHARP_CREASE
             held = np.flatnonzero(pinned)
         self.refinement = refinement_of(self.triangles, len(mesh.vertices), creases, held, levels)
         edges = self.refinement.net(0).edges

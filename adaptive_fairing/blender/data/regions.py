@@ -7,7 +7,7 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import NDArray
 
-from .attribute_arrays import read_boolean
+from .attribute_arrays import read_or_zeros, read_values
 from .brush_region import BrushRegion
 from .mesh_building import integers
 from .vertex_groups import group_weights
@@ -46,9 +46,7 @@ def sculpt_mask(mesh: bpy.types.Mesh) -> NDArray[np.float32] | None:
     """Read the mask of Sculpt Mode, (n,) in [0, 1], in Object Mode; None if there is none."""
     if SCULPT_MASK not in mesh.attributes:
         return None
-    mask = np.zeros(len(mesh.vertices), dtype=np.float32)
-    mesh.attributes[SCULPT_MASK].data.foreach_get("value", mask)
-    return np.clip(mask, 0.0, 1.0)
+    return np.clip(read_values(mesh.attributes[SCULPT_MASK]), 0.0, 1.0)
 
 
 def vertex_weights(
@@ -114,7 +112,7 @@ def vertex_weights(
     if hold_sharp and "sharp_edge" in mesh.attributes:
         ends = integers(mesh.attributes[".edge_verts"].data, "value", 2)
         is_free = np.ones(len(mesh.vertices))
-        is_free[ends[read_boolean(mesh, "sharp_edge", len(ends))]] = 0.0
+        is_free[ends[read_or_zeros(mesh, "sharp_edge", len(ends), bool)]] = 0.0
         factors.append(is_free)
     if not factors:
         return None

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...core import InputError
 from ...core.runtime.arrays import SingleArray
+from .coloring import end_view
 from .display import display_of, new_display
 from .field_attributes import remove_density
 from .mesh_arrays import write_positions
@@ -157,8 +158,7 @@ def drop_control(obj: bpy.types.Object) -> None:
 def clear(obj: bpy.types.Object) -> None:
     """Remove everything that runs have left on an object; its coordinates or its Basis stay.
 
-    Objects that share its mesh have the same result, which ends for them too. A colour view must
-    have ended, see `coloring.end_view`.
+    Objects that share its mesh have the same result, which ends for them too.
     """
     display_of(obj).clear()
     forget(obj)
@@ -168,6 +168,8 @@ def forget(obj: bpy.types.Object) -> None:
     """Remove what runs have left, except shape keys; the coordinates stay. See `clear`."""
     for each in bpy.data.objects:
         if each.data == obj.data and each.is_editable:
+            if each.adaptive_fairing.view:  # else it may be paused, see `pause_view`
+                end_view(each)
             display_of(each).forget()
             drop_control(each)
             if each.adaptive_fairing.keeps_density:

@@ -11,6 +11,7 @@ import bpy
 from ...files.output_words import FAIRED
 from . import color_material
 from .mesh_arrays import is_shared
+from .shape_keys import clear_animation
 from .targets import writable_object
 
 
@@ -97,9 +98,6 @@ def remove_mesh(mesh: bpy.types.Mesh) -> None:
     """Remove a mesh without users, and the animation of its keys if nothing else uses it."""
     if is_shared(mesh, among=0):  # Blender would remove its objects as well
         return
-    keys = mesh.shape_keys
-    animation = keys.animation_data if keys is not None else None
-    action = animation.action if animation is not None else None
+    if mesh.shape_keys is not None:
+        clear_animation(mesh.shape_keys)
     bpy.data.meshes.remove(mesh)
-    if action is not None and action.users == 0:
-        bpy.data.actions.remove(action)

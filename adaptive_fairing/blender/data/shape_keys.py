@@ -16,7 +16,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .. import compatibility
-from .mesh_arrays import flat_float32, read_key, read_positions, write_positions
+from .mesh_arrays import (
+    flat_float32,
+    read_key,
+    read_mesh_coordinates,
+    read_positions,
+    write_positions,
+)
 
 BASIS = "Basis"
 _STEP_NAME = re.compile(r"Fairing (\d+)")
@@ -71,12 +77,16 @@ def show_step(keys: bpy.types.Key, step: float) -> None:
     show_time(keys, float(np.interp(step, [0, *_steps(keys)], frames)))
 
 
-def keys_checksum(keys: bpy.types.Key) -> str:
-    """Checksum of the shapes of all keys."""
-    crc = 0
+def keys_checksum(keys: bpy.types.Key, before: int = 0) -> int:
+    """Checksum of the names and shapes of keys, and of what has the checksum `before`."""
     for block in keys.key_blocks:
-        crc = zlib.crc32(read_key(block), zlib.crc32(block.name.encode(), crc))
-    return str(crc)
+        before = zlib.crc32(read_key(block), zlib.crc32(block.name.encode(), before))
+    return before
+
+
+def shown_positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    """Positions (n, 3) that a mesh shows: mixed keys if it has some, else its coordinates."""
+    return mixed_keys(mesh.shape_keys) if mesh.shape_keys else read_mesh_coordinates(mesh)
 
 
 def mixed_keys(keys: bpy.types.Key) -> NDArray[np.float32]:
@@ -205,10 +215,15 @@ def remove_fairing_keys(obj: bpy.types.Object) -> None:
             "fair a copy of the object without them"
         )
     basis = read_positions(mesh)
-    animation = mesh.shape_keys.animation_data
-    action = animation.action if animation is not None else None
+    clear_animation(mesh.shape_keys)
     obj.shape_key_clear()
     write_positions(mesh, basis)
+
+
+def clear_animation(keys: bpy.types.Key) -> None:
+    """Remove the animation of keys, and its action if nothing else uses it."""
+    action = keys.animation_data.action if keys.animation_data is not None else None
+    keys.animation_data_clear()
     if action is not None and action.users == 0:
         bpy.data.actions.remove(action)
 

@@ -23,10 +23,11 @@ from .attribute_arrays import read_attributes
 from .coloring import color_by_field, pause_view
 from .control_mesh import CONTROL, LEVELS, has_control, is_refined, net_fingerprint, take_control
 from .display import display_of
-from .mesh_arrays import is_shared, n_triangles, read_key
+from .mesh_arrays import is_shared, n_triangles
 from .paint_group import forget_weights
 from .refined_object import RENEWED, RefineOptions, refine_object
 from .rollback import remove_mesh
+from .shape_keys import keys_checksum
 from .stored_path import stored_names
 
 LARGEST_EXACT = 500_000
@@ -171,6 +172,5 @@ def _fingerprint(mesh: bpy.types.Mesh) -> str:
             content = repr(values.tolist()).encode() if values.dtype == object else values.tobytes()
             crc = zlib.crc32(content, zlib.crc32(repr(array[:3]).encode(), crc))
     if mesh.shape_keys is not None:
-        for block in mesh.shape_keys.key_blocks:
-            crc = zlib.crc32(read_key(block), zlib.crc32(block.name.encode(), crc))
+        crc = keys_checksum(mesh.shape_keys, crc)
     return f"{net_fingerprint(mesh)}{crc}"

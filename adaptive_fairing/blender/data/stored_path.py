@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from .attribute_arrays import remove_attributes
+from .attribute_arrays import read_values, remove_attributes
 
 if TYPE_CHECKING:  # enabling the add-on does not load the core
     from numpy.typing import NDArray
@@ -99,9 +99,7 @@ def remove_path(mesh: bpy.types.Mesh) -> None:
 
 def read_vectors(mesh: bpy.types.Mesh, name: str) -> SingleArray:
     """Read a vector attribute of the points, (n, 3)."""
-    buffer = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.attributes[name].data.foreach_get("vector", buffer)
-    return buffer.reshape(-1, 3)
+    return read_values(mesh.attributes[name])
 
 
 def write_vectors(mesh: bpy.types.Mesh, name: str, vectors: NDArray[np.floating]) -> None:

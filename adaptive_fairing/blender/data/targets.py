@@ -7,8 +7,8 @@ import bpy
 from ...core import FairingError
 from ...files.output_words import FAIRED
 from .key_copies import clear_keys
-from .mesh_arrays import is_shared, read_positions, write_positions
-from .shape_keys import has_foreign_keys, mixed_keys
+from .mesh_arrays import is_shared, write_positions
+from .shape_keys import has_foreign_keys, shown_positions
 
 
 def find_mesh_object(file_name: str, name: str | None = None) -> bpy.types.Object:
@@ -85,7 +85,7 @@ def writable_object(
 
 
 def _copy_in_place(obj: bpy.types.Object, word: str) -> bpy.types.Object:
-    shown = mixed_keys(obj.data.shape_keys) if obj.data.shape_keys else read_positions(obj.data)
+    shown = shown_positions(obj.data)
     copy = obj.copy()
     copy.make_local(clear_liboverride=True)
     copy.name = f"{obj.name} {word}"

@@ -13,9 +13,8 @@ from ...core import FairingError, FairingSettings
 from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ...files.output_words import FAIRED, REFINED
 from ...files.report import settings_record, write_report
-from ..data.mesh_arrays import read_positions
 from ..data.refined_object import RefineOptions, refine_object
-from ..data.shape_keys import mixed_keys
+from ..data.shape_keys import shown_positions
 from ..data.targets import writable_object
 from ..data.weld import weld
 from ..files.import_losses import import_notes
@@ -70,8 +69,7 @@ def fair_attribute_of_file(files: Files, name: str, settings: FairingSettings) -
     """
 
     def change(obj: bpy.types.Object) -> list[str]:
-        mesh = obj.data
-        shown = mixed_keys(mesh.shape_keys) if mesh.shape_keys else read_positions(mesh)
+        shown = shown_positions(obj.data)
         faired = fair_attribute(obj, name, settings, positions=shown)
         if not faired.n_limited:
             return []

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..data.shape_keys import evolution_keys
+from ..data.shape_keys import clear_animation, evolution_keys
 from .polls import is_allowed
 
 NO_EVOLUTION = "Fair the active object first, with Evolution as its result"
@@ -39,7 +39,7 @@ class _OverFrames(_OnEvolution):
         if self.frame_end <= self.frame_start:
             self.report({"ERROR"}, rpt_("The last frame must come after the first"))
             return False
-        _clear_animation(evolution_keys(context.active_object))
+        clear_animation(evolution_keys(context.active_object))
         animate_evolution(context.active_object, self.frame_start, self.frame_end)
         scene = context.scene
         scene.frame_end = max(scene.frame_end, self.frame_end)
@@ -107,7 +107,7 @@ class OBJECT_OT_adaptive_fairing_animate_clear(_OnEvolution, bpy.types.Operator)
     bl_options = {"REGISTER", "UNDO"}
 
     def execute(self, context):
-        _clear_animation(evolution_keys(context.active_object))
+        clear_animation(evolution_keys(context.active_object))
         return {"FINISHED"}
 
 
@@ -121,13 +121,6 @@ def _show_density(obj: bpy.types.Object) -> None:
     """Colour an object by the density, unless it already shows another field."""
     if not obj.adaptive_fairing.view and bpy.ops.object.adaptive_fairing_view.poll():
         bpy.ops.object.adaptive_fairing_view(field="DENSITY")
-
-
-def _clear_animation(keys: bpy.types.Key) -> None:
-    action = keys.animation_data.action if keys.animation_data is not None else None
-    keys.animation_data_clear()
-    if action is not None and action.users == 0:
-        bpy.data.actions.remove(action)
 
 
 _CLASSES = (

@@ -21,6 +21,13 @@ def no_active_mesh_refusal(context: bpy.types.Context) -> str | None:
     return "Make a mesh object active" if obj is None or obj.type != "MESH" else None
 
 
+def linked_refusal(obj: bpy.types.Object) -> str | None:
+    """Say that the mesh of an object belongs to another file; None if it does not."""
+    if obj.library is None and obj.data.library is None:
+        return None
+    return "The mesh is linked from another file: it cannot be edited here"
+
+
 def busy_refusal() -> str | None:
     """Message that a run is going on, so that no other can start; None if none is."""
     if progress() is None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections import Counter
+from collections.abc import Iterable, Sequence
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
@@ -12,12 +13,15 @@ from ..data import modifier
 from ..data.mesh_arrays import is_shared
 
 
-def hints(objects: Iterable[bpy.types.Object], settings) -> list[str]:
+def hints(objects: Sequence[bpy.types.Object], settings) -> list[str]:
     """Warnings on what a run will change beyond the meshes and on what it ignores, each once."""
-    return list(dict.fromkeys(hint for obj in objects for hint in _hints_of(obj, settings)))
+    users = Counter(obj.data for obj in objects)
+    found = (hint for obj in objects for hint in _hints_of(obj, settings, users[obj.data]))
+    return list(dict.fromkeys(found))
 
 
-def _hints_of(obj: bpy.types.Object, settings) -> list[str]:
+def _hints_of(obj: bpy.types.Object, settings, n_users: int) -> list[str]:
+    """Warnings on an object whose mesh so many objects of the run use."""
     # They need the core, which enabling the add-on does not load.
     from ..data.multires import shown_level
     from ..data.shape_keys import animated_frames
@@ -28,7 +32,7 @@ def _hints_of(obj: bpy.types.Object, settings) -> list[str]:
     is_modifier = settings.algorithm == DENOISE and settings.result == "MODIFIER"
     if needs_copy(obj, in_place=is_modifier):
         found.append("The result goes to a copy; this object is hidden")
-    elif is_shared(mesh):
+    elif is_shared(mesh, among=n_users):
         found.append("Other objects share this mesh: they keep the old one")
     if settings.algorithm == DENOISE and not is_modifier and animated_frames(obj) is not None:
         found.append("The animation of the evolution is removed with its shape keys")

@@ -15,15 +15,14 @@ from ..data.paint_group import forget_weights
 from ..data.record_functions import (
     end_before,
     end_comparison,
-    has_slider,
-    toggle_before,
+    show_before,
     update_shown,
 )
 from ..data.regions import SCULPT_MASK, sculpt_mask
 from ..data.vertex_groups import add_weights
 from ..requirements import scipy_problem
 from .painting import make_faint
-from .polls import busy_refusal, is_allowed
+from .polls import busy_refusal, is_allowed, linked_refusal
 from .questions import Asking
 
 SURFACES = (
@@ -35,7 +34,6 @@ SURFACES = (
 )
 
 NO_RESULT = "The active object has no result of Adaptive Fairing that can still be changed"
-NO_SLIDER = "Only a result with a slider can be compared with the original"
 
 
 def record_refusal(context: bpy.types.Context) -> str | None:
@@ -46,9 +44,7 @@ def record_refusal(context: bpy.types.Context) -> str | None:
     obj = context.active_object
     if obj is None or obj.type != "MESH" or not obj.adaptive_fairing.result:
         return NO_RESULT
-    if obj.library is not None or obj.data.library is not None:
-        return "The mesh is linked from another file: it cannot be edited here"
-    return None
+    return linked_refusal(obj)
 
 
 def result_refusal(context: bpy.types.Context) -> str | None:
@@ -113,14 +109,9 @@ class OBJECT_OT_adaptive_fairing_apply(_EndOfResult, bpy.types.Operator):
     )
 
     def execute(self, context):
-        from ..data.coloring import end_view
         from ..data.results import apply
 
-        def keep(obj):
-            end_view(obj)
-            apply(obj)
-
-        return self.finish(context, keep, result_objects(context))
+        return self.finish(context, apply, result_objects(context))
 
 
 class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
@@ -155,14 +146,9 @@ class OBJECT_OT_adaptive_fairing_forget(_EndOfResult, bpy.types.Operator):
         return is_allowed(cls, record_refusal(context), busy_refusal())
 
     def execute(self, context):
-        from ..data.coloring import end_view
         from ..data.results import forget
 
-        def leave(obj):
-            end_view(obj)
-            forget(obj)
-
-        return self.finish(context, leave, result_objects(context))
+        return self.finish(context, forget, result_objects(context))
 
 
 class OBJECT_OT_adaptive_fairing_surface(_OnResult, bpy.types.Operator):
@@ -205,11 +191,9 @@ def surface_name(record: bpy.types.PropertyGroup) -> str:
 
 def discard_result(operator: bpy.types.Operator, obj: bpy.types.Object) -> None:
     """Bring the mesh back to exactly what it was before the runs."""
-    from ..data.coloring import end_view
     from ..data.results import discard
     from ..data.shown_surface import show_control
 
-    end_view(obj)
     report_kept(operator, show_control(obj))
     discard(obj)
 
@@ -233,15 +217,12 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        obj = context.active_object
-        refusal = result_refusal(context)
-        if refusal is None and not has_slider(obj.adaptive_fairing):
-            refusal = NO_SLIDER
-        return is_allowed(cls, refusal, busy_refusal())
+        return is_allowed(cls, result_refusal(context), busy_refusal())
 
     def execute(self, context):
         prepare_undo(context)
-        toggle_before(context.active_object.adaptive_fairing)
+        record = context.active_object.adaptive_fairing
+        show_before(record, not record.is_before)
         return {"FINISHED"}
 
     def invoke(self, context, event):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..data.object_mode import object_mode
 from ..requirements import scipy_problem
-from .polls import is_allowed, no_active_mesh_refusal
+from .polls import is_allowed, linked_refusal, no_active_mesh_refusal
 
 
 class OBJECT_OT_adaptive_fairing_select_problems(bpy.types.Operator):
@@ -29,8 +29,8 @@ class OBJECT_OT_adaptive_fairing_select_problems(bpy.types.Operator):
             obj = context.active_object
             if obj.mode not in ("OBJECT", "EDIT"):
                 not_editable = "Change to Object Mode or Edit Mode"
-            elif obj.library is not None or obj.data.library is not None:
-                not_editable = "The mesh is linked from another file: it cannot be edited here"
+            else:
+                not_editable = linked_refusal(obj)
         return is_allowed(cls, scipy_problem(), no_mesh, not_editable)
 
     def execute(self, context):

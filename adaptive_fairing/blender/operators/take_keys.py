@@ -6,7 +6,7 @@ import bpy
 
 from ..data.earlier_files import has_earlier_keys, take_keys
 from ..data.object_mode import object_mode, prepare_undo
-from .polls import busy_refusal, is_allowed, no_active_mesh_refusal
+from .polls import busy_refusal, is_allowed, linked_refusal, no_active_mesh_refusal
 
 
 class OBJECT_OT_adaptive_fairing_take_keys(bpy.types.Operator):
@@ -23,8 +23,8 @@ class OBJECT_OT_adaptive_fairing_take_keys(bpy.types.Operator):
         refusal, obj = no_active_mesh_refusal(context), context.active_object
         if refusal is None and not has_earlier_keys(obj):
             refusal = "The active object has no shape keys of an earlier run"
-        elif refusal is None and (obj.library is not None or obj.data.library is not None):
-            refusal = "The mesh is linked from another file: it cannot be edited here"
+        elif refusal is None:
+            refusal = linked_refusal(obj)
         return is_allowed(cls, refusal, busy_refusal())
 
     def execute(self, context):

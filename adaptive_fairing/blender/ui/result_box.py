@@ -73,8 +73,7 @@ def draw_result(context: bpy.types.Context, layout) -> None:
         _draw_slider(context, column, display)
     draw_lines(context, column, result_text(context, record), icon="NONE")
     row = column.row(align=True)
-    is_before = record.held >= 0
-    row.operator(OBJECT_OT_adaptive_fairing_before.bl_idname, depress=is_before)
+    row.operator(OBJECT_OT_adaptive_fairing_before.bl_idname, depress=record.is_before)
     row.operator(OBJECT_OT_adaptive_fairing_split.bl_idname, depress=record.is_split)
     if display.has_weights:
         text = iface_("Mask Back") if obj.mode == "SCULPT" else iface_("Paint Back")

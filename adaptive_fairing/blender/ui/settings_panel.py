@@ -178,7 +178,7 @@ def _draw_run(context, layout, settings) -> None:
     draw_run_button(row, settings, text=text, icon="MOD_SMOOTH")
     # Without this Blender would draw the next line as the progress bar that was under the pointer.
     layout.separator(factor=0.01)
-    for hint in hints(objects, settings):
+    for hint in [message] if message else hints(objects, settings):
         draw_lines(context, layout, iface_(hint), icon="INFO")
     _draw_reading(context, layout, settings)
 

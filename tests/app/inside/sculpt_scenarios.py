@@ -64,7 +64,7 @@ def sculpt_history(stage: Stage) -> Scenario:
         """Number of the state that is shown, counted from 1; a new one gets the next."""
         obj = bpy.context.view_layer.objects.active
         record = obj.adaptive_fairing
-        state = vertex_positions(obj).tobytes(), round(record.strength, 4), record.held
+        state = vertex_positions(obj).tobytes(), round(record.strength, 4), record.is_before
         if state not in states:
             states.append(state)
         return states.index(state) + 1

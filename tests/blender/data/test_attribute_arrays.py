@@ -11,8 +11,7 @@ from adaptive_fairing.blender.data.attribute_arrays import (
     STORAGE,
     AttributeArray,
     read_attributes,
-    read_boolean,
-    read_float,
+    read_or_zeros,
     remove_attributes,
     write_attribute,
 )
@@ -74,7 +73,7 @@ def test_one_of_another_kind_gives_way(mesh, kind, domain):
     values = np.arange(len(mesh.vertices), dtype=np.float32)
     write_attribute(mesh, AttributeArray("mine", "FLOAT", "POINT", values))
     assert mesh.attributes["mine"].domain == "POINT"
-    np.testing.assert_array_equal(read_float(mesh, "mine", len(values)), values)
+    np.testing.assert_array_equal(read_or_zeros(mesh, "mine", len(values)), values)
 
 
 def test_absent_ones_are_no_error_and_read_as_nothing(mesh):
@@ -82,11 +81,11 @@ def test_absent_ones_are_no_error_and_read_as_nothing(mesh):
     before = mesh.attributes.keys()
     remove_attributes(mesh, ["absent"])
     assert mesh.attributes.keys() == before
-    assert not read_boolean(mesh, "absent", n).any()
-    assert not read_float(mesh, "absent", n).any()
+    assert not read_or_zeros(mesh, "absent", n, bool).any()
+    assert not read_or_zeros(mesh, "absent", n).any()
     flag = mesh.attributes.new("flag", "BOOLEAN", "POINT")
     flag.data[3].value = True
-    assert np.flatnonzero(read_boolean(mesh, "flag", n)).tolist() == [3]
+    assert np.flatnonzero(read_or_zeros(mesh, "flag", n, bool)).tolist() == [3]
     remove_attributes(mesh, ["flag"])
     assert "flag" not in mesh.attributes
 

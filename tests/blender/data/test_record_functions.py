@@ -8,7 +8,6 @@ from support.objects import add_object
 from adaptive_fairing.blender.data import record_functions, results
 from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
-from adaptive_fairing.blender.data.record_functions import NOT_HELD
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -36,7 +35,6 @@ def test_measures_are_those_of_the_strength_that_is_shown(record, strength):
 
 def test_without_a_slider_the_measures_are_those_of_the_result(record):
     record.result, record.shown = "", 2
-    assert not record_functions.has_slider(record)
     assert record_functions.result_measures(record).volume == 2.0
 
 
@@ -44,18 +42,18 @@ def test_the_original_is_shown_and_the_result_again(record):
     obj = record.id_data
     record.strength = 1.5
     result = read_mesh_coordinates(obj.data)
-    record_functions.toggle_before(record)
+    record_functions.show_before(record, True)
     np.testing.assert_array_equal(read_mesh_coordinates(obj.data), display_of(obj).original())
-    assert record.held == 1.5
-    record_functions.toggle_before(record)
+    assert (record.strength, record.is_before) == (1.5, True)
+    record_functions.show_before(record, False)
     np.testing.assert_array_equal(read_mesh_coordinates(obj.data), result)
-    assert (record.strength, record.held) == (1.5, NOT_HELD)
+    assert (record.strength, record.is_before) == (1.5, False)
 
 
 def test_who_moves_the_slider_ends_the_look_at_the_original(record):
-    record_functions.toggle_before(record)
+    record_functions.show_before(record, True)
     record.strength = 0.5
-    assert record.held == NOT_HELD
+    assert not record.is_before
     record_functions.end_before(record)
     assert record.strength == 0.5
 
@@ -73,4 +71,3 @@ def test_the_end_of_a_comparison_shows_the_whole_result(record):
 def test_forgotten_nothing_is_left(record):
     record_functions.forget(record)
     assert (record.result, record.notes, len(record.shapes)) == ("", "", 0)
-    assert not record_functions.has_slider(record)

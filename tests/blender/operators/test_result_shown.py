@@ -87,6 +87,22 @@ class TestComparing:
         bpy.ops.object.adaptive_fairing_before()
         assert np.array_equal(shown_positions(noisy), shown)
 
+    @pytest.mark.parametrize("way", ["LIVE", "MODIFIER", "KEYS"])
+    def test_after_a_second_run_it_shows_the_original_of_the_first(self, noisy, way):
+        before = coordinates(noisy)
+        for wanted in (before[:, 2] > 0, before[:, 2] < 0):
+            select(noisy, wanted)
+            bpy.ops.object.mode_set(mode="EDIT")
+            paper() if way == "KEYS" else run(result=way)
+            bpy.ops.object.mode_set(mode="OBJECT")
+        shown = shown_positions(noisy)
+        for expected in (before, shown):
+            bpy.ops.object.adaptive_fairing_before()
+            assert np.array_equal(shown_positions(noisy), expected)
+        name = "evolution" if way == "KEYS" else "strength"
+        setattr(noisy.adaptive_fairing, name, 0.0)  # takes back the second run alone
+        assert not np.array_equal(shown_positions(noisy), before)
+
     def test_the_slider_ends_it(self, noisy):
         run()
         bpy.ops.object.adaptive_fairing_before()

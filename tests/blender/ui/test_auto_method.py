@@ -159,6 +159,11 @@ class TestPanel:
         assert "Treated as" not in drawn.texts
         assert "2  ·  τ = 0.001" in drawn.texts
 
+    def test_why_no_run_can_start_is_said_below_the_button(self, noisy):
+        bpy.ops.object.mode_set(mode="VERTEX_PAINT")
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert "Change to Object Mode, Edit Mode or Sculpt Mode" in " ".join(drawn.texts)
+
     def test_what_is_changed_beyond_the_mesh_is_said_before(self, noisy):
         twin = bpy.data.objects.new("Twin", noisy.data)
         settings = bpy.context.scene.adaptive_fairing
@@ -168,7 +173,10 @@ class TestPanel:
             "Other objects share this mesh: they keep the old one",
             "The scale is not uniform: apply it first",
         ]
-        assert hints([twin, noisy, noisy], settings) == found, "each is said once"
+        third = bpy.data.objects.new("Third", noisy.data)
+        assert hints([noisy, twin], settings) == found, "each is said once"
+        assert hints([noisy, twin, third], settings) == found[1:], "all have the same result"
+        third.data = bpy.data.meshes.new("Another")
         twin.data = bpy.data.meshes.new("Other")
         noisy.modifiers.new("Bevel", "BEVEL")
         noisy.shape_key_add(name="Basis")
