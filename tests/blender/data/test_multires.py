@@ -106,9 +106,9 @@ def test_it_is_said_before_and_after(sculpture, capfd):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda obj: {"algorithm": "FAIR"}, "no steps as shape keys"),
+        (lambda obj: {"algorithm": "FAIR"}, "cannot hold steps as shape keys"),
         (lambda obj: {"vertex_group": obj.vertex_groups.new(name="g").name}, "no vertex group"),
-        (lambda obj: {"hold_sharp": True}, "no sharp edges"),
+        (lambda obj: {"hold_sharp": True}, "no vertex groups or sharp edges"),
         (lambda obj: bpy.data.objects.new("Twin", obj.data) and {}, "single-user first"),
         (lambda obj: obj.shape_key_add(name="Basis") and {}, "has shape keys"),
     ],
