@@ -1,6 +1,6 @@
 """Noise whose width is told: its level, its removal on a coarse level, and what stays."""
 
-from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -37,18 +37,24 @@ def test_passes_give_the_width_they_are_for():
         assert alike[width] / alike[0] == pytest.approx(np.exp(-1), abs=0.12)
 
 
+@cache
+def denoised_ball(width):
+    """The result for a sphere with noise of a width, the clean surface, and the preparation."""
+    x, faces, clean = with_noise(icosphere(6 if width == 8 else 5), width, 0.3)
+    prepared = PreparedMesh(x, faces)
+    return denoise(x, faces, DenoiseSettings(width=width), prepared=prepared), clean, prepared
+
+
 @pytest.mark.parametrize("width", [1, 2, 4, 8])
 def test_the_level_is_that_of_the_noise(width):
-    x, faces, _ = with_noise(icosphere(6 if width == 8 else 5), width, 0.3)
-    found = denoise(x, faces, DenoiseSettings(width=width)).noise_level
-    assert found == pytest.approx(0.3, rel=0.35)
+    result, _, _ = denoised_ball(width)
+    assert result.noise_level == pytest.approx(0.3, rel=0.35)
 
 
 @pytest.mark.parametrize("width", [2, 4, 8])
 def test_noise_of_the_width_goes(width):
-    x, faces, clean = with_noise(icosphere(6 if width == 8 else 5), width, 0.3)
-    result = denoise(x, faces, DenoiseSettings(width=width))
-    assert error(clean, result.positions) < 0.6 * error(clean, x)
+    result, clean, _ = denoised_ball(width)
+    assert error(clean, result.positions) < 0.6 * error(clean, result.start)
     assert (result.plan.level is not None) == (width == 8)
 
 
@@ -86,10 +92,9 @@ def test_fixed_boundaries_stay_and_the_surface_does_not_leap_beside_them():
 
 
 def test_a_plan_treats_other_frames_alike():
-    x, faces, clean = with_noise(icosphere(6), 8, 0.3)
-    settings, prepared = DenoiseSettings(width=8), PreparedMesh(x, faces)
-    first = denoise(x, faces, settings, prepared=prepared)
-    again = denoise(x, faces, settings, prepared=prepared, plan=first.plan)
+    first, clean, prepared = denoised_ball(8)
+    settings, faces = DenoiseSettings(width=8), prepared.triangles
+    again = denoise(first.start, faces, settings, prepared=prepared, plan=first.plan)
     assert np.array_equal(again.shapes, first.shapes)
     other, _, _ = with_noise(icosphere(6), 8, 0.3, seed=1)
     second = denoise(other, faces, settings, prepared=prepared, plan=first.plan)
@@ -97,13 +102,13 @@ def test_a_plan_treats_other_frames_alike():
 
 
 def test_more_strength_removes_more_and_a_limit_holds():
-    x, faces, clean = with_noise(icosphere(6), 8, 0.3)
-    settings = DenoiseSettings(width=8)
-    result = denoise(x, faces, settings)
+    result, clean, prepared = denoised_ball(8)
+    x = result.start
     moves = [np.abs(clean.along_normal(each - x)).mean() for each in result.shapes]
     assert moves == sorted(moves)
     limit = 0.1 * float(clean.spacing.mean())
-    bounded = denoise(x, faces, replace(settings, max_deviation=limit)).positions
+    settings = DenoiseSettings(width=8, max_deviation=limit)
+    bounded = denoise(x, prepared.triangles, settings, prepared=prepared).positions
     assert np.linalg.norm(bounded - x, axis=1).max() <= limit * (1 + 1e-9)
 
 
