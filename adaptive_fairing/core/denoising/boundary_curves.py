@@ -101,7 +101,7 @@ class BoundaryCurves:
         noise = self._beside_curves(self._noise)
         ratio = rough / np.where(noise > 0, noise, np.inf)
         part = np.minimum(ndimage.median(ratio, curve, np.arange(n_curves)) / NORMAL_MEDIAN, 1)
-        part[np.bincount(curve) < parameters().fewest_on_curve] = 0
+        part[np.bincount(curve) < parameters().fewest] = 0
         of_vertex: FloatArray = part[curve]
         return of_vertex
 

@@ -17,7 +17,6 @@ from ..problem.region import rings_around
 from ..runtime.arrays import BoolArray, FloatArray
 from ..runtime.precision import SINGLE
 from .filter_rounds import KEEPS
-from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
 from .progress import DenoiseProgress, ProgressReport
 from .result import DenoiseResult
@@ -147,7 +146,6 @@ def denoise(
     )
     plan, noise = outcome.plan, outcome.plan.noise
     denoised = TriangleSurface(topology, outcome.positions[STRENGTHS.index(1.0)])
-    creases = denoised.crease_part()
     result = DenoiseResult(
         strengths=settings.strength * np.array(STRENGTHS),
         shapes=np.stack(
@@ -162,11 +160,9 @@ def denoise(
         noise_length=_median_where(noise > 0, noise * denoised.spacing) / frame.scale,
         radius=plan.radius,
         sharp_part=_sharp_part(plan),
-        crease_part=creases,
+        crease_part=denoised.crease_part(),
         is_sharp=(
-            creases > parameters().smooth_crease_fraction
-            if settings.features == "auto"
-            else settings.features == "sharp"
+            denoised.has_creases() if settings.features == "auto" else settings.features == "sharp"
         ),
         initial=initial,
         measures=tuple(measures),

@@ -5,8 +5,6 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from ..linalg.krylov_filters import Diffusion
 from .lifted_metric import LiftedMetric
 from .noise_correlation import WHITE, NoiseCorrelation
@@ -171,7 +169,7 @@ def rounds_for(typical: float, correlation: NoiseCorrelation = WHITE) -> list[Ro
     information in their normals, so filters by normals are then left out.
     """
     tuned = parameters()
-    factor = float(np.clip(typical / tuned.coarse_noise, tuned.least_angle_factor, 1))
+    factor = min(typical / tuned.coarse_noise, 1.0)
     has_normals = typical <= tuned.most_noise_in_normals
     return [
         tuple(

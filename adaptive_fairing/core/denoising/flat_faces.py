@@ -102,7 +102,7 @@ class FlatFaces:
         self._surface, self._spacing = surface.positions, surface.smooth_spacing
         scaled = surface.triangle_normals()
         self._areas = np.sqrt(dots(scaled, scaled))
-        passes = tuned.face_passes + tuned.face_passes_for_smooth * correlation.passes
+        passes = tuned.face_passes * (1 + correlation.passes)
         smoothing = Smoothing(tuned.short_fit_angle, (passes,))
         (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing, weights)
         side = np.flatnonzero(topology.twin >= 0)
@@ -111,7 +111,7 @@ class FlatFaces:
         self.planes = self._fitted()
         self._drop(self.planes.are_bent(self._own_part) | self._are_uneven())
         found = self.face.copy()
-        for _ in range(tuned.face_rings):
+        for _ in range(tuned.rounds):
             if not self._grow():
                 break
         self.planes = self._fitted()
@@ -154,7 +154,7 @@ class FlatFaces:
             (np.ones(np.count_nonzero(is_inside)), (first[is_inside], second[is_inside])), (m, m)
         )
         number = connected_components(links, directed=False)[1]
-        is_large = np.bincount(number) >= parameters().fewest_triangles
+        is_large = np.bincount(number) >= parameters().fewest
         return self._renumbered(np.where(is_even & is_large[number], number, NO_FACE))
 
     def _are_uneven(self) -> BoolArray:
@@ -291,7 +291,7 @@ class PlaneFits:
         """Move vertices of a surface (n, 3) the shortest way onto all of their planes.
 
         Between nearly parallel planes the vertex moves half-way. A vertex that would move further
-        than `farthest_to_planes` local edge lengths, (n,), stays.
+        than `most_edges` local edge lengths, (n,), stays.
         """
         tuned, n = parameters(), len(surface)
         normals = self.normals[self.face]
@@ -304,7 +304,7 @@ class PlaneFits:
                 matrix[:, i, j] = matrix[:, j, i] = product
         matrix += tuned.parallel_planes * np.eye(3)
         way = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
-        is_near = np.linalg.norm(way, axis=1) <= tuned.farthest_to_planes * spacing
+        is_near = np.linalg.norm(way, axis=1) <= tuned.most_edges * spacing
         return np.where(is_near[:, None], surface - way, surface)
 
     def _fit(self) -> None:

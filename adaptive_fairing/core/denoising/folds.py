@@ -33,7 +33,7 @@ def unfolded(
     topology, result = before.topology, positions.copy()
     triangles = topology.triangles
     of_noise = is_at[triangles].any(axis=1)
-    for _ in range(parameters().unfolding_rounds if of_noise.any() else 0):
+    for _ in range(parameters().rounds if of_noise.any() else 0):
         vertices = np.unique(triangles[of_noise & are_folded(topology, result)])
         vertices = vertices[may_move[vertices]]
         if not len(vertices):

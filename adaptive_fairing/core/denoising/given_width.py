@@ -62,7 +62,7 @@ def _least_size(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, pass
 
     The noise (n,) is given with a standard deviation of 1.
     """
-    frame, quantile = noisy.frame, parameters().quantile_of_hinges
+    frame, quantile = noisy.frame, parameters().low_quantile
     raised = frame.raised(noise)
     bent = noisy.hinges.among(counted).value
     bent_of_noise = hinges(frame.positions + raised, frame).among(counted).value

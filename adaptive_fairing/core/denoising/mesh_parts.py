@@ -62,7 +62,7 @@ class MeshParts:
         tuned, topology = parameters(), frame.topology
         self.may_move = ~(is_still | topology.is_loose)
         self.is_counted = self.may_move & ~topology.on_boundary
-        size = frame.spread(np.log(frame.spacing), tuned.density_passes)
+        size = frame.spread(np.log(frame.spacing), tuned.averaging_passes)
         _, label = csgraph.connected_components(topology.adjacency(), directed=False)
         n_counted = np.bincount(label, self.is_counted)
         own = n_counted >= tuned.own_estimate
@@ -265,7 +265,7 @@ def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:
     """
     tuned = parameters()
     n_counted = int(np.count_nonzero(is_counted))
-    n_classes = int(np.clip(n_counted // tuned.vertices_per_class, 1, tuned.most_classes))
+    n_classes = int(np.clip(n_counted // tuned.fewest_to_tell, 1, tuned.most_classes))
     parts = np.linspace(tuned.class_margin, 1 - tuned.class_margin, n_classes)
     knots = np.quantile(size[is_counted], parts) if n_counted else []
     # On an even mesh there is nothing to tell apart.

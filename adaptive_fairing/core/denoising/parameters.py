@@ -21,36 +21,58 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class DenoiseParameters:
-    """Tuned numbers, grouped by the module that reads them."""
+    """Tuned numbers: those of several modules, then the others by the module that reads them."""
+
+    # Several modules.
+    # Fewer triangles are no face, curves of fewer vertices have no noise of their own, and fewer
+    # spikes are not many. By hand.
+    fewest: int = 12
+    # In a mesh of fewer vertices, or in all small parts together if they have fewer, nothing can be
+    # told. By hand.
+    fewest_vertices: int = 50
+    # In a mesh of fewer vertices that is rough, noise cannot be told from shape. Smaller parts,
+    # such as the eyes of a head, go with the whole; a class of density has as many. By hand.
+    fewest_to_tell: int = 300
+    # Estimates of the noise are made from as many vertices: those of a connected part, or of a bin
+    # of density. By hand; from 300 the least of two bins was 0.16 and 0.17 with noise of 0.2.
+    own_estimate: int = 400
+    # Rounds of what is done again until nothing changes: faces grow, spikes go back and settle,
+    # folds open, and ways of turned triangles are halved: along the surface alone, then along the
+    # normal too. On seven shapes the error of spikes was 0.90, 0.86, 0.85 and 0.85 of that without
+    # settling after 3, 10, 20 and 40; folds were the same with 5 and 20.
+    rounds: int = 8
+    # Passes of averaging over the neighbours that make lengths even. By hand.
+    averaging_passes: int = 3
+    # The quantile of hinges and of bins from which the noise is read: features raise some, a flat
+    # part or a boundary lowers others. On models of a CSG kernel up to 0.4 of the hinges are flat;
+    # heights rounded to the size of their noise leave 0.2 flat.
+    low_quantile: float = 0.3
+    # Triangles do not tell what is further than so many local edges: such noise, such planes. With
+    # one amplitude of 0.5 the error was 0.76 of that with limits everywhere on four shapes with
+    # specks of tiny triangles; 0.7 or 1.5 gave the same.
+    most_edges: float = 1.0
 
     # denoise: what the result says about creases. It does not change the positions.
     # Normals beside a crease differ by at least this angle. By hand.
     crease_angle: float = 0.6
-    # Smooth meshes have less than this fraction of creases among their edges. By hand.
-    smooth_crease_fraction: float = 0.02
 
     # flat_faces. On shapes of flat faces, with normal noise and one amplitude of 0.2, these changed
     # the error by 2 % and the angle by 5 % at most, if made larger or smaller by a third to a half,
     # unless something else is said.
     # Passes of the short smoothing of normals from which faces are found.
     face_passes: int = 10
-    # So many more for each pass of averaging of smooth noise. By hand.
-    face_passes_for_smooth: int = 9
     # A triangle is even if those around it turn away by no more than this. With 3° a dense ball
     # came out in facets (1.4 of the error).
     even_angle: float = math.radians(2)
     # Those that turn away further than this are beyond a crease.
     face_angle: float = math.radians(15)
-    # A face has at least this many even triangles.
-    fewest_triangles: int = 12
     # The normals of a flat face differ from its plane's by this much in the mean. With 3° the
-    # error was 4 % larger, because faces were missed.
+    # error was 4 % larger, because faces were missed; with 8° it was 1.07 on *lens* with one
+    # amplitude of 0.5.
     most_uneven: float = math.radians(4)
     # The same with smooth noise, whose waves stay in the normals. On 13 shapes with flat faces the
     # error was 0.68 and 0.74 with 4°, 0.64 and 0.73 with 8° (depth camera, alike over four edges).
     most_uneven_if_smooth: float = math.radians(8)
-    # Rings of triangles by which a face may grow.
-    face_rings: int = 8
     # Triangles that turn away from the plane by more than this are not taken.
     face_angle_at_border: float = math.radians(25)
     # Triangles with a vertex further from the plane than this are not taken.
@@ -65,11 +87,6 @@ class DenoiseParameters:
     # The same after spikes, where the rest is clean. With 0 two organic shapes were worse, by 5 and
     # 13 %.
     least_flat_dented: float = 0.1
-    # Times that flat faces are made flat after spikes: the error was 0.84 of that with none after
-    # one, 0.82 after two.
-    undenting_rounds: int = 2
-
-    # flat_faces: planes.
     # Fits of a plane: the second leaves outliers out. With four nothing was better.
     plane_fits: int = 2
     # Vertices that lie this many standard deviations off the plane do not count.
@@ -78,8 +95,6 @@ class DenoiseParameters:
     most_bend: float = 8.0
     # A vertex goes half of its way to planes at an angle of θ if θ² / 2 is this. By hand.
     parallel_planes: float = 0.003
-    # A vertex that lies further from its planes, in local edge lengths, stays. By hand.
-    farthest_to_planes: float = 1.0
 
     # filter_bank: times, orders and steps of the diffusions.
     # Times of the filters that every metric has; creases need these gentle ones. By hand.
@@ -110,8 +125,6 @@ class DenoiseParameters:
     # A vertex counts for at most this many times the others around it, and at least for one over
     # this. By hand.
     largest_weight: float = 8.0
-    # Passes of (3.6) over the edge length that is the unit in a metric. By hand.
-    spacing_passes: int = 3
 
     # filter_rounds: metrics and normals of the rounds.
     # Angle of the metrics of the second round, which see creases. By hand.
@@ -140,13 +153,6 @@ class DenoiseParameters:
     # Normals with more noise count for less. With twice as much for that, or none, the angle of
     # nine uneven shapes with one amplitude of 0.2 was 1.1 times as large.
     coarse_noise: float = 0.2
-    # Little noise makes the angles smaller by this factor at most. By hand.
-    least_angle_factor: float = 0.1
-
-    # folds
-    # Rounds in which folds are smoothed. After spikes 28 triangles of eleven tuning shapes faced
-    # the wrong way, instead of 114 without; 20 rounds gave the same.
-    unfolding_rounds: int = 5
 
     # lifted_metric
     # Fraction of the mass of linear elements that is moved to the diagonal. With 0 filters are
@@ -154,15 +160,16 @@ class DenoiseParameters:
     lumped_fraction: float = 0.3
 
     # mesh_parts
-    # In a mesh of fewer vertices that is rough, noise cannot be told from shape. By hand.
-    fewest_to_tell: int = 300
-    # In a mesh of fewer vertices, or in all small parts together if they have fewer, nothing can be
-    # told. By hand.
-    fewest_vertices: int = 50
-    # Connected parts of as many vertices are judged each by itself, others together. By hand.
-    own_estimate: int = 400
-    # Passes of averaging over the neighbours for densities. By hand.
-    density_passes: int = 3
+    # Classes at most. By hand.
+    most_classes: int = 3
+    # This fraction of the vertices lies beyond the first and the last class's middle. By hand.
+    class_margin: float = 0.05
+    # Middles of classes differ by more than this in the logarithm of the edge length; a mesh where
+    # they do not is even. By hand.
+    least_class_distance: float = 0.02
+    # Hinges tell the noise where they tell less than this part of what the roughness does: shape
+    # has raised that.  Else the roughness does, which is measured at the vertices.
+    clearly_less: float = 0.85
 
     # mixing
     # The risk is minimised for this multiple of the estimated noise. With 1 a little more noise is
@@ -174,6 +181,11 @@ class DenoiseParameters:
     # Responses to a probe are cut off this far from 1. They are about 1 at most, but leap where a
     # probe folds a triangle over. By hand.
     largest_response: float = 3.0
+    # What is removed at a vertex correlates with what is removed beside it by no more than this
+    # above the model's noise. With noise of ten kinds on 18 tuning shapes it did so by -0.14 to
+    # 0.27. On 12 shapes, half of them decimated, with noise of 0.02 to 0.4: 0.28 to 0.67 where the
+    # result was worse than the input.
+    most_clustered: float = 0.3
 
     # normal_filter
     # 1 + cos of the angle of a turn is at least this: turns by nearly half a circle have no
@@ -186,8 +198,6 @@ class DenoiseParameters:
     # Half the width of confidence intervals in standard deviations. With 1 or 2 the distance to
     # the clean boundaries changed by 1 %.
     curve_certainty: float = 1.5
-    # Curves of fewer vertices do not move sideways. By hand.
-    fewest_on_curve: int = 16
 
     # tangential_limit
     # Vertices go this fraction of their way along the surface. Found on meshes with known noise: it
@@ -197,28 +207,8 @@ class DenoiseParameters:
     upright_cosine: float = 0.2
     # An upright triangle is turned over if its cosine becomes less than this. By hand.
     turned_cosine: float = 0.1
-    # Where the noise is more than this many local edges, vertices go all of their way. With one
-    # amplitude of 0.5 the error was 0.76 of that with limits everywhere on four shapes with specks
-    # of tiny triangles; 0.7 or 1.5 gave the same.
-    most_noise_told: float = 1.0
     # Passes of averaging until noise and folds hardly disturb the normals. By hand.
     normal_passes: int = 5
-    # Rounds in which the ways of a turned triangle's vertices are halved along the surface alone;
-    # later they are along the normal too. By hand.
-    sliding_rounds: int = 6
-    # Rounds of halving at most. By hand.
-    most_sliding_rounds: int = 32
-
-    # mesh_parts: density classes.
-    # A class has at least this many vertices. By hand.
-    vertices_per_class: int = 200
-    # Classes at most. By hand.
-    most_classes: int = 3
-    # This fraction of the vertices lies beyond the first and the last class's middle. By hand.
-    class_margin: float = 0.05
-    # Middles of classes differ by more than this in the logarithm of the edge length; a mesh where
-    # they do not is even. By hand.
-    least_class_distance: float = 0.02
 
     # noise/clean_detail: what looks like noise on a clean mesh.
     # A shape of more vertices is not taken for a low-poly model. Decimated and modelled shapes of
@@ -232,8 +222,6 @@ class DenoiseParameters:
     # What keeps less in differences of high order is smoother than the edges of a model allow.
     # By hand.
     least_kept: float = 0.75
-    # Parts of fewer vertices, such as the eyes of a head, go with the whole. By hand.
-    small_part: int = 300
     # This fraction of a clean mesh's vertices may be rougher than clean meshes are: those with much
     # shorter edges than others. By hand.
     rough_fraction: float = 0.1
@@ -245,6 +233,13 @@ class DenoiseParameters:
     # Largest coefficient of the neighbours' mean in noise. Contoured voxels fade as with 0.55 to
     # 0.63, but the shape's own fading is in it.
     most_correlation: float = 0.56
+    # What keeps less in differences of high order fades. White noise on many shapes keeps 0.92 to
+    # 1.05, staircases 0.71 to 0.85.
+    fading_kept: float = 0.9
+    # Few vertices may keep less by chance, 1 / √n. They fade if they keep less than `white_kept`
+    # minus `fading_deviations` / √n. By hand.
+    white_kept: float = 0.97
+    fading_deviations: float = 2.0
 
     # noise/face_noise
     # Flat faces are looked for with smooth noise of so many passes of averaging, and with its
@@ -265,11 +260,6 @@ class DenoiseParameters:
     # noise/level
     # Roughness that clean meshes have: they measure up to this in their quietest bin.
     clean_roughness: float = 0.04
-    # Least number of vertices in a bin of density. By hand.
-    vertices_per_bin: int = 400
-    # The noise is taken to be above this fraction of the bins: features raise the level of some,
-    # a flat part or a boundary may lower one. By hand.
-    fraction_below: float = 0.3
     # This many vertices say as much as one would alone, because differences of neighbours have
     # noise in common. By hand.
     dependent_vertices: float = 3.0
@@ -291,30 +281,11 @@ class DenoiseParameters:
     # length from either end. By hand.
     line_margin: float = 0.2
 
-    # noise/order_decay
-    # What keeps less in differences of high order fades. White noise on many shapes keeps 0.92 to
-    # 1.05, staircases 0.71 to 0.85.
-    fading_kept: float = 0.9
-    # Few vertices may keep less by chance, 1 / √n. They fade if they keep less than `white_kept`
-    # minus `fading_deviations` / √n. By hand.
-    white_kept: float = 0.97
-    fading_deviations: float = 2.0
-
     # noise/line_of_sight
     # Part of the gaps of parallelograms that is across the lines of sight, at most. Depth images
     # had 1e-15, those of near cameras (up to 34 degrees off the middle) 0.012, other meshes 0.43 or
     # more.
     most_off_sight: float = 0.05
-
-    # mesh_parts
-    # Hinges tell the noise where they tell less than this part of what the roughness does: shape
-    # has raised that.  Else the roughness does, which is measured at the vertices.
-    clearly_less: float = 0.85
-
-    # noise/contrast
-    # Quantile of the hinges from which the noise is read. On models of a CSG kernel up to 0.4 of
-    # them are flat; heights rounded to the size of their noise leave 0.2 flat.
-    quantile_of_hinges: float = 0.3
 
     # noise/repeats: exact twins among triangles.
     # A model has a twin for this fraction of its triangles. Meshes with noise of 0.05 and more have
@@ -324,6 +295,13 @@ class DenoiseParameters:
     # have more than chance makes: a real one had 143 times as many. With this number nothing
     # changes on 200 random models, clean or noisy.
     least_over_chance: float = 512.0
+    # Contoured voxels have at most this many kinds of edges; marching cubes have 27.
+    most_kinds_of_edges: int = 100
+    # Contoured voxels have this many kinds of vertices for each kind of edges; models have fewer
+    # kinds of vertices than of edges. By hand.
+    least_kinds_of_vertices: float = 3.0
+    # Contoured voxels face in this many directions, unlike boxes. By hand.
+    least_directions: int = 9
 
     # wide_noise, given_width: noise whose width was told.
     # Edges that wide noise spans on the level where it is removed, at least.
@@ -335,33 +313,16 @@ class DenoiseParameters:
     # or else there would be nothing that more strength could remove. By hand.
     least_of_narrow: float = 0.3
 
-    # noise/repeats: contours of voxels.
-    # Contoured voxels have at most this many kinds of edges; marching cubes have 27.
-    most_kinds_of_edges: int = 100
-    # Contoured voxels have this many kinds of vertices for each kind of edges; models have fewer
-    # kinds of vertices than of edges. By hand.
-    least_kinds_of_vertices: float = 3.0
-    # Contoured voxels face in this many directions, unlike boxes. By hand.
-    least_directions: int = 9
-
     # bounds
     # Of n vertices none moves further than √(2 ln n) standard deviations of the noise, and this
     # many more.
     extra_deviations: float = 1.0
 
-    # mixing: what looks like noise when it is removed
-    # What is removed at a vertex correlates with what is removed beside it by no more than this
-    # above the model's noise. With noise of ten kinds on 18 tuning shapes it did so by -0.14 to
-    # 0.27. On 12 shapes, half of them decimated, with noise of 0.02 to 0.4: 0.28 to 0.67 where the
-    # result was worse than the input.
-    most_clustered: float = 0.3
-
     # noise_verdict
     # Spikes are noise if the roughness that is left without them is at most this many times what
     # all contrasts allow for noise. By hand.
     most_unexplained: float = 2.0
-    # They are many: at least this many, and this part of the vertices judged. By hand.
-    fewest_spikes: int = 10
+    # They are many: at least this part of the vertices judged. By hand.
     least_spikes: float = 0.05
     # What is beside a spike is one by no more than this above their share. Spikes and heavy tails
     # on 18 tuning shapes had -0.1 to 0.03, one 0.08; corners of decimated shapes 0.03 to 0.4.
@@ -415,11 +376,6 @@ class DenoiseParameters:
     ratio_chance: float = 4.0
     # A spike stands out by this many times the median. By hand.
     spike_factor: float = 3.0
-    # Rounds that take off one spike beside another, at most. By hand.
-    most_spike_rounds: int = 40
-    # Rounds in which spikes settle together. On seven shapes the error was 0.90, 0.86, 0.85 and
-    # 0.85 of that without, after 3, 10, 20 and 40.
-    settling_rounds: int = 10
 
 
 PARAMETERS = DenoiseParameters()

@@ -132,12 +132,10 @@ class Stage:
         """
         judged = level[level > 0]
         is_clean = not len(judged) or not beyond_clean(np.median(judged, keepdims=True)).any()
-        calm = start = self.track.start
+        start = self.track.start
         if not (impulsive.any() and is_clean and start.has_creases()):
             return None
-        for _ in range(parameters().undenting_rounds):
-            flat = self.bank.flattened(calm, calm, parameters().least_flat_dented)
-            if flat is None:
-                return None
-            calm = TriangleSurface(start.topology, flat)
-        return start.positions + impulsive[:, None] * (calm.positions - start.positions)
+        flat = self.bank.flattened(start, start, parameters().least_flat_dented)
+        if flat is None:
+            return None
+        return start.positions + impulsive[:, None] * (flat - start.positions)

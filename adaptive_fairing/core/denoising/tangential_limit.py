@@ -69,7 +69,7 @@ class Sliding:
         cosines = dots(self._before, self._upwards)
         self._was_upright = cosines > tuned.upright_cosine
         self._reach = noise * start.spacing
-        self._is_free = noise > tuned.most_noise_told
+        self._is_free = noise > tuned.most_edges
         is_told = ~self._is_free[self._triangles].any(axis=1)
         self._may_turn = is_told & (cosines > -tuned.upright_cosine)
 
@@ -93,7 +93,7 @@ class Sliding:
             along[boundary] = way - dots(way, normals[boundary])[:, None] * normals[boundary]
             move[boundary], along_kept[boundary] = way, 1
         judged = np.flatnonzero(self._may_turn)
-        for done in range(tuned.most_sliding_rounds):
+        for done in range(2 * tuned.rounds):
             slower = move - (1 - along_kept)[:, None] * along
             result = self._positions + kept[:, None] * slower
             turned = judged[self._is_turned(result, judged)]
@@ -101,7 +101,7 @@ class Sliding:
                 break
             vertices = np.unique(self._triangles[turned])
             along_kept[vertices] /= 2
-            if done >= tuned.sliding_rounds:
+            if done >= tuned.rounds:
                 kept[vertices] /= 2
             # Elsewhere nothing has changed.
             is_near = (along_kept[self._triangles] < tuned.sliding_fraction).any(axis=1)

@@ -52,7 +52,7 @@ class TriangleSurface:
     @cached_property
     def smooth_spacing(self) -> FloatArray:
         """Local edge length, smoothed by (3.6), (n,)."""
-        return smoothed(self.topology, self.spacing, parameters().spacing_passes)
+        return smoothed(self.topology, self.spacing, parameters().averaging_passes)
 
     @cached_property
     def normals(self) -> FloatArray:

@@ -53,7 +53,7 @@ class CleanDetail:
         """
         tuned = parameters()
         # Small parts, such as the eyes of a head, go with the whole.
-        is_small = np.count_nonzero(is_counted) < tuned.small_part
+        is_small = np.count_nonzero(is_counted) < tuned.fewest_to_tell
         _, kept = self._surface.fading.of_mesh(is_counted)
         is_mild = kept > tuned.least_kept and np.median(level[is_counted]) < tuned.roughest_model
         if is_small:

@@ -87,7 +87,7 @@ def roughness(positions: FloatArray, frame: TriangleSurface) -> Contrast:
     return Contrast(
         magnitude / np.sqrt(edge_variance),
         fineness,
-        -frame.spread(np.log(fineness), parameters().density_passes) / 2,
+        -frame.spread(np.log(fineness), parameters().averaging_passes) / 2,
         np.arange(n)[:, None],
         0.5,
     )
@@ -122,11 +122,11 @@ def hinges(positions: FloatArray, frame: TriangleSurface) -> Contrast:
     # Triangles without an area see nothing.
     seen = np.flatnonzero(per_edge > 0)
     ends = np.stack([start[seen], end[seen]], axis=1)
-    size = frame.spread(np.log(frame.spacing), parameters().density_passes)
+    size = frame.spread(np.log(frame.spacing), parameters().averaging_passes)
     return Contrast(
         volume[seen] / np.sqrt(per_edge[seen]),
         per_length[seen] / per_edge[seen],
         size[ends].mean(axis=1),
         ends,
-        parameters().quantile_of_hinges,
+        parameters().low_quantile,
     )

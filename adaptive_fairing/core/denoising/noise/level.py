@@ -115,7 +115,7 @@ def _variances(contrast: Contrast, bins: list[IndexArray]) -> FloatArray:
 def _bins(contrast: Contrast) -> list[IndexArray]:
     """Sort the contrasts into bins by the density around them."""
     order = np.argsort(contrast.size, kind="stable")
-    n_bins = int(np.clip(len(order) // parameters().vertices_per_bin, 1, len(LEAST_OF) - 1))
+    n_bins = int(np.clip(len(order) // parameters().own_estimate, 1, len(LEAST_OF) - 1))
     return np.array_split(order, n_bins)
 
 
@@ -153,13 +153,13 @@ def _unlikelihood(contrast: Contrast, value: FloatArray, expected: FloatArray) -
 
 
 def _quantile_fit(terms: FloatArray, variance: FloatArray) -> FloatArray:
-    """Factors ≥ 0 of terms (k, n) for which `fraction_below` of the values lie below, (k,)."""
+    """Factors ≥ 0 of terms (k, n) for which `low_quantile` of the values lie below, (k,)."""
     tuned = parameters()
     # Flat meshes have no variance at all, or that of rounding: no scale for a linear program.
     typical = max(float(np.median(variance)), tuned.clean_roughness**2)
     largest = terms.max(axis=1)
     n_terms, n = terms.shape
-    above, below = np.full(n, tuned.fraction_below), np.full(n, 1 - tuned.fraction_below)
+    above, below = np.full(n, tuned.low_quantile), np.full(n, 1 - tuned.low_quantile)
     solution = linprog(
         np.concatenate([np.zeros(n_terms), above, below]),
         A_eq=np.hstack([(terms / largest[:, None]).T, np.eye(n), -np.eye(n)]),

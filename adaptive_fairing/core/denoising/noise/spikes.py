@@ -76,7 +76,7 @@ def _put_back(
     result = positions.copy()
     centre = np.repeat(np.arange(topology.n_vertices), topology.ring_size)
     was_moved = np.zeros(len(result), dtype=bool)
-    for _ in range(tuned.most_spike_rounds):
+    for _ in range(tuned.rounds):
         height = lines.least_deviation(result, lines.passing(result))
         size = np.where(may_move, np.abs(height), 0)
         level = max(float(np.median(size[is_counted])), tuned.clean_roughness * unit)
@@ -90,7 +90,7 @@ def _put_back(
         usual = frame.mean @ (height * is_calm) / np.maximum(frame.mean @ is_calm, 1e-9)
         result -= frame.raised(np.where(is_spike, height - usual, 0))
         was_moved |= is_spike
-    for _ in range(tuned.settling_rounds):
+    for _ in range(tuned.rounds):
         height = lines.least_deviation(result, lines.passing(result))
         # Half of the way: neighbours move at the same time.
         result -= frame.raised(np.where(was_moved, (height - frame.mean @ height) / 2, 0))
