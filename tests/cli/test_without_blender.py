@@ -21,7 +21,7 @@ THIS = sys.version_info[:2]
         ((THIS,), 'Blender is missing: pip install bpy, or the extra "blender" of this package'),
         (
             ((3, 9), (3, 10)),
-            f"exists for Python 3.9 and 3.10, this is {THIS[0]}.{THIS[1]}; install into one",
+            f"exists for Python 3.9 and 3.10, and this is {THIS[0]}.{THIS[1]}; install into one",
         ),
     ],
 )

@@ -8,6 +8,7 @@ from support.meshes import flat_grid, icosphere, torus
 
 from adaptive_fairing.core import DenoiseSettings, PreparedMesh, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.given_width import passes_of_width
+from adaptive_fairing.core.denoising.noise.contrast import hinges
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
 
@@ -129,3 +130,12 @@ def test_where_weights_are_0_nothing_moves_and_beside_it_the_noise_goes():
     heights = [clean.along_normal(each - clean.positions)[inner] for each in (x, result)]
     before, after = (np.sqrt(np.mean(np.square(each))) for each in heights)
     assert after < 0.7 * before
+
+
+def test_rounded_depths_hide_no_noise_of_a_given_width():
+    x, faces, clean = with_noise(flat_grid(60, 60), 2, 0.2)
+    step = 0.12 * clean.spacing.mean()
+    x[:, 2] = np.round(x[:, 2] / step) * step
+    assert np.mean(hinges(x, clean).value < 1e-9) > 0.3
+    found = denoise(x, faces, DenoiseSettings(width=2)).noise_level
+    assert found == pytest.approx(0.2, rel=0.35)
