@@ -4,11 +4,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from support.meshes import flat_grid, icosphere, torus
+from support.meshes import flat_grid, icosphere
 
 from adaptive_fairing.core import DenoiseSettings, PreparedMesh, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.given_width import passes_of_width
-from adaptive_fairing.core.denoising.noise.contrast import hinges
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
 
@@ -24,18 +23,6 @@ def with_noise(mesh, width, amplitude, seed=0):
 def error(surface, positions):
     """Root mean square distance along the clean normals, in local edge lengths."""
     return np.sqrt(np.mean(np.square(surface.along_normal(positions - surface.positions))))
-
-
-def test_passes_give_the_width_they_are_for():
-    vertices, faces = torus(120, 120, 1.0, 1.0 - 1e-3)
-    surface = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
-    impulse = np.zeros(len(vertices))
-    impulse[0] = 1
-    for width in (2, 4, 8):
-        kernel = surface.spread(impulse, passes_of_width(width))
-        alike = surface.spread(kernel, passes_of_width(width))
-        # Along a row of the grid: neighbours lie one edge apart.
-        assert alike[width] / alike[0] == pytest.approx(np.exp(-1), abs=0.12)
 
 
 @cache
@@ -130,12 +117,3 @@ def test_where_weights_are_0_nothing_moves_and_beside_it_the_noise_goes():
     heights = [clean.along_normal(each - clean.positions)[inner] for each in (x, result)]
     before, after = (np.sqrt(np.mean(np.square(each))) for each in heights)
     assert after < 0.7 * before
-
-
-def test_rounded_depths_hide_no_noise_of_a_given_width():
-    x, faces, clean = with_noise(flat_grid(60, 60), 2, 0.2)
-    step = 0.12 * clean.spacing.mean()
-    x[:, 2] = np.round(x[:, 2] / step) * step
-    assert np.mean(hinges(x, clean).value < 1e-9) > 0.3
-    found = denoise(x, faces, DenoiseSettings(width=2)).noise_level
-    assert found == pytest.approx(0.2, rel=0.35)

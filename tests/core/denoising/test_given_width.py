@@ -1,0 +1,89 @@
+"""Noise of a given width: its level from the contrasts that see it best."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import TriangleTopology
+from adaptive_fairing.core.denoising.given_width import passes_of_width, verdict_of_width
+from adaptive_fairing.core.denoising.noise.contrast import hinges
+from adaptive_fairing.core.denoising.noise.level import beyond_clean
+from adaptive_fairing.core.denoising.stage import Stage
+from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
+
+SHAPES = {"round": meshes.icosphere(4), "flat": meshes.flat_grid(50, 50)}
+
+
+def surface_of(vertices, faces):
+    return TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
+
+
+def with_noise(surface, width, level, seed=0):
+    """Positions with noise of a width and a level, (n, 3)."""
+    white = np.random.default_rng(seed).normal(size=len(surface.positions))
+    heights = surface.spread(white, passes_of_width(width))
+    return surface.positions + surface.raised(level * heights / heights.std())
+
+
+def verdict(surface, positions, width):
+    still = np.zeros(len(positions), dtype=bool)
+    return verdict_of_width(Stage(surface.topology, positions, still, lambda report: None), width)
+
+
+def found(surface, positions, width):
+    """Level above that of clean meshes, where it was judged."""
+    judged = verdict(surface, positions, width)
+    return np.median(beyond_clean(judged.level[judged.stage.parts.is_counted]))
+
+
+@pytest.mark.parametrize("shape", SHAPES)
+@pytest.mark.parametrize("width", [1, 2, 3])
+def test_the_level_is_that_of_the_noise(shape, width):
+    surface = surface_of(*SHAPES[shape])
+    for level in (0.1, 0.3):
+        points = with_noise(surface, width, level)
+        assert found(surface, points, width) == pytest.approx(level, rel=0.35)
+
+
+def test_the_unit_does_not_matter():
+    surface = surface_of(*SHAPES["round"])
+    points = with_noise(surface, 2, 0.2)
+    large = surface_of(1e3 * surface.positions + 5, surface.topology.triangles)
+    expected = found(surface, points, 2)
+    assert found(large, 1e3 * points + 5, 2) == pytest.approx(expected, rel=1e-6)
+
+
+def test_a_plane_has_none():
+    surface = surface_of(*SHAPES["flat"])
+    assert found(surface, surface.positions, 2) == 0
+
+
+def test_rounded_depths_hide_no_noise():
+    surface = surface_of(*SHAPES["flat"])
+    points = with_noise(surface, 2, 0.2)
+    step = 0.12 * surface.spacing.mean()
+    points[:, 2] = np.round(points[:, 2] / step) * step
+    assert np.mean(hinges(points, surface).value < 1e-9) > 0.3
+    assert found(surface, points, 2) == pytest.approx(0.2, rel=0.35)
+
+
+def test_the_verdict_has_the_correlation_of_the_width():
+    surface = surface_of(*SHAPES["round"])
+    judged = verdict(surface, with_noise(surface, 2, 0.2), 2)
+    white = np.random.default_rng(1).normal(size=len(surface.positions))
+    applied = judged.correlation.applied(white, surface)
+    assert applied.std() == pytest.approx(judged.correlation.deviation, rel=0.1)
+    assert judged.correlation.passes == passes_of_width(2)
+    assert not judged.impulsive.any()
+    assert judged.notes == ()
+
+
+def test_passes_give_the_width_they_are_for():
+    surface = surface_of(*meshes.torus(120, 120, 1.0, 1.0 - 1e-3))
+    impulse = np.zeros(len(surface.positions))
+    impulse[0] = 1
+    for width in (2, 4, 8):
+        kernel = surface.spread(impulse, passes_of_width(width))
+        alike = surface.spread(kernel, passes_of_width(width))
+        # Along a row of the grid: neighbours lie one edge apart.
+        assert alike[width] / alike[0] == pytest.approx(np.exp(-1), abs=0.12)

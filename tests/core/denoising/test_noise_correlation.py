@@ -1,0 +1,43 @@
+"""Correlation of noise: white noise mixed with the mean of the neighbours, or averaged."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import TriangleTopology
+from adaptive_fairing.core.denoising.noise_correlation import WHITE, NoiseCorrelation
+from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
+
+VERTICES, FACES = meshes.graded_sphere(3)
+FRAME = TriangleSurface(TriangleTopology(FACES, len(VERTICES)), VERTICES)
+NOISE = np.random.default_rng(0).normal(size=len(VERTICES))
+
+
+def mean_around(lengths):
+    """Mean over the neighbours, one vertex after the other."""
+    edges = meshes.edges_of(FACES)
+    both = np.concatenate([edges, edges[:, ::-1]])
+    total = np.bincount(both[:, 0], lengths[both[:, 1]])
+    return total / np.bincount(both[:, 0])
+
+
+def test_white_noise_stays_as_it_is():
+    assert WHITE.applied(NOISE, FRAME) is NOISE
+
+
+@pytest.mark.parametrize("coefficient", [0.3, 0.55])
+def test_lengths_are_mixed_with_those_of_the_neighbours(coefficient):
+    """Not heights in local edge lengths, whose unit differs from vertex to vertex."""
+    mixed = NoiseCorrelation(coefficient).applied(NOISE, FRAME)
+    lengths = NOISE * FRAME.spacing
+    expected = (1 - coefficient) * lengths + coefficient * mean_around(lengths)
+    np.testing.assert_allclose(mixed * FRAME.spacing, expected, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("passes", [1, 3])
+def test_a_pass_averages_lengths_half_with_those_of_the_neighbours(passes):
+    expected = NOISE * FRAME.spacing
+    for _ in range(passes):
+        expected = (expected + mean_around(expected)) / 2
+    smooth = NoiseCorrelation(passes=passes).applied(NOISE, FRAME)
+    np.testing.assert_allclose(smooth * FRAME.spacing, expected, rtol=0, atol=1e-12)

@@ -1,0 +1,104 @@
+"""Verdict on the noise of a surface: of which kind it is, how much, and what is said of it."""
+
+import numpy as np
+import pytest
+from support import meshes
+
+from adaptive_fairing.core import TriangleTopology
+from adaptive_fairing.core.denoising.noise.level import beyond_clean
+from adaptive_fairing.core.denoising.noise.smooth_noise import smooth_noise
+from adaptive_fairing.core.denoising.noise_verdict import (
+    IMPULSIVE,
+    SMOOTH,
+    SMOOTH_REMOVED,
+    noise_verdict,
+    shows_in_hinges,
+)
+from adaptive_fairing.core.denoising.stage import Stage
+from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
+
+VERTICES, FACES = meshes.torus(100, 50)
+TOPOLOGY = TriangleTopology(FACES, len(VERTICES))
+CLEAN = TriangleSurface(TOPOLOGY, VERTICES)
+WHITE = np.random.default_rng(0).normal(size=len(VERTICES))
+
+
+def stage_of(heights):
+    """Stage of the torus with heights (n,) in local edge lengths."""
+    still = np.zeros(len(VERTICES), dtype=bool)
+    return Stage(TOPOLOGY, VERTICES + CLEAN.raised(heights), still, lambda report: None)
+
+
+def smooth(level, passes=4):
+    heights = CLEAN.spread(WHITE, passes)
+    return level * heights / heights.std()
+
+
+def spikes(size, part=0.1):
+    generator = np.random.default_rng(1)
+    return np.where(generator.random(len(VERTICES)) < part, size * WHITE, 0)
+
+
+@pytest.mark.parametrize("clean", ["keep", "detail", "denoise"])
+def test_white_noise_has_its_level_and_is_removed_whatever_is_kept(clean):
+    verdict = noise_verdict(stage_of(0.2 * WHITE), 1.0, clean)
+    assert np.median(verdict.level) == pytest.approx(0.2, rel=0.1)
+    assert np.array_equal(verdict.reach, verdict.level)
+    assert verdict.smooth is None
+    assert (verdict.correlation.coefficient, verdict.correlation.passes) == (0, 0)
+    assert (verdict.notes, verdict.other_readings) == ((), ())
+    assert not verdict.impulsive.any()
+
+
+def test_smooth_noise_is_removed_and_may_be_kept_as_detail():
+    stage = stage_of(smooth(0.2))
+    removed, kept, forced = (
+        noise_verdict(stage, 1.0, clean) for clean in ("keep", "detail", "denoise")
+    )
+    for verdict in (removed, forced):
+        assert np.median(verdict.level) == pytest.approx(0.2, rel=0.5)
+        assert verdict.correlation is verdict.smooth
+        assert verdict.smooth.passes > 1
+        # Differences of second order hardly show it, so the level is already that of all.
+        assert verdict.notes == (SMOOTH_REMOVED.format(verdict.level[0]),)
+    assert (removed.other_readings, forced.other_readings) == (("detail",), ())
+    assert kept.smooth is None
+    assert not beyond_clean(kept.level).any()
+    assert kept.notes[0].startswith(SMOOTH.partition("{")[0])
+    assert kept.other_readings == ("denoise",)
+
+
+def test_spikes_are_put_back_first():
+    stage = stage_of(spikes(0.6) + 0.02 * np.roll(WHITE, 7))
+    verdict = noise_verdict(stage, 1.0, "keep")
+    assert verdict.notes == (IMPULSIVE,)
+    assert verdict.impulsive.max() == 1
+    assert verdict.stage is not stage
+    left = [
+        np.sqrt(np.mean(CLEAN.along_normal(each.noisy.positions - VERTICES) ** 2))
+        for each in (stage, verdict.stage)
+    ]
+    assert left[1] < 0.5 * left[0]
+    assert (verdict.reach >= verdict.level).all()
+
+
+def test_a_clean_surface_has_none_and_says_so():
+    verdict = noise_verdict(stage_of(0 * WHITE), 1.0, "keep")
+    assert not beyond_clean(verdict.level).any()
+    assert "no noise found" in verdict.notes[-1]
+    assert verdict.other_readings in ((), ("denoise",))
+
+
+def test_an_example_of_the_noise_is_as_large_as_the_whole_noise():
+    verdict = noise_verdict(stage_of(0.2 * WHITE), 1.0, "keep")
+    whole = verdict.whole(verdict.level)
+    assert np.median(whole) == pytest.approx(0.2, rel=0.1)
+    assert np.std(verdict.example() / whole) == pytest.approx(1, rel=0.05)
+
+
+def test_hinges_show_smooth_noise_and_flat_faces_have_none():
+    everywhere = np.ones(len(VERTICES), dtype=bool)
+    noisy, clean = stage_of(smooth(0.2)), stage_of(0 * WHITE)
+    found = smooth_noise(noisy.noisy, everywhere)
+    assert shows_in_hinges(found, noisy)
+    assert not shows_in_hinges(found, clean)
