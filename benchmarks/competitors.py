@@ -7,7 +7,7 @@ took longer than the patience), the processor time of all threads for the last o
 root mean square of the displacement ("moved"), and the process's memory in bytes "before" the
 smoothing and at its "peak". speed.py starts it.
 
-The clock of a run on a known mesh starts after another run on the whole of it. `denoise` has no
+The clock of a run on a known mesh starts after another such run, on another part. `denoise` has no
 steps: one and four are the same.
 
 A step is one iteration of the program. What it does differs: ours, CGAL's and libigl's diffuse for
@@ -20,7 +20,6 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections import deque
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from itertools import count
@@ -98,7 +97,7 @@ def ours(
 
     if is_known:
         options["prepared"] = PreparedMesh(mesh.vertices, mesh.triangles)
-        deque(results(1), maxlen=0)
+        run(1)
     return run
 
 

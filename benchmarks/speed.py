@@ -89,7 +89,7 @@ libigl keep the Laplacian of the first surface. CGAL with the same parameter has
 our diffusion time as its own `time`, and so diffuses four times as long, and solves longer.
 For the others a step is one iteration of theirs.
 {AGAIN}: once more on the same triangles. 1 %, 0.1 %: of the vertices have a weight; mesh known:
-after a run on all of it. {DENOISE} has no steps: one and four are the same run of it.
+after a run on another part of it. {DENOISE} has no steps: one and four are the same run of it.
 processor: of all threads together, for the four steps (or the one, where four were not tried).
 memory: peak of the whole process, and its growth by the smoothing per triangle.
 moved: root mean square displacement after the last step, in mean edges; CGAL keeps the volume."""

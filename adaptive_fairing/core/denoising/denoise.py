@@ -22,6 +22,7 @@ from .progress import DenoiseProgress, ProgressReport
 from .result import DenoiseResult
 from .settings import DenoiseSettings
 from .triangle_surface import TriangleSurface
+from .whole_run import whole_run
 from .wide_noise import denoised_surfaces
 
 # Filters go on around a part so far that its border does not show in it. On a noisy torus 1.68,
@@ -69,8 +70,10 @@ def denoise(
     settings : DenoiseSettings, optional
     weights : (n,) float, optional
         Factor in [0, 1] of the displacement of a vertex. A vertex of weight 0 stays exactly where
-        it is, and noise is not judged from it. If most weights are 0, the filters cover only some
-        rings around the other vertices.
+        it is. If most weights are 0, the others go where a run on the whole mesh moves them; such
+        a run is made once for each `prepared`. Where the noise is unlike that of the whole, or the
+        mesh was edited since, it is judged from the vertices that move, as if most weights were
+        not 0, and the filters cover some rings around them.
     prepared : PreparedMesh, optional
         Preparation from an earlier run on a mesh with the same triangles.
     plan : DenoisePlan, optional
@@ -115,24 +118,32 @@ def denoise(
         prepared = PreparedMesh.of(mesh)
     else:
         prepared.require(mesh.triangles, len(mesh.points))
-    n_vertices = len(prepared.surface.vertex_of)
+    vertex_of = prepared.surface.vertex_of
+    n_vertices = len(vertex_of)
     if plan is not None and len(plan.noise) != n_vertices:
         raise InputError(f"the plan is of a mesh of {len(plan.noise)} vertices, not {n_vertices}")
     margin = _filtered(settings.width, plan)
     problem = SolverProblem.posed(
         mesh, prepared, "denoise", boundary=settings.boundary, margin=margin
     )
-    if plan is not None and problem.is_part:
-        plan = plan.at(problem.whole.part)
     report = ProgressReport(progress, has_plan=plan is not None)
-    outcome = denoised_surfaces(
-        problem.space.topology,
-        problem.start,
-        _not_judged(problem),
-        settings,
-        plan=plan,
-        progress=report,
-    )
+    not_judged = _not_judged(problem)
+    run = outcome = None
+    if problem.is_part and plan is None:
+        now = mesh.points[vertex_of]
+        run = whole_run(problem, prepared, now, settings, report)
+        outcome = None if run is None else run.at_part(problem, now, ~not_judged)
+    if outcome is None:
+        part = problem.whole.part
+        own_plan = plan.at(part) if plan is not None and problem.is_part else plan
+        outcome = denoised_surfaces(
+            problem.space.topology,
+            problem.start,
+            not_judged,
+            settings,
+            plan=own_plan,
+            progress=report,
+        )
     _require_converged(outcome.solve)
     report.begin("measure")
     frame, topology = problem.frame, problem.space.topology
@@ -144,7 +155,7 @@ def denoise(
     initial, *measures = (
         problem.space.measures(each, in_single).scaled(1 / frame.scale) for each in surfaces
     )
-    plan, noise = outcome.plan, outcome.plan.noise
+    noise = outcome.plan.noise
     denoised = TriangleSurface(topology, outcome.positions[STRENGTHS.index(1.0)])
     result = DenoiseResult(
         strengths=settings.strength * np.array(STRENGTHS),
@@ -158,8 +169,8 @@ def denoise(
         noise=problem.whole.to_caller(noise, np.zeros(n_vertices)),
         noise_level=_median_where(noise > 0, noise),
         noise_length=_median_where(noise > 0, noise * denoised.spacing) / frame.scale,
-        radius=plan.radius,
-        sharp_part=_sharp_part(plan),
+        radius=outcome.plan.radius,
+        sharp_part=_sharp_part(outcome.plan),
         crease_part=denoised.crease_part(),
         is_sharp=(
             denoised.has_creases() if settings.features == "auto" else settings.features == "sharp"
@@ -170,8 +181,10 @@ def denoise(
         notes=problem.notes + outcome.notes,
         other_readings=outcome.other_readings,
         settings=settings,
-        plan=plan,
+        plan=plan or (run or outcome).plan,
     )
+    if run is not None:
+        run.note_result(result.positions[vertex_of], mesh.weights[vertex_of])
     report.finish()
     return result
 

@@ -69,9 +69,12 @@ class DenoisePlan:
 
     def at(self, vertices: IndexArray) -> DenoisePlan:
         """Return the same plan for a part of the surface, (k,) of its vertices."""
+        noise = self.noise[vertices]
+        if self.level is not None:
+            return replace(self, noise=noise)
         return replace(
             self,
-            noise=self.noise[vertices],
+            noise=noise,
             pilots=tuple(each.at(vertices) for each in self.pilots),
             mixtures=tuple(each.at(vertices) for each in self.mixtures),
             impulsive=self.impulsive[vertices],

@@ -47,6 +47,8 @@ class PreparedMesh(PreparedSurface):
         The manifold that is solved on.
     own_scale : float
         Factor from the units of `vertices` into the solver's frame.
+    whole_run : object
+        What `denoise` keeps of a run on the whole mesh, for runs on parts of it.
 
     Raises
     ------
@@ -86,6 +88,7 @@ class PreparedMesh(PreparedSurface):
         self.triangles = mesh.triangles
         self.own_scale = SolverFrame.of(mesh.points, self.surface, normalize).scale
         self._scale = scale
+        self.whole_run: object = None
         self._region_key: tuple[bytes, int, int] | None = None
         self._region: Region | None = None
 

@@ -54,15 +54,19 @@ class PreparedSurface:
         InputError
             Vertices with so many neighbours that assembling the matrices would take minutes.
         """
-        if algorithm not in self._admitted:
-            _require_moderate_poles(self.surface, MOST_POLE_ENTRIES[algorithm])
-            require_memory(self._known_patches(), self.quadrature_tolerance, algorithm)
-            self._admitted.add(algorithm)
+        self.admit(algorithm)
         if self._space is None:
             tolerance = self.quadrature_tolerance
             self._space = LoopSpace(self.surface.topology, tolerance, self._known_patches())
         self._patches = None  # the space has what it needs of them
         return self._space
+
+    def admit(self, algorithm: Algorithm) -> None:
+        """Check once that an algorithm can run on the surface; raises as `space_for`."""
+        if algorithm not in self._admitted:
+            _require_moderate_poles(self.surface, MOST_POLE_ENTRIES[algorithm])
+            require_memory(self._known_patches(), self.quadrature_tolerance, algorithm)
+            self._admitted.add(algorithm)
 
     def free_space(self) -> None:
         """Free the finite element space, which holds most of the memory; a solve makes it anew."""
