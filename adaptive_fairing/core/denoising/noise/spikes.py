@@ -160,12 +160,13 @@ def spike_law(moved: FloatArray) -> tuple[float, float]:
         return 0.0, 0.0
     least = float(np.median(found))
     beyond = found[found >= least]
-    excess = max(float(beyond.mean()) / least, 1.001)
+    def mean_beyond(x: float) -> float:
+        """Mean of the normal deviates beyond x, over x: their density over their probability."""
+        return float(np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi) / (x * ndtr(-x)))
 
-    def density(x: float) -> float:
-        return float(np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi))
-
-    # The mean of a normal deviate beyond x is that density over the probability.
-    at = brentq(lambda x: density(x) / (x * ndtr(-x)) - excess, 1e-6, 30.0)
+    # Spikes of one size have no such law: the nearest one is bounded.
+    low, high = 1e-6, 10.0
+    excess = float(np.clip(beyond.mean() / least, mean_beyond(high), mean_beyond(low)))
+    at = brentq(lambda x: mean_beyond(x) - excess, low, high)
     part = len(beyond) / len(moved) / (2 * float(ndtr(-at)))
     return least / at, min(part, 1.0)

@@ -143,6 +143,13 @@ def test_where_no_spike_was_there_is_no_law():
     assert spike_law(np.zeros(10)) == (0, 0)
 
 
+@pytest.mark.parametrize("moved", [[0.3], [0.3, 0.3, 0.3], [1e-300, 1e-9, 5.0]])
+def test_spikes_of_any_sizes_have_a_law(moved):
+    """Spikes of one size have no tail that a normal distribution would explain."""
+    size, part = spike_law(np.array([*moved, 0, 0, 0, 0]))
+    assert np.isfinite(size) and 0 <= size and 0 < part <= 1
+
+
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("part", [0.2, 0.4])
 def test_what_is_left_of_spikes_is_as_large_as_it_really_is(shape, part):
