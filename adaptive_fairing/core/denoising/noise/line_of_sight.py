@@ -1,8 +1,9 @@
 """Lines of sight of a depth camera or a scanner, recovered from its mesh.
 
 A camera sees its points along the rays of a grid, and the mesh joins neighbours of that grid.  So
-two adjacent triangles form a parallelogram as seen by the camera: the sums of opposite corners
-differ only along the line of sight.  The errors of the depths lie along that line too.
+two triangles of one cell of the grid form a parallelogram as seen by the camera: the sums of
+opposite corners differ only along the line of sight.  The errors of the depths lie along that line
+too.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import numpy as np
 from ...mesh.normals import dots, unit_vectors
 from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import FloatArray, IntArray
+from ..lifted_metric import squared_edges
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 
@@ -37,7 +39,11 @@ def lines_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatAr
     """
     if topology.is_closed:  # it has a back, which no camera sees
         return None
-    side = np.flatnonzero(topology.twin > np.arange(len(topology.twin)))
+    # The diagonal of a cell is the longest edge of both its triangles, unless it is seen steeply.
+    squares = squared_edges(topology.triangles, positions).T
+    is_longest = (squares == squares.max(axis=1, keepdims=True)).ravel()
+    is_diagonal = is_longest & is_longest[topology.twin]
+    side = np.flatnonzero(is_diagonal & (topology.twin > np.arange(len(topology.twin))))
     other = topology.twin[side]
     corners = topology.triangles.ravel()
 

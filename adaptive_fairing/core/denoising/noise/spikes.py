@@ -160,6 +160,7 @@ def spike_law(moved: FloatArray) -> tuple[float, float]:
         return 0.0, 0.0
     least = float(np.median(found))
     beyond = found[found >= least]
+
     def mean_beyond(x: float) -> float:
         """Mean of the normal deviates beyond x, over x: their density over their probability."""
         return float(np.exp(-(x**2) / 2) / np.sqrt(2 * np.pi) / (x * ndtr(-x)))

@@ -17,8 +17,8 @@ PARALLEL = np.tile(SIGHT, (len(GRID), 1))
 
 
 def depths():
-    """Two planes, steep and facing, that meet at a crease, seen along z."""
-    return np.maximum(1.5 * (GRID[:, 0] - 35), 0) + 0.2 * GRID[:, 1]
+    """A steep and a facing part that meet at a crease, both slightly twisted, seen along z."""
+    return np.maximum(1.5 * (GRID[:, 0] - 35), 0) + (0.2 + 1e-4 * GRID[:, 0]) * GRID[:, 1]
 
 
 def smooth(passes=4, seed=0):
@@ -36,6 +36,32 @@ def seen(depth):
 def test_it_is_the_direction_along_which_depths_vary(noise):
     found = lines_of_sight(TOPOLOGY, seen(depths() + noise * smooth()))
     np.testing.assert_allclose(np.abs(found @ SIGHT), 1, atol=1e-9)
+
+
+def cut_either_way(seed=0):
+    """Triangles of the grid whose cells are cut along one diagonal or the other."""
+    first = np.arange(len(GRID)).reshape(71, 71)[:-1, :-1].ravel()
+    corners = np.stack([first, first + 1, first + 72, first + 71], axis=1)
+    is_other = np.random.default_rng(seed).random(len(first)) < 0.5
+    corners[is_other] = np.roll(corners[is_other], 1, axis=1)
+    return np.concatenate([corners[:, [0, 1, 2]], corners[:, [0, 2, 3]]])
+
+
+@pytest.mark.parametrize("noise", [0, 0.3])
+def test_cells_may_be_cut_along_either_diagonal(noise):
+    topology = TriangleTopology(cut_either_way(), len(GRID))
+    found = lines_of_sight(topology, seen(depths() + noise * smooth()))
+    np.testing.assert_allclose(np.abs(found @ SIGHT), 1, atol=1e-9)
+
+
+def test_noise_in_rounded_depths_is_found():
+    """A third of the hinges are flat then, as in clean models."""
+    bent, step = 0.002 * np.square(GRID[:, 0] - 35), 0.2
+    noise = np.random.default_rng(4).normal(0, 0.08, len(GRID))
+    depth = step * np.round((bent + noise) / step)
+    result = denoise(seen(depth), cut_either_way(), DenoiseSettings(boundary="free"))
+    left = (result.positions - seen(bent)) @ SIGHT
+    assert np.std(left) < 0.3 * np.std(depth - bent)
 
 
 def test_rays_of_a_near_camera_meet_where_it_is():
