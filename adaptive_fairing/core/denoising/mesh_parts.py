@@ -103,6 +103,8 @@ class MeshParts:
         )
         if n_counted < tuned.fewest_vertices:
             return NoiseFound(noise, impulsive, noise, (too_few,))
+        if np.median(surface.roughness.value[self.is_counted]) > clean:
+            surface.measure()
         detail = CleanDetail(surface, self.is_counted)
         models = []
         for members in self._members:

@@ -22,9 +22,9 @@ import numpy as np
 from ..linalg.conjugate_gradients import SolveReport
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
-from ..runtime.threads import for_each
+from ..runtime.threads import for_each, ordered_map
 from .bounds import Bounds
-from .filter_rounds import Round, rounds_for
+from .filter_rounds import Filter, Round, rounds_for
 from .folds import unfolded
 from .given_width import verdict_of_width
 from .mixture import Mixture, filter_divergence
@@ -124,27 +124,33 @@ def mixed_surfaces(
         if not plan.is_idle:
             stage.track.repeat(plan, progress)
     start = stage.track.start
+    was_spike = (start.positions != positions).any(axis=1)
+    numbers = range(len(STRENGTHS))
+
+    def without_folds(faired: FloatArray) -> FloatArray:
+        return unfolded(faired, before, was_spike, stage.parts.is_counted)
+
     if undented is not None:
-        results = [Sliding(before, stage.frame, True, plan.reach).limited(undented)]
+        sliding = Sliding(before, stage.frame, True, plan.reach)
+        results = [without_folds(sliding.limited(undented))] * len(STRENGTHS)
     elif plan.is_idle:
-        results = [start.positions]
+        results = [without_folds(start.positions)] * len(STRENGTHS)
     else:
         progress.begin("mix")
         boundary_moves = settings.boundary == "free"
         sliding = Sliding(start, stage.frame, plan.has_creases, plan.noise, boundary_moves)
-        results = [
-            sliding.limited(stage.track.mixed(mixture), factor * settings.strength)
-            for factor, mixture in zip(STRENGTHS, plan.mixtures, strict=True)
-        ]
-    was_spike = (start.positions != positions).any(axis=1)
-    results = [unfolded(each, before, was_spike, stage.parts.is_counted) for each in results]
-    if len(results) < len(STRENGTHS):
-        results *= len(STRENGTHS)
+
+        def at_strength(number: int) -> FloatArray:
+            mixed = stage.track.mixed(plan.mixtures[number])
+            return without_folds(sliding.limited(mixed, STRENGTHS[number] * settings.strength))
+
+        results = list(ordered_map(at_strength, numbers))
     bounds = Bounds(before, stage.frame, start.positions, plan.reach)
-    results = [
-        bounds.kept(each, factor * settings.strength)
-        for factor, each in zip(STRENGTHS, results, strict=True)
-    ]
+
+    def bounded(number: int) -> FloatArray:
+        return bounds.kept(results[number], STRENGTHS[number] * settings.strength)
+
+    results = list(ordered_map(bounded, numbers))
     return MixedSurfaces(results, plan, solves.report(), notes, other_readings)
 
 
@@ -177,10 +183,15 @@ def _planned(
 
     def measure() -> None:
         """Measure the removed part of each new filter along the normals, and its divergence."""
-        for each in list(track.taken)[len(removed) :]:
+
+        def measured(each: Filter) -> tuple[RealArray, RealArray]:
             own, of_shadow = (one.removed(each, frame) for one in (track, shadow))
-            removed.append((own / unit).astype(np.float32))
-            divergence.append(filter_divergence(own, of_shadow, probe).astype(np.float32))
+            taken, gain = own / unit, filter_divergence(own, of_shadow, probe)
+            return taken.astype(np.float32), gain.astype(np.float32)
+
+        for taken, gain in ordered_map(measured, list(track.taken)[len(removed) :]):
+            removed.append(taken)
+            divergence.append(gain)
 
     def variance(factor: float) -> FloatArray:
         level = beyond_clean(factor * settings.strength * seen) / correlation.seen

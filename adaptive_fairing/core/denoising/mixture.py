@@ -25,6 +25,7 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
 
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
+from ..runtime.threads import ordered_map
 from .parameters import parameters
 
 # Sums over the vertices are taken over this many at once, which bounds the memory.
@@ -167,21 +168,31 @@ def _normal_equations(
     """Sum up ⟨e_i, e_j⟩ and σ² div e_i over the vertices, by class: (c k, c k) and (s, c k)."""
     n_classes, n_filters = len(classes), len(removed)
     n = n_classes * n_filters
-    square = np.zeros((n_classes, n_filters, n_classes, n_filters))
-    gains = np.zeros((n_classes, len(variances), n_filters))
     pairs = [(i, j) for i in range(n_classes) for j in range(i + 1)]
-    for start in range(0, classes.shape[1], VERTICES_AT_ONCE):
-        some = slice(start, start + VERTICES_AT_ONCE)
+
+    def of_some(first: int) -> tuple[FloatArray, FloatArray]:
+        square = np.zeros((n_classes, n_filters, n_classes, n_filters))
+        gains = np.zeros((n_classes, len(variances), n_filters))
+        some = slice(first, first + VERTICES_AT_ONCE)
         weights = classes[:, some].astype(np.float64)
         rows = np.stack([row[some] for row in removed], dtype=np.float64)
         for i, j in pairs:
             weight = weights[i] * weights[j]
             if weight.any():
-                square[i, :, j] += _products(weight * rows, rows)
+                square[i, :, j] = _products(weight * rows, rows)
         gain_rows = np.stack([row[some] for row in divergence], dtype=np.float64)
         # The weights go to the variances, which are fewer than the filters.
         for index, weight in enumerate(weights):
-            gains[index] += _products(weight * variances[:, some], gain_rows)
+            gains[index] = _products(weight * variances[:, some], gain_rows)
+        return square, gains
+
+    firsts = range(0, classes.shape[1], VERTICES_AT_ONCE)
+    # Not `sum`, which would make a copy for each.
+    square = np.zeros((n_classes, n_filters, n_classes, n_filters))
+    gains = np.zeros((n_classes, len(variances), n_filters))
+    for more_square, more_gains in ordered_map(of_some, firsts):
+        square += more_square
+        gains += more_gains
     for i, j in pairs:
         square[j, :, i] = square[i, :, j]
     return square.reshape(n, n), gains.swapaxes(0, 1).reshape(-1, n)

@@ -76,14 +76,18 @@ def roughness(positions: FloatArray, frame: TriangleSurface) -> Contrast:
     difference = sparse.identity(len(positions), format="csr") - frame.mean
     twice = sparse.csr_array(difference @ difference)
     magnitude = np.abs(frame.along_normal(twice @ positions))
-    entries = sparse.coo_array(twice)
-    row, column = entries.coords
-    cosine = dots(frame.normals[row], frame.normals[column])
-    per_length = np.square(entries.data * cosine / frame.spacing[row])
-    per_edge = per_length * np.square(frame.spacing[column])
-    n = len(positions)
-    edge_variance = np.maximum(np.bincount(row, per_edge, n), 1e-12)
-    fineness = np.maximum(np.bincount(row, per_length, n) / edge_variance, 1e-12)
+    # Squares of factors and of cosines between normals, summed up over each row: the square of
+    # m · n is n' N n with N = m m'.
+    np.square(twice.data, out=twice.data)
+    n, normals = len(positions), frame.normals
+    outer = (normals[:, :, None] * normals[:, None]).reshape(n, 9)
+    lengths = np.square(frame.spacing)[:, None]
+    per_length, per_edge = (
+        np.einsum("ni,ni->n", outer, twice @ each) / lengths[:, 0]
+        for each in (outer, lengths * outer)
+    )
+    edge_variance = np.maximum(per_edge, 1e-12)
+    fineness = np.maximum(per_length / edge_variance, 1e-12)
     return Contrast(
         magnitude / np.sqrt(edge_variance),
         fineness,

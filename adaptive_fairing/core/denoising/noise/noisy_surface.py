@@ -8,6 +8,7 @@ import numpy as np
 
 from ...mesh.normals import dots
 from ...runtime.arrays import FloatArray
+from ...runtime.threads import for_each
 from ..triangle_surface import TriangleSurface
 from .contrast import Contrast, hinges, roughness
 from .line_of_sight import LEAST_COSINE, lines_of_sight
@@ -29,6 +30,10 @@ class NoisySurface:
     def __init__(self, positions: FloatArray, frame: TriangleSurface) -> None:
         self.positions, self.frame = positions, frame
         self.topology = frame.topology
+
+    def measure(self) -> None:
+        """Compute, by several threads, what the judgement of every rough surface needs."""
+        for_each(lambda name: getattr(self, name), ("lines", "hinges"))
 
     @cached_property
     def own(self) -> OwnNumbers:
