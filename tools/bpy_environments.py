@@ -2,6 +2,10 @@
 
 Each has the numpy of that official Blender and no scipy, because official Blenders have none. They
 are kept in a cache directory, about 1 GB each, and made when missing.
+
+    python tools/bpy_environments.py
+
+prints the versions, for scripts.
 """
 
 from __future__ import annotations
@@ -39,6 +43,10 @@ class BlenderModule:
     python: str
     numpy: str
     may_crash: bool = False
+
+    def has_numerics_of(self, other: BlenderModule) -> bool:
+        """Whether the core, which needs no Blender, runs on the same Python, numpy and scipy."""
+        return (self.python, self.numpy) == (other.python, other.numpy)
 
 
 BLENDERS = (
@@ -135,3 +143,7 @@ def _pip_install(python: Path, arguments: Sequence[str]) -> None:
     done = subprocess.run([*pip, *arguments], capture_output=True, text=True, check=False)
     if done.returncode != 0:
         raise InstallError(f"pip install {' '.join(arguments)} failed\n{done.stderr.strip()}")
+
+
+if __name__ == "__main__":
+    print(*(module.version for module in BLENDERS))

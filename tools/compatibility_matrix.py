@@ -4,8 +4,9 @@ The Blenders are the bpy modules of the supported versions (tools/bpy_environmen
 programs when some are named: a Blender on this machine, or one of a Debian release in a chroot
 (tools/real_blender.py, needs root). In each of them tests/extension/check_installed.py runs in
 fresh processes; under the bpy modules the fast tests run as well, but for those that have been run
-there already. If a module that may crash does, its tests run once more, and the table is followed
-by where it crashed.
+there already. The core knows nothing of Blender, so its tests run once for each Python and numpy.
+If a module that may crash does, its tests run once more, and the table is followed by where it
+crashed.
 
 Usage: python tools/compatibility_matrix.py [--only [VERSION ...]] [--blender COMMAND ...]
        [--debian RELEASE ...] [--cache DIR] [--tested [VERSION ...]]
@@ -170,9 +171,12 @@ def check_blender(
 
 
 def check_module(
-    module: BlenderModule, archives: dict[str, Path], cache: Path, is_tested: bool
+    module: BlenderModule,
+    archives: dict[str, Path],
+    cache: Path,
+    tested: Sequence[BlenderModule],
 ) -> Row:
-    """Return the row of a bpy module; its tests run unless they have been run before."""
+    """Return the row of a bpy module; its tests run unless it is among those `tested` before."""
     row = Row(f"bpy {module.version}")
     try:
         python = make_environment(module, cache)
@@ -194,11 +198,11 @@ def check_module(
             plain=archives[build_extension.NO_WHEELS],
             PYTHONPATH=os.pathsep.join([str(ROOT), str(packages)]),
         )
-        if is_tested:
+        if module in tested:
             row.cells["tests"] = "run before"
         else:
             try:
-                _run_tests(row, module, python, make_test_packages(module, cache), work)
+                _run_tests(row, module, python, make_test_packages(module, cache), work, tested)
             except InstallError as error:
                 row.fail("tests", str(error))
     return row
@@ -253,10 +257,18 @@ def _take(row: Row, result: dict) -> None:
         row.fail(result["failed"]["check"], result["failed"]["error"])
 
 
-def _run_tests(row: Row, module: BlenderModule, python: Path, packages: Path, work: Path) -> None:
+def _run_tests(
+    row: Row,
+    module: BlenderModule,
+    python: Path,
+    packages: Path,
+    work: Path,
+    tested: Sequence[BlenderModule],
+) -> None:
     """Run the fast tests of core and add-on under a bpy module; keep pytest's summaries."""
-    summaries = []
-    for folder in ("core", "blender"):
+    alike = [each.version for each in tested if each.has_numerics_of(module)]
+    summaries = [f"core as in {alike[0]}"] if alike else []
+    for folder in ("blender",) if alike else ("core", "blender"):
         command = [str(python), "-m", "pytest", "--quiet", "-p", "no:cacheprovider"]
         command += ["--rootdir", str(ROOT), "--config-file", str(ROOT / "pyproject.toml")]
         command.append(str(ROOT / "tests" / folder))
@@ -310,10 +322,13 @@ def main(arguments: list[str] | None = None) -> int:
             name: build_extension.build([name], Path(scratch), wheels=options.cache / "wheels")[0]
             for name in (build_extension.NO_WHEELS, "linux-x64")
         }
+        tested = [module for module in BLENDERS if module.version in options.tested]
         for module in BLENDERS:
             if module.version in options.only:
-                is_tested = module.version in options.tested
-                add(check_module(module, archives, options.cache, is_tested))
+                row = check_module(module, archives, options.cache, tested)
+                add(row)
+                if row.cells.get("tests", "FAILED") != "FAILED":
+                    tested.append(module)
         plain = archives[build_extension.NO_WHEELS]
         for command in options.blender:
             work = Path(tempfile.mkdtemp(dir=scratch))
