@@ -30,8 +30,12 @@ import numpy as np
 
 from ..linalg.edge_matrix import EdgeMatrix, EdgePattern
 from ..runtime.arrays import FloatArray, IntArray
+from ..runtime.threads import chunks
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
+
+# Triangles whose edges fit into the cache.
+TRIANGLES_PER_CHUNK = 8192
 
 # A triangle's metric counts as at least this definite: determinant relative to the
 # square of the edges' squared lengths.
@@ -66,8 +70,10 @@ class LiftedMetric(NamedTuple):
         triangles, fraction = surface.topology.triangles, self.surface_fraction
         squares = np.full((3, len(triangles)), 1.0 - fraction)
         if fraction > 0:
-            spacing = (smooth or surface).smooth_spacing[triangles].mean(axis=1)
-            squares += fraction / spacing**2 * squared_edges(triangles, surface.positions)
+            spacing = (smooth or surface).smooth_spacing
+            first, second, third = (spacing.take(corners) for corners in triangles.T)
+            mean = (first + second + third) / 3
+            squares += fraction / mean**2 * squared_edges(triangles, surface.positions)
         if self.angle is not None:
             squares += squared_edges(triangles, surface.normals) / self.angle**2
         return squares
@@ -80,7 +86,9 @@ def linear_elements(pattern: EdgePattern, squares: FloatArray) -> tuple[EdgeMatr
     """
     tuned = parameters()
     element = area_elements(squares)
-    mass = pattern.summed(np.tile((1 - tuned.lumped_fraction) / 24 * element, (3, 1)))
+    mass = pattern.summed(
+        np.broadcast_to((1 - tuned.lumped_fraction) / 24 * element, (3, len(element)))
+    )
     stiffness = pattern.summed(-half_cotangents(squares, element))
     # A third of a triangle belongs to each corner; rows of L add up to 0.
     on_diagonal = (1 + tuned.lumped_fraction) / (1 - tuned.lumped_fraction) * mass.row_sums()
@@ -118,12 +126,25 @@ def boundary_flux(surface: TriangleSurface, squares: FloatArray) -> FloatArray:
 
 def squared_edges(triangles: IntArray, points: FloatArray) -> FloatArray:
     """Squared lengths of every triangle's edges from corner k to the next, (3, n_triangles)."""
-    squares = np.zeros((3, len(triangles)))
-    for column in points.T:
-        corners = np.ascontiguousarray(column)[triangles.T]
-        for k in range(3):
-            squares[k] += np.square(corners[(k + 1) % 3] - corners[k])
+    squares = np.empty((3, len(triangles)))
+    columns = np.ascontiguousarray(points.T)
+    for own in chunks(len(triangles), TRIANGLES_PER_CHUNK):
+        edges = edge_vectors(triangles[own], columns)
+        np.square(edges, out=edges).sum(axis=0, out=squares[:, own])
     return squares
+
+
+def edge_vectors(triangles: IntArray, columns: FloatArray) -> FloatArray:
+    """Vectors of every triangle's edges from corner k to the next, (d, 3, n_triangles).
+
+    The points are given by columns (d, n).
+    """
+    numbers = np.ascontiguousarray(triangles.T, dtype=np.intp)
+    corners = columns.take(numbers, axis=1, mode="wrap")
+    edges = np.empty_like(corners)
+    np.subtract(corners[:, 1:], corners[:, :2], out=edges[:, :2])
+    np.subtract(corners[:, 0], corners[:, 2], out=edges[:, 2])
+    return edges
 
 
 def area_elements(squares: FloatArray) -> FloatArray:

@@ -8,12 +8,12 @@ import numpy as np
 from scipy import sparse
 
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import FloatArray, IntArray, RealArray
+from ..runtime.arrays import FloatArray, IndexArray, RealArray
 from ..runtime.threads import chunks, for_each
 from .symmetric_pattern import adopt_entries
 
 # Rows of a product that one thread computes at a time.
-ROWS_PER_CHUNK = 8192
+ROWS_PER_CHUNK = 16384
 
 
 class EdgePattern:
@@ -22,8 +22,6 @@ class EdgePattern:
     Attributes
     ----------
     topology : TriangleTopology
-    forth, back : (3, n_triangles) int
-        Entries (i, j) and (j, i) for the half-edge from corner k = i to the next one, j.
     """
 
     def __init__(self, topology: TriangleTopology) -> None:
@@ -33,16 +31,22 @@ class EdgePattern:
         targets = topology.triangles[:, [1, 2, 0]].reshape(-1)
         last = topology.ring_start[targets + 1] - 1
         back = np.where(topology.twin >= 0, place[topology.twin], last)
-        self.forth: IntArray = np.ascontiguousarray(place.reshape(-1, 3).T)
-        self.back: IntArray = np.ascontiguousarray(back.reshape(-1, 3).T)
+        # Numbers of the one or two half-edges of each place, corner by corner; then that of none.
+        half_edges = np.arange(len(place)).reshape(3, -1).T.reshape(-1)
+        self._sources: IndexArray = np.full((2, len(topology.ring)), len(place))
+        for own, places in zip(self._sources, (place, back), strict=True):
+            own[places] = half_edges
 
     def summed(self, entries: RealArray) -> EdgeMatrix:
-        """Add up the entries (3, n_triangles) that triangles give their edges; no diagonal yet."""
+        """Add up the entries (3, n_triangles) that triangles give their edges; no diagonal yet.
+
+        Row k has those of the edges from corner k to the next.
+        """
         topology = self.topology
-        # Each place is met once by each of the two.
-        values = np.zeros(len(topology.ring), entries.dtype)
-        values[self.forth] = entries
-        values[self.back] += entries
+        with_none = np.append(entries.reshape(-1), entries.dtype.type(0))
+        # All numbers are in range, and mode "wrap" saves the time of checking them.
+        values, others = (with_none.take(each, mode="wrap") for each in self._sources)
+        values += others
         structure = values, topology.ring, topology.ring_start
         shape = topology.n_vertices, topology.n_vertices
         return EdgeMatrix(
