@@ -59,8 +59,12 @@ class FairingPreferences(bpy.types.AddonPreferences):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        for name in (*DEFAULTS, "threads"):
+        for name in DEFAULTS:
             layout.prop(self, name)
+        row = layout.row()
+        row.prop(self, "threads")
+        if not self.threads:
+            row.label(text="Automatic")
 
 
 def preferences() -> FairingPreferences | None:

@@ -79,8 +79,11 @@ def test_a_run_heeds_the_threads(wanted):
         limit_threads(0)
 
 
-def test_all_of_them_are_drawn(wanted):
+@pytest.mark.parametrize(("threads", "texts"), [(0, ["Automatic"]), (4, [])])
+def test_all_of_them_are_drawn(wanted, threads, texts):
     layout = FakeLayout()
-    layout_owner = SimpleNamespace(layout=layout, bl_rna=FairingPreferences.bl_rna)
+    rna = FairingPreferences.bl_rna
+    layout_owner = SimpleNamespace(layout=layout, bl_rna=rna, threads=threads)
     FairingPreferences.draw(layout_owner, bpy.context)
     assert layout.drawn.properties == list(FairingPreferences.__annotations__)
+    assert layout.drawn.texts == texts

@@ -27,6 +27,8 @@ _DISPLAYS = {each.name: each for each in (LiveDisplay, ModifierDisplay, KeysDisp
 def display_of(obj: bpy.types.Object) -> Display:
     """Display of the result of a mesh object."""
     name, mesh = obj.adaptive_fairing.result, obj.data
+    if obj.use_dynamic_topology_sculpting:  # the mesh that is shown cannot be written
+        return Display(obj)
     if name == ModifierDisplay.name and modifier.find(obj) is None and ORIGINAL in mesh.attributes:
         return LiveDisplay(obj)  # Blender's own Apply has made it that
     if name == KeysDisplay.name and mesh.shape_keys is not None and mesh.shape_keys.use_relative:

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 import bpy
 
-from .sculpt_undo import keep_before
+from .sculpt_undo import keep_before, note_state
 
 
 @contextmanager
@@ -34,6 +34,13 @@ def object_mode(context: bpy.types.Context) -> Iterator[None]:
         bpy.data.meshes.remove(bpy.data.meshes.new(""))
 
 
-def prepare_undo(context: bpy.types.Context) -> None:
-    """Call before a change, so that one undo step reverts it exactly, in Sculpt Mode too."""
+@contextmanager
+def undoable_object_mode(context: bpy.types.Context) -> Iterator[None]:
+    """Visit Object Mode for a change that one undo step reverts exactly, in Sculpt Mode too.
+
+    For the body of an operator with an undo step.
+    """
     keep_before(context.active_object)
+    with object_mode(context):
+        yield
+    note_state(context.active_object)

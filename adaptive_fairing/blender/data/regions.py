@@ -14,6 +14,8 @@ from .vertex_groups import group_weights
 
 MODES = ("OBJECT", "EDIT", "SCULPT")
 SCULPT_MASK = ".sculpt_mask"
+DYNTOPO = "Turn off dynamic topology sculpting"
+"""Refusal: while it is on, Blender shows another mesh than the one that can be read."""
 
 
 def target_objects(context: bpy.types.Context) -> list[bpy.types.Object]:
@@ -34,7 +36,7 @@ def refusal(context: bpy.types.Context) -> str | None:
         return "Change to Object Mode, Edit Mode or Sculpt Mode"
     if active is not None and active.mode == "SCULPT":
         if active.use_dynamic_topology_sculpting:
-            return "Turn off dynamic topology sculpting"
+            return DYNTOPO
         if any(modifier.type == "MULTIRES" for modifier in active.modifiers):
             return "Leave Sculpt Mode: the mask of a multiresolution sculpture cannot be read"
     if not target_objects(context):

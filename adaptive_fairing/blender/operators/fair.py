@@ -11,7 +11,7 @@ from ..choices import DENOISE, FAIR
 from ..data.brush_region import BrushRegion
 from ..data.display import display_of
 from ..data.mesh_arrays import is_shared
-from ..data.object_mode import object_mode, prepare_undo
+from ..data.object_mode import object_mode, undoable_object_mode
 from ..data.record_functions import end_comparison
 from ..data.regions import refusal, target_objects, vertex_weights
 from ..jobs.kept_preparation import KeptPreparation
@@ -96,8 +96,7 @@ class OBJECT_OT_adaptive_fairing(
 
         _finished[:] = [solve for solve in solves if solve.is_over and solve.has_result]
         results, problems, unchanged, discarded = [], [], [], []
-        prepare_undo(context)
-        with object_mode(context):
+        with undoable_object_mode(context):
             sources = {solve.session_uid: object_of(solve.session_uid) for solve in solves}
             for solve in solves:
                 source = sources[solve.session_uid]

@@ -7,7 +7,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..choices import FAIR
 from ..data.field_attributes import own_color
-from ..data.object_mode import object_mode, prepare_undo
+from ..data.object_mode import undoable_object_mode
 from ..data.paint_group import PAINT_GROUP, forget_weights
 from ..data.record_functions import end_comparison, update_shown
 from ..data.regions import refusal, target_objects, vertex_weights
@@ -70,8 +70,7 @@ class OBJECT_OT_adaptive_fairing_attribute(SolverProperties, OutputProperties, b
             return {"CANCELLED"}
         objects, mode = target_objects(context), context.active_object.mode
         n_done = 0
-        prepare_undo(context)
-        with object_mode(context):
+        with undoable_object_mode(context):
             for obj in objects:
                 try:
                     self._fair(obj, mode, settings)

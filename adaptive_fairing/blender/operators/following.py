@@ -9,6 +9,7 @@ from ..data import earlier_files
 from ..data.display import display_of
 from ..data.paint_group import forget_weights, paint_weights
 from ..data.record_functions import update_shown
+from ..data.sculpt_undo import forget_states
 from . import viewport
 
 _weights_before: dict[int, np.ndarray] = {}  # of the object being painted, by its session_uid
@@ -56,6 +57,7 @@ def _follow_history(*_arguments) -> None:
 @bpy.app.handlers.persistent
 def _leave_file(*_arguments) -> None:
     _forget()
+    forget_states()
     viewport.put_back()  # the views may stay for the next file
 
 

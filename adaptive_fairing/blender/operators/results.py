@@ -10,7 +10,7 @@ from mathutils import Vector
 from ..compatibility import weight_paint_settings
 from ..data.control_mesh import has_control
 from ..data.display import display_of
-from ..data.object_mode import object_mode, prepare_undo
+from ..data.object_mode import undoable_object_mode
 from ..data.paint_group import forget_weights
 from ..data.record_functions import (
     end_before,
@@ -18,7 +18,8 @@ from ..data.record_functions import (
     show_before,
     update_shown,
 )
-from ..data.regions import SCULPT_MASK, sculpt_mask
+from ..data.regions import DYNTOPO, SCULPT_MASK, sculpt_mask
+from ..data.sculpt_undo import keep_before
 from ..data.vertex_groups import add_weights
 from ..requirements import scipy_problem
 from .painting import make_faint
@@ -44,7 +45,7 @@ def record_refusal(context: bpy.types.Context) -> str | None:
     obj = context.active_object
     if obj is None or obj.type != "MESH" or not obj.adaptive_fairing.result:
         return NO_RESULT
-    return linked_refusal(obj)
+    return DYNTOPO if obj.use_dynamic_topology_sculpting else linked_refusal(obj)
 
 
 def result_refusal(context: bpy.types.Context) -> str | None:
@@ -77,8 +78,7 @@ class _OnResult:
         from ...core import FairingError
 
         objects, problems = objects or [context.active_object], []
-        prepare_undo(context)
-        with object_mode(context):
+        with undoable_object_mode(context):
             for obj in objects:
                 if not obj.adaptive_fairing.result:  # has ended with that of a shared mesh
                     continue
@@ -220,7 +220,7 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
         return is_allowed(cls, result_refusal(context), busy_refusal())
 
     def execute(self, context):
-        prepare_undo(context)
+        keep_before(context.active_object)
         record = context.active_object.adaptive_fairing
         show_before(record, not record.is_before)
         return {"FINISHED"}
@@ -261,7 +261,7 @@ class OBJECT_OT_adaptive_fairing_split(bpy.types.Operator):
 
         obj = context.active_object
         record = obj.adaptive_fairing
-        with object_mode(context):
+        with undoable_object_mode(context):
             if record.is_split:
                 end_comparison(record)
                 return {"FINISHED"}
@@ -313,8 +313,7 @@ class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
         return {"FINISHED"}
 
     def _take_mask(self, context, obj):
-        prepare_undo(context)
-        with object_mode(context):
+        with undoable_object_mode(context):
             mask = sculpt_mask(obj.data)
             if mask is None or not mask.any():
                 self.report({"ERROR"}, rpt_("Mask where the original is to come back"))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 
 from ..data.earlier_files import has_earlier_keys, take_keys
-from ..data.object_mode import object_mode, prepare_undo
+from ..data.object_mode import undoable_object_mode
 from .polls import busy_refusal, is_allowed, linked_refusal, no_active_mesh_refusal
 
 
@@ -28,8 +28,7 @@ class OBJECT_OT_adaptive_fairing_take_keys(bpy.types.Operator):
         return is_allowed(cls, refusal, busy_refusal())
 
     def execute(self, context):
-        prepare_undo(context)
-        with object_mode(context):
+        with undoable_object_mode(context):
             take_keys(context.active_object)
         return {"FINISHED"}
 

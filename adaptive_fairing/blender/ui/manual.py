@@ -24,6 +24,7 @@ OPERATORS = {
     "_discard": "clean-a-scan/#keep-it-or-not",
     "_forget": "clean-a-scan/#keep-it-or-not",
     "_take_keys": "clean-a-scan/#keep-it-or-not",
+    "_slide": "clean-a-scan/#choose-the-strength",
     "_surface": "surface/#show-a-result-on-it",
     "_loop_subdivide": "surface/#refine-without-denoising",
     "_select_problems": "troubleshooting/#the-result",

@@ -32,6 +32,9 @@ from .colors_panel import draw_field_button
 from .finished_run_panels import active_record, change_text, draw_energies
 from .layouts import draw_lines, world_length_text
 
+LARGEST_RADIUS = 100
+"""Radius in edges from which on it says only that nothing of the vertices' own noise is kept."""
+
 
 def live_record(context: bpy.types.Context) -> bpy.types.PropertyGroup | None:
     """Record of the active object, if it has a slider for its strength."""
@@ -51,7 +54,7 @@ def draw_result(context: bpy.types.Context, layout) -> None:
         layout.operator(OBJECT_OT_adaptive_fairing_take_keys.bl_idname, icon="CHECKMARK")
         return
     record = active_record(context)
-    if record is None or not record.result:
+    if record is None or not record.result or obj.use_dynamic_topology_sculpting:
         return
     display = display_of(obj)
     column = layout.column()
@@ -109,7 +112,7 @@ def _draw_ends(context, column) -> None:
         if n_objects > 1:
             text = iface_("{:s} {:d} Objects").format(text, n_objects)
         buttons.operator(operator.bl_idname, text=text, icon=icon)
-    if n_objects > 1:
+    if len({each.data for each in result_objects(context)}) > 1:
         hint = iface_("Hold Alt while you move a slider to move it on all selected objects")
         draw_lines(context, column, hint, icon="INFO")
 
@@ -154,7 +157,8 @@ def result_text(context: bpy.types.Context, record: bpy.types.PropertyGroup) -> 
     if is_of_strengths(record):
         length = world_length_text(context, record, record.noise_length)
         parts.append(iface_("Noise {:s}").format(length))
-        parts.append(iface_("smoothed {:.2g} edges").format(record.radius))
+        if record.radius < LARGEST_RADIUS:
+            parts.append(iface_("smoothed {:.2g} edges").format(record.radius))
     else:
         parts.append(iface_("{:d} steps").format(len(record.shapes) - 1))
     volume = change_text(first.volume, last.volume)

@@ -184,14 +184,14 @@ class Stage:
         self.point(*self.middle(kind))
         xdotool("click", "--repeat", 30, "--delay", 30, 5)
 
-    def drag(self, x: int, y: int, distance: int) -> Scenario:
-        """Press the left button at a point, move sideways by some pixels, and let go."""
+    def drag(self, x: int, y: int, distance: int, pause: float = 2 * REACTION) -> Scenario:
+        """Press the left button at a point, move sideways in eight steps, and let go."""
         self.point(x, y)
         yield REACTION
         xdotool("mousedown", 1)
         for step in range(1, 9):
             xdotool("mousemove", x + distance * step // 8, self.window.height - 1 - y)
-            yield 2 * REACTION
+            yield pause
         xdotool("mouseup", 1)
         yield REACTION
 

@@ -82,20 +82,19 @@ def sculpt_history(stage: Stage) -> Scenario:
     yield from stage.enter_value(x, y, 0.5)
     yield 1.0
     seen["forward"].append(look())
+    yield from stage.drag(x, y, -60, pause=0.6)
+    yield 1.0
+    seen["forward"].append(look())
     yield from stage.click_button("adaptive_fairing_before(", 0.2)
     yield 1.0
     seen["forward"].append(look())
     yield from stage.picture("sculpt-history")
     for keys, name in (("ctrl+z", "back"), ("shift+ctrl+z", "again")):
         seen[name] = []
-        for _ in range(8):
+        for _ in range(5):
             yield from stage.press_in_view(keys)
             yield 0.5
-            now = look()
-            if seen[name][-1:] != [now]:
-                seen[name].append(now)
-            if now == (1 if name == "back" else 4):
-                break
+            seen[name].append(look())
     seen["mode"] = bpy.context.view_layer.objects.active.mode
 
 

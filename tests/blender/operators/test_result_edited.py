@@ -3,11 +3,13 @@
 import bpy
 import numpy as np
 import pytest
+from support.layouts import draw
 from support.objects import add_object, edit_net, key_positions, shown_positions
 from support.results import coordinates, near, paper, run, surface
 
 from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.stored_path import stored_names
+from adaptive_fairing.blender.ui.settings_panel import VIEW3D_PT_adaptive_fairing
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -187,6 +189,37 @@ class TestAnotherNet:
         edit_net(noisy, "delete")
         bpy.ops.object.adaptive_fairing_discard()
         assert np.array_equal(coordinates(noisy), np.delete(before, 7, axis=0))
+
+
+class TestDynamicTopology:
+    """Blender shows a mesh then that nobody else can write."""
+
+    @pytest.fixture
+    def shown(self, noisy):
+        run()
+        shown = coordinates(noisy)
+        bpy.ops.object.mode_set(mode="SCULPT")
+        bpy.ops.sculpt.dynamic_topology_toggle()
+        return shown
+
+    def test_nothing_changes_the_result_as_long_as_it_is_on(self, noisy, shown):
+        noisy.adaptive_fairing.strength = 0.3
+        drawn = draw(VIEW3D_PT_adaptive_fairing)
+        assert "Turn off dynamic topology sculpting" in " ".join(drawn.texts)
+        assert [each["name"] for each in drawn.operators] == ["object.adaptive_fairing"]
+        for name in ("apply", "before", "split", "paint", "surface", "discard", "forget"):
+            assert not getattr(bpy.ops.object, f"adaptive_fairing_{name}").poll(), name
+        bpy.ops.sculpt.dynamic_topology_toggle()
+        assert np.array_equal(coordinates(noisy), shown)
+        assert noisy.adaptive_fairing.strength == 1.0
+
+    def test_without_a_stroke_the_slider_goes_on_after_it(self, noisy, shown):
+        bpy.ops.sculpt.dynamic_topology_toggle()
+        noisy.adaptive_fairing.strength = 0.0
+        bpy.ops.object.mode_set(mode="OBJECT")
+        bpy.ops.object.adaptive_fairing_before()
+        assert np.array_equal(coordinates(noisy), display_of(noisy).original())
+        assert not np.array_equal(coordinates(noisy), shown)
 
 
 class TestTheModifier:

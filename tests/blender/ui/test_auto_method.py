@@ -113,6 +113,12 @@ class TestPanel:
         names = [each["name"].removeprefix("object.adaptive_fairing") for each in drawn.operators]
         assert names == ["", "_before", "_split", "_paint", "_surface", "_apply", "_discard"]
 
+    def test_a_radius_of_hundreds_of_edges_is_not_shown(self, noisy):
+        run()
+        noisy.adaptive_fairing.radius = 371.3
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert "smoothed" not in " ".join(drawn.texts)
+
     def test_the_surface_that_is_shown(self, noisy):
         run()
         for surface, text in (("REFINED_2", "Refined 2"), ("CONTROL", "Control Mesh")):

@@ -98,6 +98,17 @@ class TestBeforeTheRun:
         drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
         assert [button(drawn, name)["text"] for name in ends] == ["Apply", "Discard"]
 
+    @pytest.mark.parametrize("is_shared", [False, True])
+    def test_a_slider_of_one_mesh_needs_no_key_for_all_objects(self, sphere, is_shared):
+        second = add_object(*graded_sphere(2), name="Second")
+        second.select_set(True)
+        sphere.select_set(True)
+        if is_shared:
+            second.data = sphere.data
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", steps=1)
+        drawn = draw(settings_panel.VIEW3D_PT_adaptive_fairing)
+        assert ("Hold Alt" in " ".join(drawn.texts)) != is_shared
+
     def test_no_result_is_shown(self, sphere):
         assert draw(finished_run_panels.VIEW3D_PT_adaptive_fairing_statistics) is None
 
