@@ -16,7 +16,7 @@ def _empty_scene():
 
     empty_scene()
     # Its order of the vertices would decide the last bits of what other tests compare.
-    fair._preparations.clear()
+    fair.preparations.clear()
     yield
     empty_scene()
 

@@ -35,16 +35,17 @@ class KeptPreparation:
         """
         from ...core import PreparedMesh
 
-        kept = self._kept
-        if (
-            kept is None
-            or kept.quadrature_tolerance != tolerance
-            or not kept.serves(triangles, len(vertices))
-        ):
+        kept = self.known(triangles, len(vertices))
+        if kept is None or kept.quadrature_tolerance != tolerance:
             self._kept = None  # before the next one takes its memory
             kept = PreparedMesh(vertices, triangles, quadrature_tolerance=tolerance)
             self._kept = kept
         return kept
+
+    def known(self, triangles: NDArray[np.int32], n_vertices: int) -> PreparedMesh | None:
+        """Return the kept preparation if it is of these triangles."""
+        kept = self._kept
+        return kept if kept is not None and kept.serves(triangles, n_vertices) else None
 
     def release(self) -> None:
         """Free the parts that are too large to keep until the next press."""
@@ -54,3 +55,7 @@ class KeptPreparation:
     def clear(self) -> None:
         """Keep nothing."""
         self._kept = None
+
+
+preparations = KeptPreparation()
+"""That of the last run from Blender's window."""

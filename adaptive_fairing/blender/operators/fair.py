@@ -14,7 +14,7 @@ from ..data.mesh_arrays import is_shared
 from ..data.object_mode import object_mode, undoable_object_mode
 from ..data.record_functions import end_comparison
 from ..data.regions import refusal, target_objects, vertex_weights
-from ..jobs.kept_preparation import KeptPreparation
+from ..jobs.kept_preparation import preparations
 from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem
 from ..run_properties import CONTEXT, OutputProperties, SolverProperties
@@ -27,8 +27,6 @@ from .settings_layout import draw_operator
 
 _finished: list = []
 """Solves of the last run: the redo panel may ask for the same solves, stored in another way."""
-
-_preparations = KeptPreparation()
 
 DESCRIPTIONS = {
     DENOISE: (
@@ -213,7 +211,7 @@ class OBJECT_OT_adaptive_fairing(
             start,
             triangles,
             settings,
-            preparations=_preparations,
+            preparations=preparations,
             name=obj.name,
             session_uid=obj.session_uid,
             sharing=tuple(each.session_uid for each in others),
@@ -279,7 +277,7 @@ class OBJECT_OT_adaptive_fairing(
             data.vertices,
             data.triangles,
             in_object_units(settings, obj),
-            preparations=_preparations,
+            preparations=preparations,
             name=obj.name,
             session_uid=obj.session_uid,
             is_of_level=True,
@@ -346,5 +344,5 @@ _register_classes, unregister = bpy.utils.register_classes_factory(
 def register() -> None:
     """Register the operators."""
     _finished.clear()
-    _preparations.clear()
+    preparations.clear()
     _register_classes()

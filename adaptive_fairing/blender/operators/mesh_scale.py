@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import bpy
 
 from ..data.mesh_arrays import checksum, read_mesh_coordinates
+from ..jobs.kept_preparation import preparations
 from ..properties import FairingSceneSettings as Settings
 from ..properties import fairing_settings
 
@@ -46,8 +47,10 @@ def measure(obj: bpy.types.Object, properties: Settings) -> RadiusScale | str:
     with control_read(obj):
         start = start_positions(obj, from_original=properties.from_original)
         triangles = read_triangles(obj.data)
+    known = preparations.known(triangles, len(start))
+    surface = None if known is None else known.surface
     try:
-        scale = radius_scale(start, triangles, fairing_settings(properties))
+        scale = radius_scale(start, triangles, fairing_settings(properties), surface=surface)
     except FairingError as error:
         scale = str(error)
     while len(_known) >= REMEMBERED:

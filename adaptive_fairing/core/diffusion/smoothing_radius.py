@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from ..errors import InputError
 from ..mesh.density import mesh_density
 from ..mesh.input_checks import plain_array
-from ..mesh.solver_mesh import SolverFrame, solvable_surface
+from ..mesh.solver_mesh import SolverFrame, SolverSurface, solvable_surface
 from ..mesh.topology import TriangleTopology, checked_triangles
 from ..runtime.arrays import FloatArray
 from .settings import TAU_RANGE, FairingSettings
@@ -62,7 +62,13 @@ class RadiusScale:
         return self.densest * root, self.typical * root, self.coarsest * root
 
 
-def radius_scale(vertices: ArrayLike, faces: ArrayLike, settings: FairingSettings) -> RadiusScale:
+def radius_scale(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    settings: FairingSettings,
+    *,
+    surface: SolverSurface | None = None,
+) -> RadiusScale:
     """Measure how far a unit of time smooths in the densest and coarsest parts of a mesh.
 
     Parameters
@@ -73,6 +79,8 @@ def radius_scale(vertices: ArrayLike, faces: ArrayLike, settings: FairingSetting
         Triangles, as for `fair_steps`.
     settings : FairingSettings
         Method, density and frame count; τ, radius and the number of steps do not.
+    surface : SolverSurface, optional
+        Of these triangles (`PreparedMesh.surface`), where it is known.
 
     Raises
     ------
@@ -81,7 +89,7 @@ def radius_scale(vertices: ArrayLike, faces: ArrayLike, settings: FairingSetting
 
     Source: T(x) = τ D(x) of section 3.2 of the paper; the radius sqrt(2T) from the heat kernel.
     """
-    topology, positions, scale = _in_frame(vertices, faces, settings)
+    topology, positions, scale = _in_frame(vertices, faces, settings, surface)
     edges, radii = _edges_and_radii(topology, positions, settings)
     if not len(edges):
         raise InputError(
@@ -176,14 +184,17 @@ def _edges_and_radii(
 
 
 def _in_frame(
-    vertices: ArrayLike, faces: ArrayLike, settings: FairingSettings
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    settings: FairingSettings,
+    surface: SolverSurface | None = None,
 ) -> tuple[TriangleTopology, FloatArray, float]:
     """Topology of the solver's mesh, positions in the solver's frame, scale of that frame."""
     points = plain_array(vertices, "vertices").astype(np.float64)
     triangles = checked_triangles(faces, len(points))
     if not len(triangles):
         raise InputError("the mesh has no triangles: there is no surface to fair")
-    surface = solvable_surface(points, triangles)
+    surface = surface or solvable_surface(points, triangles)
     frame = SolverFrame.of(points, surface, settings.normalize)
     return surface.topology, frame.inward(points), frame.scale
 

@@ -1,5 +1,7 @@
 """Scale of τ and of the radius on the mesh at hand, as the panel looks it up."""
 
+from dataclasses import astuple
+
 import bpy
 import pytest
 from mathutils import Matrix
@@ -7,8 +9,10 @@ from support.meshes import graded_sphere, icosphere
 from support.objects import add_object
 
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh
+from adaptive_fairing.blender.jobs.kept_preparation import preparations
 from adaptive_fairing.blender.operators import mesh_scale
 from adaptive_fairing.core import FairingSettings
+from adaptive_fairing.core.diffusion import smoothing_radius
 from adaptive_fairing.core.diffusion.smoothing_radius import radius_scale
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -96,6 +100,14 @@ class TestMemory:
         assert mesh_scale.measure(obj, settings) != before
         settings.from_original = True
         assert mesh_scale.measure(obj, settings) == before
+
+    def test_a_run_leaves_its_set_up(self, obj, settings, monkeypatch):
+        bpy.ops.object.adaptive_fairing(algorithm="FAIR", radius=2.0)
+        with monkeypatch.context() as known:
+            known.setattr(smoothing_radius, "solvable_surface", None)
+            found = mesh_scale.measure(obj, settings)
+        preparations.clear()
+        assert astuple(found) == pytest.approx(astuple(mesh_scale.measure(obj, settings)))
 
     def test_tau_and_steps_do_not_matter(self, obj, settings):
         scale = mesh_scale.measure(obj, settings)
