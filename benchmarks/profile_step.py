@@ -27,6 +27,7 @@ import time
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from itertools import pairwise
 from pathlib import Path
 from types import FrameType
 from typing import NamedTuple
@@ -138,8 +139,8 @@ def measured_rates() -> Rates:
 
     source = np.ones(COPIED_BYTES // 8)
     target = np.empty_like(source)
-    parts = np.array_split(np.arange(len(source)), n_threads())
-    pieces = [slice(part[0], part[-1] + 1) for part in parts]
+    bounds = np.linspace(0, len(source), n_threads() + 1).astype(int)
+    pieces = [slice(*each) for each in pairwise(bounds)]
 
     def copy(piece: slice) -> None:
         target[piece] = source[piece]

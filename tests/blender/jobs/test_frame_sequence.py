@@ -190,36 +190,22 @@ def test_it_does_not_matter_where_a_frame_is_faired(sources, tmp_path, algorithm
         assert len(found) == 1, name
 
 
-def steps_of(report):
-    return [mesh["steps"] for mesh in json.loads(report.read_text())["meshes"]]
-
-
-def test_same_strength_takes_the_first_frames_number_of_steps(sources, tmp_path):
-    common = [
-        sources[".blend"], "--frames", "1-4",
-        "--stop-curvature", "0.775", "--steps", "9",
-        "--report", tmp_path / "r.json",
-    ]  # fmt: skip
-    assert run(*common, "--out-dir", tmp_path / "each", algorithm="fair") == 0
-    each = steps_of(tmp_path / "r.json")
-    assert len(set(each)) > 1, "no test: the frames would do with the same number anyway"
-    same = ("--out-dir", tmp_path / "same", "--same-strength")
-    assert run(*common, *same, algorithm="fair") == 0
-    assert steps_of(tmp_path / "r.json") == [each[0]] * len(FRAMES)
-
-
-def test_same_strength_takes_the_first_frames_tau(sources, tmp_path):
-    """The radius asks for another τ in frames of another shape."""
+def test_same_strength_takes_the_first_frames_number_of_steps_and_tau(sources, tmp_path):
+    """Frames of another shape end after other steps, and the radius asks for another τ in them."""
     report = tmp_path / "r.json"
     common = (sources[".blend"], "--frames", "1-4", "--report", report)
+    common += ("--stop-curvature", "0.775", "--steps", "9")
 
-    def taus(folder, *options):
-        run(*common, "--out-dir", tmp_path / folder, *options, algorithm="fair")
-        return [mesh["tau"] for mesh in json.loads(report.read_text())["meshes"]]
+    def told(folder, *options):
+        assert run(*common, "--out-dir", tmp_path / folder, *options, algorithm="fair") == 0
+        frames = json.loads(report.read_text())["meshes"]
+        return [[frame[name] for frame in frames] for name in ("steps", "tau")]
 
-    each = taus("each")
-    assert len(set(each)) == len(FRAMES)
-    assert taus("same", "--same-strength") == [each[0]] * len(FRAMES)
+    steps, taus = told("each")
+    assert len(set(steps)) > 1, "no test: the frames would do with the same number anyway"
+    assert len(set(taus)) == len(FRAMES)
+    same = [[each[0]] * len(FRAMES) for each in (steps, taus)]
+    assert told("same", "--same-strength") == same
 
 
 def test_one_strength_or_each_its_own_are_different_results(sources, tmp_path):

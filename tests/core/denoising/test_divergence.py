@@ -60,7 +60,7 @@ def test_probes_of_different_sizes_count_alike():
 @pytest.mark.parametrize("shape", ["sphere", "torus"])
 def test_the_probe_of_a_mesh_finds_the_trace_of_its_diffusions(shape):
     """With the probe that belongs to the mesh, for the diffusions in the metric of the mesh."""
-    vertices, faces = meshes.noisy_ball(3, 0.02) if shape == "sphere" else meshes.torus(24, 12)
+    vertices, faces = meshes.noisy_ball(2, 0.02) if shape == "sphere" else meshes.torus(18, 9)
     vertices = vertices + 0.02 * np.random.default_rng(1).normal(size=vertices.shape)
     n = len(vertices)
     topology = TriangleTopology(faces, n)
