@@ -1,4 +1,4 @@
-"""What a solve keeps of the steps: positions in the precision of Blender."""
+"""Positions of the steps that a solve keeps, in the precision of Blender."""
 
 import numpy as np
 import pytest
