@@ -116,19 +116,23 @@ def mixed_surfaces(
         if undented is None and beyond_clean(max(STRENGTHS) * settings.strength * level).any():
             plan = _planned(before, verdict, settings, progress)
             if plan.is_idle:
-                notes, other_readings = (*notes, UNLIKE_NOISE), ("denoise",)
+                notes, other_readings = (UNLIKE_NOISE,), ("denoise",)
     else:
-        if plan.impulsive.any():
-            stage = stage.calmed(plan.impulsive)
+        impulsive = plan.impulsive
+        if impulsive.any():
+            stage = stage.calmed(impulsive)
         undented = stage.undented(plan.noise, plan.impulsive) if plan.is_idle else None
         if not plan.is_idle:
             stage.track.repeat(plan, progress)
     start = stage.track.start
-    was_spike = (start.positions != positions).any(axis=1)
+    # What does not look like noise stays, spikes too.
+    stays = (impulsive > 0) & (plan.impulsive == 0)
+    was_spike = (start.positions != positions).any(axis=1) & ~stays
     numbers = range(len(STRENGTHS))
 
     def without_folds(faired: FloatArray) -> FloatArray:
-        return unfolded(faired, before, was_spike, stage.parts.is_counted)
+        kept = np.where(stays[:, None], positions, faired)
+        return unfolded(kept, before, was_spike, stage.parts.is_counted)
 
     if undented is not None:
         sliding = Sliding(before, stage.frame, True, plan.reach)
@@ -228,6 +232,7 @@ def _planned(
     mixtures = [each.spread(usable) for each in mixtures]
     # Smooth noise had to look like noise in every band before it was told; or the user has told it.
     is_told = settings.clean == "denoise" or settings.width != "auto" or correlation.passes
+    impulsive = verdict.impulsive
     if not is_told:
         sliding = Sliding(track.start, frame, saw_creases, noise)
         after = sliding.limited(track.mixed(of_noise.spread(usable)))
@@ -235,6 +240,7 @@ def _planned(
         found, expected = (parts.clustering(before, each, noise) for each in (after, as_noise))
         is_noise = found - expected <= tuned.most_clustered
         mixtures = [each.within(is_noise) for each in mixtures]
+        impulsive = np.where(parts.at_vertices(is_noise), impulsive, 0)
     counted, kept = parts.is_counted, np.ones(len(mixtures))
     for index, mixture in enumerate(mixtures):
         for used in mixture.used:
@@ -246,7 +252,7 @@ def _planned(
         tuple(pilots),
         tuple(mixtures),
         kept,
-        verdict.impulsive,
+        impulsive,
         verdict.whole(verdict.reach),
         typical,
         saw_creases,

@@ -104,12 +104,19 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     """
     keeps_clean = clean != "denoise"
     found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
-    kept = _noisy_spikes(stage, found, strength, keeps_clean)
-    if kept.any():
-        return _without_spikes(stage, found, kept, strength, keeps_clean)
+    if found.impulsive.any():
+        calm = stage.calmed(found.impulsive)
+        after = calm.parts.noise(calm.noisy, strength, keeps_clean=keeps_clean)
+        impulsive = _noisy_spikes(stage, calm, found, after)
+        if impulsive.any():
+            return _without_spikes(stage, found, impulsive, strength, keeps_clean)
+        # Spikes of the shape: the noise is at most what is rough without them.
+        level = np.minimum(found.level, after.level)
+        found = found._replace(level=level, impulsive=impulsive)
     was_kept = bool(found.notes) and keeps_clean
     others = ("denoise",) if was_kept and found.roughness.any() else ()
-    verdict = NoiseVerdict(stage, found.level, None, kept, found.level, found.notes, others)
+    level, impulsive = found.level, found.impulsive
+    verdict = NoiseVerdict(stage, level, None, impulsive, level, found.notes, others)
     # White noise that is stronger hides the smooth kind; a handful of vertices shows neither.
     counted = stage.parts.is_counted
     enough = np.count_nonzero(counted) >= parameters().fewest_vertices
@@ -118,15 +125,12 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     return verdict
 
 
-def _noisy_spikes(
-    stage: Stage, found: NoiseFound, strength: float, keeps_clean: bool
-) -> FloatArray:
-    """Certainty (n,) that vertices which stand out are noise; 0 if they belong to the shape."""
-    if not found.impulsive.any():
-        return found.impulsive
+def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFound) -> FloatArray:
+    """Certainty (n,) that vertices which stand out are noise; 0 if they belong to the shape.
+
+    Before and after they were put back, with the noise found then.
+    """
     tuned, parts = parameters(), stage.parts
-    calm = stage.calmed(found.impulsive)
-    after = calm.parts.noise(calm.noisy, strength, keeps_clean=keeps_clean)
     # Without spikes their roughness is gone; that of corners and creases stays.
     most = tuned.most_unexplained * np.maximum(after.level, tuned.clean_roughness)
     was_moved = (calm.noisy.positions != stage.noisy.positions).any(axis=1)

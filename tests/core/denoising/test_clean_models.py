@@ -81,3 +81,24 @@ def test_rounded_heights_are_denoised_as_those_that_are_not(step):
         left.append(denoise(noisy, faces).positions[inside, 2].std())
     assert left[0] < 0.05
     assert left[1] < 0.05
+
+
+def rounded_cube(levels, roundness, twist):
+    """A cube, rounded towards its ball and twisted, beside a larger ball."""
+    points, faces = meshes.cube(levels)
+    onto_ball = 1.2 * points / np.linalg.norm(points, axis=1, keepdims=True)
+    points = (1 - roundness) * points + roundness * onto_ball
+    x, y, z = points.T
+    sine, cosine = np.sin(twist * z), np.cos(twist * z)
+    points = np.column_stack([x * cosine - y * sine, x * sine + y * cosine, z])
+    ball, ball_faces = meshes.icosphere(3)
+    return meshes.merged((3 * ball, ball_faces), (points + np.array([10, 0, 0]), faces))
+
+
+@pytest.mark.parametrize(
+    ("levels", "roundness", "twist"), [(2, 0.2, 0.3), (2, 0.4, 0), (3, 0.4, 0.8)]
+)
+def test_corners_of_a_small_part_are_neither_spikes_nor_noise(levels, roundness, twist):
+    """They stand out like spikes, but beside each other, so what is left of them is shape too."""
+    points, faces = rounded_cube(levels, roundness, twist)
+    assert np.array_equal(denoise(points, faces).positions, points)
