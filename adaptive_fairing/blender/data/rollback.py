@@ -9,7 +9,6 @@ from dataclasses import dataclass
 import bpy
 
 from ...files.output_words import FAIRED
-from . import color_material
 from .mesh_arrays import is_shared
 from .shape_keys import clear_animation
 from .targets import writable_object
@@ -26,7 +25,7 @@ def written_or_restored(
     Parameters
     ----------
     obj
-        Mesh object in Object Mode.
+        Mesh object in Object Mode, without the colours of a field.
     in_place
         Whether to write to an object with shape keys of the user, which stay, instead of a copy.
     word
@@ -39,7 +38,7 @@ def written_or_restored(
     """
     mesh = obj.data
     name, has_fake_user, active_key = mesh.name, mesh.use_fake_user, obj.active_shape_key_index
-    visibility, view = _Visibility.of(obj), obj.adaptive_fairing.view
+    visibility = _Visibility.of(obj)
     target = writable_object(obj, in_place=in_place, word=word)
     backup = mesh.copy() if target.data == mesh else None
     try:
@@ -55,18 +54,9 @@ def written_or_restored(
         if backup is not None:
             backup.name, backup.use_fake_user = name, has_fake_user
             obj.active_shape_key_index = active_key
-            _show_view_again(obj, view)
         raise
     if backup is not None:
         remove_mesh(backup)
-
-
-def _show_view_again(obj: bpy.types.Object, view: str) -> None:
-    """Note on an object that its mesh has the colours of a field."""
-    record = obj.adaptive_fairing
-    record.view = view
-    if view and record.wants_material:
-        color_material.assign(obj, view)
 
 
 @dataclass(frozen=True)

@@ -13,8 +13,6 @@ was changed on the refined mesh, that mesh stays in the file.
 from __future__ import annotations
 
 import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager
 
 import bpy
 
@@ -23,6 +21,7 @@ from .attribute_arrays import read_attributes
 from .coloring import color_by_field, pause_view
 from .control_mesh import CONTROL, LEVELS, has_control, is_refined, net_fingerprint, take_control
 from .display import display_of
+from .field_attributes import COMPARED_FIELDS
 from .mesh_arrays import is_shared, n_triangles
 from .paint_group import forget_weights
 from .refined_object import RENEWED, RefineOptions, refine_object
@@ -60,14 +59,10 @@ def show_surface(obj: bpy.types.Object, surface: str) -> tuple[tuple[str, ...], 
     FairingError
         As `refine_result`.
     """
-    record = obj.adaptive_fairing
     view = pause_view(obj)
     kept = show_control(obj)
-    record.surface = surface
-    notes = refine_result(obj)
-    if view:
-        color_by_field(obj, view, FairingSettings())
-    return notes, kept
+    obj.adaptive_fairing.surface = surface
+    return show_result(obj, view), kept
 
 
 def show_control(obj: bpy.types.Object) -> str | None:
@@ -94,8 +89,35 @@ def show_control(obj: bpy.types.Object) -> str | None:
     return refined.name if is_changed else None
 
 
-def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
+def rest_on_control(obj: bpy.types.Object) -> tuple[str, str | None]:
+    """Bring the control mesh of a result back, without colours, so that it can be written.
+
+    Returns
+    -------
+    str, str or None
+        As `pause_view` and `show_control` return.
+    """
+    view, kept = pause_view(obj), None
+    if is_refined(obj):
+        kept = show_control(obj)
+    else:  # it may have been until somebody changed the refined mesh
+        obj.adaptive_fairing.surface = CONTROL
+    return view, kept
+
+
+def show_result(
+    obj: bpy.types.Object, view: str, settings: FairingSettings | None = None
+) -> tuple[str, ...]:
     """Show the result of an object, which is on its control mesh, on the surface of its record.
+
+    Parameters
+    ----------
+    obj
+    view
+        Field to colour it by, as `pause_view` returns it. If the shape before the runs is not known
+        there are no colours that compare with it.
+    settings
+        As in `color_by_field`, by default those of the core.
 
     Returns
     -------
@@ -107,11 +129,17 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
     FairingError
         The refined mesh does not fit into memory; then the control mesh stays.
     """
+    notes = _refine(obj)
+    if view and not (view in COMPARED_FIELDS and display_of(obj).original() is None):
+        color_by_field(obj, view, settings or FairingSettings())
+    return notes
+
+
+def _refine(obj: bpy.types.Object) -> tuple[str, ...]:
     record = obj.adaptive_fairing
     if record.surface not in LEVELS or not display_of(obj).is_whole:
         record.surface = CONTROL
         return ()
-    view = pause_view(obj)
     if is_shared(obj.data):
         obj.data = obj.data.copy()
     control = obj.data
@@ -136,31 +164,7 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
         display.note_written()
     display.show(place)
     record.refined_fingerprint = _fingerprint(obj.data)
-    if view:
-        color_by_field(obj, view, FairingSettings())
     return notes
-
-
-@contextmanager
-def control_written(obj: bpy.types.Object) -> Iterator[str | None]:
-    """Let the body write another result to the control mesh, then refine it again.
-
-    Yields
-    ------
-    str or None
-        As `show_control` returns.
-    """
-    record = obj.adaptive_fairing
-    view, kept = record.view, None
-    if is_refined(obj):
-        kept = show_control(obj)
-    else:  # it may have been until somebody changed the refined mesh
-        record.surface = CONTROL
-    record.view = view  # so that the body of the with statement can colour anew
-    try:
-        yield kept
-    finally:
-        refine_result(obj)
 
 
 def _fingerprint(mesh: bpy.types.Mesh) -> str:

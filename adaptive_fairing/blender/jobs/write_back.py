@@ -9,10 +9,9 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ...core import FairingError, FairingSettings
 from ...files.output_words import DENOISED, FAIRED
 from ..data import results
-from ..data.coloring import color_by_field, pause_view
 from ..data.control_mesh import control_read
 from ..data.display import display_of
-from ..data.field_attributes import COMPARED_FIELDS, write_density
+from ..data.field_attributes import write_density
 from ..data.fields import shown_density
 from ..data.rollback import remove_mesh, written_or_restored
 from .solve import Solve
@@ -27,8 +26,6 @@ def store_solve(
     from_original: bool = False,
 ) -> bpy.types.Object:
     """Write the result of a solve that has changed something.
-
-    An object that is coloured by a field is coloured anew.
 
     Parameters
     ----------
@@ -75,7 +72,6 @@ def write_result(
 
     Parameters as in `store_solve`.
     """
-    view = pause_view(obj)
     start = solve.vertices.astype(np.float32)
     if solve.is_denoise:
         result = solve.denoised
@@ -92,9 +88,6 @@ def write_result(
     else:
         results.store_steps(obj, start, solve.shapes, output)
     _write_record(obj, solve)
-    if view and not (view in COMPARED_FIELDS and display_of(obj).original() is None):
-        settings = FairingSettings() if solve.is_denoise else solve.settings
-        color_by_field(obj, view, settings)
 
 
 def share_result(solve: Solve, obj: bpy.types.Object, others: list[bpy.types.Object]) -> None:

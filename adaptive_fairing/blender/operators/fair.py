@@ -107,7 +107,7 @@ class OBJECT_OT_adaptive_fairing(
                         text = rpt_("{:s}: denoised the level that is shown; it has no slider")
                         self.report({"INFO"}, text.format(solve.name))
                     elif solve.is_changed:
-                        results.append(self._store(solve, source))
+                        results.append(self._replace(solve, source))
                         remember(results[-1], solve)
                         _take_over_selection(context, source, results[-1])
                     elif solve.has_result:
@@ -152,11 +152,34 @@ class OBJECT_OT_adaptive_fairing(
     def _is_in_place(self):
         return self.algorithm == DENOISE and self.result == "MODIFIER"
 
-    def _store(self, solve, source):
-        """Write a result, and report effects on other data than the mesh."""
-        from ..data.shown_surface import control_written, refine_result
-        from ..jobs.write_back import object_of, share_result, store_solve
+    def _replace(self, solve, source):
+        """Replace the result of an object, and of those that share its mesh, and show it."""
+        from ..data.shown_surface import rest_on_control, show_result
+        from ..jobs.write_back import object_of, share_result
 
+        sharing = [object_of(uid) for uid in solve.sharing]
+        others = [each for each in sharing if each is not None and each.data == source.data]
+        is_kept = is_shared(source.data, among=1 + len(others))
+        self._tell_what_is_dropped(solve, source)
+        obj = source
+        view, refined = rest_on_control(source)
+        try:
+            obj = self._store(solve)
+        finally:
+            for each in {source, obj}:
+                show_result(each, view, None if solve.is_denoise else solve.settings)
+        if obj == source and others:
+            share_result(solve, obj, others)
+        if obj == source and is_kept:
+            text = rpt_("{:s} has a mesh of its own now: other objects keep the old one")
+            self.report({"INFO"}, text.format(solve.name))
+        report_kept(self, refined)
+        for note in solve.notes:
+            self.report({"INFO"}, f"{obj.name}: {note}")
+        return obj
+
+    def _tell_what_is_dropped(self, solve, source):
+        """Report that an earlier result no longer counts."""
         display = display_of(source)
         counts = display.is_whole if solve.is_denoise else display.goes_on
         if source.adaptive_fairing.result and not counts:
@@ -166,29 +189,18 @@ class OBJECT_OT_adaptive_fairing(
                     "{:s}: the mesh was changed since the last run, whose stored result was dropped"
                 ).format(solve.name),
             )
-        sharing = [object_of(uid) for uid in solve.sharing]
-        others = [each for each in sharing if each is not None and each.data == source.data]
-        is_kept = is_shared(source.data, among=1 + len(others))
-        with control_written(source) as kept:
-            obj = store_solve(
-                solve,
-                way=self.result,
-                output=self.output,
-                store_density=self.store_density or not solve.is_denoise,
-                from_original=self.from_original,
-            )
-        if obj != source:
-            refine_result(obj)
-        else:
-            if others:
-                share_result(solve, obj, others)
-            if is_kept:
-                text = rpt_("{:s} has a mesh of its own now: other objects keep the old one")
-                self.report({"INFO"}, text.format(solve.name))
-        report_kept(self, kept)
-        for note in solve.notes:
-            self.report({"INFO"}, f"{obj.name}: {note}")
-        return obj
+
+    def _store(self, solve):
+        """Write a result with the settings of this operator, and return its object."""
+        from ..jobs.write_back import store_solve
+
+        return store_solve(
+            solve,
+            way=self.result,
+            output=self.output,
+            store_density=self.store_density or not solve.is_denoise,
+            from_original=self.from_original,
+        )
 
     def _solve(self, users, mode, settings):
         """Make a solve of a mesh for objects that use it."""

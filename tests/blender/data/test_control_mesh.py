@@ -20,7 +20,7 @@ def obj():
     start = read_mesh_coordinates(obj.data)
     results.store_strengths(obj, start, [0.8 * start], [1.0], 1.0, "LIVE")
     obj.adaptive_fairing.surface = "REFINED_1"
-    shown_surface.refine_result(obj)
+    shown_surface.show_result(obj, "")
     return obj
 
 

@@ -7,14 +7,17 @@ from support.meshes import icosphere
 from support.objects import add_object, everything
 
 from adaptive_fairing.blender.data import results
+from adaptive_fairing.blender.data.attribute_arrays import read_values
+from adaptive_fairing.blender.data.coloring import color_by_field
 from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
 from adaptive_fairing.blender.data.shown_surface import (
-    control_written,
+    rest_on_control,
     show_control,
+    show_result,
     show_surface,
 )
-from adaptive_fairing.core import LimitSurface, TriangleTopology
+from adaptive_fairing.core import FairingSettings, LimitSurface, TriangleTopology
 from adaptive_fairing.core.surface import memory_estimate
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -60,13 +63,35 @@ def test_a_refined_mesh_that_somebody_changed_stays_in_the_file(obj):
 def test_another_result_is_refined_after_it_was_written(obj):
     show_surface(obj, "REFINED_1")
     n = len(obj.data.vertices)
-    with control_written(obj):
-        start = display_of(obj).shown()
-        assert len(start) == len(icosphere(1)[0])
-        results.store_strengths(obj, start, [0.5 * start], [1.0], 1.0, "LIVE")
+    assert rest_on_control(obj) == ("", None)
+    start = display_of(obj).shown()
+    assert len(start) == len(icosphere(1)[0])
+    results.store_strengths(obj, start, [0.5 * start], [1.0], 1.0, "LIVE")
+    show_result(obj, "")
     assert len(obj.data.vertices) == n
     obj.adaptive_fairing.strength = 1.0
     assert np.abs(read_mesh_coordinates(obj.data)).max() < 0.6
+
+
+def test_colours_rest_meanwhile_and_are_those_of_the_new_shape(obj):
+    show_surface(obj, "REFINED_1")
+    color_by_field(obj, "DISPLACEMENT", FairingSettings())
+    view, _ = rest_on_control(obj)
+    assert (view, list(obj.data.color_attributes)) == ("DISPLACEMENT", [])
+    start = display_of(obj).original()
+    results.store_strengths(obj, start, [2 * start], [1.0], 1.0, "LIVE", from_original=True)
+    show_result(obj, view)
+    shown = read_values(obj.data.attributes["fairing_displacement"])
+    assert shown.max() == pytest.approx(1.0, rel=0.1)
+    assert len(shown) == len(obj.data.vertices) > len(start)
+
+
+def test_colours_that_compare_end_with_the_original(obj):
+    color_by_field(obj, "DISPLACEMENT", FairingSettings())
+    view, _ = rest_on_control(obj)
+    results.clear(obj)
+    show_result(obj, view)
+    assert (obj.adaptive_fairing.view, list(obj.data.color_attributes)) == ("", [])
 
 
 def test_what_does_not_fit_into_memory_leaves_the_control_mesh(obj, monkeypatch):
