@@ -19,6 +19,7 @@ from .solve import Solve
 
 def store_solve(
     solve: Solve,
+    source: bpy.types.Object,
     *,
     way: str,
     output: str,
@@ -31,6 +32,8 @@ def store_solve(
     ----------
     solve
         A finished solve.
+    source
+        Object that was read, on its control mesh.
     way, output
         How the object stores a result of `denoise` and of the paper's methods, see
         `OutputProperties.result` and `.output`.
@@ -47,9 +50,9 @@ def store_solve(
     Raises
     ------
     FairingError
-        The object was deleted, or its shape was changed after it was read.
+        The shape of the object was changed after it was read.
     """
-    source = find_object(solve, from_original=from_original)
+    require_unchanged(solve, _start(source, from_original))
     in_place = solve.is_denoise and way == "MODIFIER"
     word = DENOISED if solve.is_denoise else FAIRED
     with written_or_restored(source, in_place=in_place, word=word) as obj:
@@ -110,21 +113,30 @@ def _density(solve: Solve) -> np.ndarray:
     return shown_density(solve.positions, solve.triangles, FairingSettings())
 
 
-def find_object(solve: Solve, *, from_original: bool = False) -> bpy.types.Object:
-    """Find the object of a solve, even if it was renamed, and check that it has the shape read.
+def find_object(solve: Solve) -> bpy.types.Object:
+    """Find the object of a solve, even if it was renamed.
 
     Raises
     ------
     FairingError
-        As `store_solve`.
+        It was deleted, or is no mesh any more.
     """
     obj = object_of(solve.session_uid)
     if obj is None or obj.type != "MESH":
         raise FairingError(rpt_("the object was deleted during the run"))
-    now = start_positions(obj, from_original=from_original)
-    if now.shape != solve.vertices.shape or not np.array_equal(now, solve.vertices):
-        raise FairingError(rpt_("the mesh was changed during the run; nothing was written"))
     return obj
+
+
+def require_unchanged(solve: Solve, positions: np.ndarray) -> None:
+    """Check that an object still has the positions (n, 3) that a solve has read.
+
+    Raises
+    ------
+    FairingError
+        It has others.
+    """
+    if not np.array_equal(positions, solve.vertices):
+        raise FairingError(rpt_("the mesh was changed during the run; nothing was written"))
 
 
 def start_positions(obj: bpy.types.Object, *, from_original: bool) -> np.ndarray:
@@ -133,9 +145,13 @@ def start_positions(obj: bpy.types.Object, *, from_original: bool) -> np.ndarray
     For a refined result, the positions of its control mesh.
     """
     with control_read(obj):
-        display = display_of(obj)
-        original = display.original() if from_original else None
-        return display.shown() if original is None else original
+        return _start(obj, from_original)
+
+
+def _start(obj: bpy.types.Object, from_original: bool) -> np.ndarray:
+    display = display_of(obj)
+    original = display.original() if from_original else None
+    return display.shown() if original is None else original
 
 
 def object_of(session_uid: int) -> bpy.types.Object | None:

@@ -102,7 +102,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
     def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
         from ..data.control_mesh import control_read
-        from ..jobs.write_back import find_object
+        from ..jobs.write_back import find_object, require_unchanged, start_positions
 
         failed = [solve.error for solve in solves if solve.error is not None]
         unfinished = not all(solve.has_result for solve in solves)
@@ -113,7 +113,8 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         if context.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         try:
-            source = find_object(solves[0], from_original=True)
+            source = find_object(solves[0])
+            require_unchanged(solves[0], start_positions(source, from_original=True))
         except FairingError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

@@ -90,17 +90,15 @@ class OBJECT_OT_adaptive_fairing(
     def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
         from ..data.multires import write_level
-        from ..jobs.write_back import object_of
+        from ..jobs.write_back import find_object
 
         _finished[:] = [solve for solve in solves if solve.is_over and solve.has_result]
         results, problems, unchanged, discarded = [], [], [], []
         with undoable_object_mode(context):
-            sources = {solve.session_uid: object_of(solve.session_uid) for solve in solves}
             for solve in solves:
-                source = sources[solve.session_uid]
+                source = None
                 try:
-                    if source is None:
-                        raise FairingError(rpt_("the object was deleted during the run"))
+                    source = find_object(solve)
                     if solve.is_changed and solve.is_of_level:
                         write_level(source, solve.vertices, solve.positions)
                         results.append(source)
@@ -164,7 +162,7 @@ class OBJECT_OT_adaptive_fairing(
         obj = source
         view, refined = rest_on_control(source)
         try:
-            obj = self._store(solve)
+            obj = self._store(solve, source)
         finally:
             for each in {source, obj}:
                 show_result(each, view, None if solve.is_denoise else solve.settings)
@@ -190,12 +188,13 @@ class OBJECT_OT_adaptive_fairing(
                 ).format(solve.name),
             )
 
-    def _store(self, solve):
+    def _store(self, solve, source):
         """Write a result with the settings of this operator, and return its object."""
         from ..jobs.write_back import store_solve
 
         return store_solve(
             solve,
+            source,
             way=self.result,
             output=self.output,
             store_density=self.store_density or not solve.is_denoise,

@@ -8,7 +8,7 @@ from support.objects import add_object
 
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
 from adaptive_fairing.blender.jobs.solve import Solve
-from adaptive_fairing.blender.jobs.write_back import store_solve
+from adaptive_fairing.blender.jobs.write_back import find_object, store_solve
 from adaptive_fairing.core import FairingError, FairingSettings
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -25,7 +25,8 @@ def solve():
 
 
 def store(solve):
-    return store_solve(solve, way="LIVE", output="ABSOLUTE_KEYS", store_density=True)
+    source = find_object(solve)
+    return store_solve(solve, source, way="LIVE", output="ABSOLUTE_KEYS", store_density=True)
 
 
 def test_a_deleted_object_is_said(solve):
