@@ -11,6 +11,8 @@ from support.objects import add_object, key_positions
 
 from adaptive_fairing.blender import operators
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
+from adaptive_fairing.blender.jobs.solve import run_solves
+from adaptive_fairing.blender.operators.modal_run import ModalRun
 from adaptive_fairing.core import FairingSettings, fair
 from adaptive_fairing.core.diffusion.smoothing_radius import equivalent_uniform_tau
 
@@ -126,6 +128,17 @@ def test_everything_is_in_one_collection(obj):
 def test_without_an_active_mesh_it_says_so():
     with pytest.raises(RuntimeError, match="Select a mesh object"):
         compare()
+
+
+def test_a_mesh_that_was_changed_meanwhile_gets_no_copies(obj, monkeypatch):
+    def steps(_operator, solves):
+        yield from run_solves(solves)
+        obj.data.vertices[0].co.x += 1.0
+
+    monkeypatch.setattr(ModalRun, "_generator", steps)
+    with pytest.raises(RuntimeError, match="the mesh was changed during the run"):
+        compare(steps=1)
+    assert list(bpy.data.objects) == [obj]
 
 
 def test_a_solver_that_fails_leaves_nothing_behind(obj):

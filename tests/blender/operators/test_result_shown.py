@@ -103,6 +103,20 @@ class TestComparing:
         setattr(noisy.adaptive_fairing, name, 0.0)  # takes back the second run alone
         assert not np.array_equal(shown_positions(noisy), before)
 
+    @pytest.mark.parametrize("name", ["before", "split"])
+    @pytest.mark.parametrize("way", ["LIVE", "MODIFIER", "KEYS"])
+    def test_it_is_a_step_of_the_history(self, noisy, way, name):
+        paper() if way == "KEYS" else run(result=way)
+        bpy.ops.ed.undo_push(message="run")
+        called, shown = noisy.name, shown_positions(noisy)
+        getattr(bpy.ops.object, f"adaptive_fairing_{name}")("EXEC_DEFAULT", True)
+        assert not np.array_equal(shown_positions(noisy), shown)
+        bpy.ops.ed.undo()
+        obj = bpy.data.objects[called]
+        assert np.array_equal(shown_positions(obj), shown)
+        assert not (obj.adaptive_fairing.is_before or obj.adaptive_fairing.is_split)
+        assert display_of(obj).goes_on
+
     def test_the_slider_ends_it(self, noisy):
         run()
         bpy.ops.object.adaptive_fairing_before()

@@ -65,6 +65,14 @@ class TestEveryPanel:
         draw(panel)
 
 
+def test_labels_fit_beside_their_fields():
+    """Blender cuts longer ones in a sidebar of the usual width; check boxes have more room."""
+    settings = bpy.context.scene.adaptive_fairing.bl_rna.properties
+    fields = [each.name for each in settings if each.type != "BOOLEAN"]
+    assert "Max Deviation" in fields
+    assert [name for name in fields if len(name) > 15] == []
+
+
 class TestBeforeTheRun:
     def test_the_button_has_the_settings_of_the_panel(self, sphere):
         settings = bpy.context.scene.adaptive_fairing
