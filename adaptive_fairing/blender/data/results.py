@@ -123,9 +123,7 @@ def discard(obj: bpy.types.Object) -> None:
     InputError
         There is no result.
     """
-    original = display_of(obj).original()
-    if original is None:
-        raise InputError(rpt_("there is no result on this object"))
+    original = _original(obj)
     clear(obj)
     if obj.data.shape_keys is None:
         write_positions(obj.data, original)
@@ -139,12 +137,16 @@ def show_split(obj: bpy.types.Object, normal: Sequence[float], point: Sequence[f
     InputError
         There is no result.
     """
-    display, record = display_of(obj), obj.adaptive_fairing
-    original = display.original()
+    original, record = _original(obj), obj.adaptive_fairing
+    record.is_split, record.split_normal, record.split_point = True, normal, point
+    display_of(obj).add_split(original)
+
+
+def _original(obj: bpy.types.Object) -> SingleArray:
+    original = display_of(obj).original()
     if original is None:
         raise InputError(rpt_("there is no result on this object"))
-    record.is_split, record.split_normal, record.split_point = True, normal, point
-    display.add_split(original)
+    return original
 
 
 def drop_control(obj: bpy.types.Object) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..data.object_mode import object_mode
+from ..data.object_mode import undoable_object_mode
 from ..data.regions import refusal, target_objects
 from ..properties import fairing_settings
 from ..requirements import scipy_problem
@@ -38,7 +38,7 @@ class OBJECT_OT_adaptive_fairing_material(bpy.types.Operator):
             return {"CANCELLED"}
         objects = target_objects(context)
         n_replaced, n_done = 0, 0
-        with object_mode(context):
+        with undoable_object_mode(context):
             for obj in objects:
                 record = obj.adaptive_fairing
                 n_materials = sum(slot.material is not None for slot in obj.material_slots)
@@ -74,7 +74,7 @@ class OBJECT_OT_adaptive_fairing_material_end(bpy.types.Operator):
         from ..data import color_material
 
         objects = [obj for obj in target_objects(context) if obj.adaptive_fairing.wants_material]
-        with object_mode(context):
+        with undoable_object_mode(context):
             for obj in objects:
                 color_material.take_off(obj)
                 obj.adaptive_fairing.wants_material = False

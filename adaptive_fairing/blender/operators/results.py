@@ -205,19 +205,14 @@ def report_kept(operator: bpy.types.Operator, name: str | None) -> None:
         operator.report({"WARNING"}, text.format(name))
 
 
-class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
+class OBJECT_OT_adaptive_fairing_before(_OnResult, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_before"
     bl_label = "Before"
     bl_description = (
         "Show the original as long as the key is held; the button shows it until the next click"
     )
-    bl_options = {"REGISTER", "UNDO"}
 
     _key: str | None = None
-
-    @classmethod
-    def poll(cls, context):
-        return is_allowed(cls, result_refusal(context), busy_refusal())
 
     def execute(self, context):
         keep_before(context.active_object)
@@ -243,18 +238,13 @@ class OBJECT_OT_adaptive_fairing_before(bpy.types.Operator):
         end_before(context.active_object.adaptive_fairing)
 
 
-class OBJECT_OT_adaptive_fairing_split(bpy.types.Operator):
+class OBJECT_OT_adaptive_fairing_split(_OnResult, bpy.types.Operator):
     bl_idname = "object.adaptive_fairing_split"
     bl_label = "Split"
     bl_description = (
         "Show the original on the left half of the object, as it is seen now, and the result on "
         "the right; once more shows the whole result"
     )
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        return is_allowed(cls, result_refusal(context), busy_refusal())
 
     def execute(self, context):
         from ..data.results import show_split

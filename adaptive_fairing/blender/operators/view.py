@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_tip as tip_
 
-from ..data.object_mode import object_mode
+from ..data.object_mode import undoable_object_mode
 from ..data.regions import refusal, target_objects
 from ..properties import fairing_settings
 from ..requirements import scipy_problem
@@ -76,7 +76,7 @@ class OBJECT_OT_adaptive_fairing_view(bpy.types.Operator):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         shown = 0
-        with object_mode(context):
+        with undoable_object_mode(context):
             for obj in objects:
                 record = obj.adaptive_fairing
                 record.wants_material = record.wants_material and bool(record.view)
@@ -100,7 +100,7 @@ class OBJECT_OT_adaptive_fairing_view_end(bpy.types.Operator):
     def execute(self, context):
         from ..data.coloring import end_view
 
-        with object_mode(context):
+        with undoable_object_mode(context):
             for obj in bpy.data.objects:
                 if obj.type == "MESH" and obj.adaptive_fairing.view and obj.data.library is None:
                     end_view(obj)
