@@ -16,6 +16,7 @@ from ..problem.problem import Margin, SolverProblem
 from ..problem.region import rings_around
 from ..runtime.arrays import BoolArray, FloatArray
 from ..runtime.precision import SINGLE
+from ..runtime.threads import ordered_map
 from .filter_rounds import KEEPS
 from .plan import STRENGTHS, DenoisePlan
 from .progress import DenoiseProgress, ProgressReport
@@ -155,23 +156,22 @@ def denoise(
     initial, *measures = (
         problem.space.measures(each, in_single).scaled(1 / frame.scale) for each in surfaces
     )
+
+    def moved(move: FloatArray) -> FloatArray:
+        return limited(frame.displaced(mesh.points, move), mesh.points, settings.max_deviation)
+
     noise = outcome.plan.noise
     denoised = TriangleSurface(topology, outcome.positions[STRENGTHS.index(1.0)])
     result = DenoiseResult(
         strengths=settings.strength * np.array(STRENGTHS),
-        shapes=np.stack(
-            [
-                limited(frame.displaced(mesh.points, move), mesh.points, settings.max_deviation)
-                for move in moves
-            ]
-        ),
+        shapes=np.stack(list(ordered_map(moved, moves))),
         start=mesh.points,
         noise=problem.whole.to_caller(noise, np.zeros(n_vertices)),
         noise_level=_median_where(noise > 0, noise),
         noise_length=_median_where(noise > 0, noise * denoised.spacing) / frame.scale,
         radius=outcome.plan.radius,
         sharp_part=_sharp_part(outcome.plan),
-        crease_part=denoised.crease_part(),
+        crease_part=denoised.crease_part,
         is_sharp=(
             denoised.has_creases() if settings.features == "auto" else settings.features == "sharp"
         ),

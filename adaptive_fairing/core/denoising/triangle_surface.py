@@ -88,6 +88,7 @@ class TriangleSurface:
             values = (values + self.mean @ values) / 2
         return values
 
+    @cached_property
     def crease_part(self) -> float:
         """Fraction of the inner edges that are creases, where triangles meet at an angle."""
         normal, twin = unit_vectors(self.triangle_normals()), self.topology.twin
@@ -97,4 +98,4 @@ class TriangleSurface:
 
     def has_creases(self) -> bool:
         """Whether enough edges are creases for the filters that sharpen them."""
-        return self.crease_part() > parameters().fewest_creases
+        return self.crease_part > parameters().fewest_creases
