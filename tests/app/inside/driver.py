@@ -31,7 +31,7 @@ TICK = 0.05  # seconds between two looks at what the scenario waits for
 # machine the looks are as far apart as drawings, so this is what gives events the time they need.
 TICKS_TO_REACT = 3
 REACTION = 0.12  # seconds that Blender gets to handle a simulated event
-ROW = 9  # pixels; less than the height of any button
+ROW = 14  # pixels; buttons are 20 high, so a row lies well inside each
 
 Scenario = Generator["float | Condition", None, None]
 
