@@ -43,6 +43,10 @@ from .triangle_surface import TriangleSurface
 # to one after the other: 0.64 to 0.98 of the time, and 1.2 to 1.34 of the memory on large meshes.
 MOST_SIDE_BY_SIDE = 1_000_000
 
+LIKE_DETAIL = (
+    "some of what was removed lies side by side, as detail does and noise hardly does: if it is "
+    'detail, the setting "Keep Fine Detail" (clean "detail") keeps it'
+)
 UNLIKE_NOISE = (
     "what would have been removed is not like noise, but like corners and creases: nothing was "
     "changed"
@@ -114,9 +118,11 @@ def mixed_surfaces(
         plan = DenoisePlan.idle(level, impulsive, verdict.reach)
         undented = verdict.undented
         if undented is None and beyond_clean(max(STRENGTHS) * settings.strength * level).any():
-            plan = _planned(before, verdict, settings, progress)
+            plan, clusters = _planned(before, verdict, settings, progress)
             if plan.is_idle:
                 notes, other_readings = (UNLIKE_NOISE,), ("denoise",)
+            elif clusters:
+                notes, other_readings = (*notes, LIKE_DETAIL), ("detail",)
     else:
         impulsive = plan.impulsive
         if impulsive.any():
@@ -163,10 +169,11 @@ def _planned(
     verdict: NoiseVerdict,
     settings: DenoiseSettings,
     progress: ProgressReport,
-) -> DenoisePlan:
+) -> tuple[DenoisePlan, bool]:
     """Filter in all rounds, and choose the coefficients of the filters after each.
 
-    What is removed from the surface before, spikes included, must look like noise.
+    What is removed from the surface before, spikes included, must look like noise.  Tells also
+    whether some of it lies in clusters, as detail does.
     """
     tuned, stage, correlation = parameters(), verdict.stage, verdict.correlation
     track, frame, parts = stage.track, stage.frame, stage.parts
@@ -232,13 +239,16 @@ def _planned(
     mixtures = [each.spread(usable) for each in mixtures]
     # Smooth noise had to look like noise in every band before it was told; or the user has told it.
     is_told = settings.clean == "denoise" or settings.width != "auto" or correlation.passes
-    impulsive = verdict.impulsive
+    impulsive, clusters = verdict.impulsive, False
     if not is_told:
         sliding = Sliding(track.start, frame, saw_creases, noise)
         after = sliding.limited(track.mixed(of_noise.spread(usable)))
         as_noise = before.positions - frame.raised(verdict.example())
         found, expected = (parts.clustering(before, each, noise) for each in (after, as_noise))
-        is_noise = found - expected <= tuned.most_clustered
+        excess = found - expected
+        keeps_detail = settings.clean == "detail"
+        is_noise = excess <= (tuned.clustered_detail if keeps_detail else tuned.most_clustered)
+        clusters = bool((excess[is_noise] > tuned.clustered_detail).any())
         mixtures = [each.within(is_noise) for each in mixtures]
         impulsive = np.where(parts.at_vertices(is_noise), impulsive, 0)
     counted, kept = parts.is_counted, np.ones(len(mixtures))
@@ -246,7 +256,7 @@ def _planned(
         for used in mixture.used:
             removed_noise = (mixture.coefficients(used) * divergence[used])[counted]
             kept[index] -= removed_noise.mean(dtype=float) / correlation.deviation**2
-    return DenoisePlan(
+    plan = DenoisePlan(
         filters,
         noise,
         tuple(pilots),
@@ -258,6 +268,7 @@ def _planned(
         saw_creases,
         correlation,
     )
+    return plan, clusters
 
 
 def _filter_both(

@@ -54,7 +54,8 @@ class DenoiseResult:
         so.
     other_readings : tuple of str
         Values of `DenoiseSettings.clean` that take the same roughness for something else:
-        "denoise" where it was kept as a clean mesh's, "detail" where smooth noise was removed.
+        "denoise" where it was kept as a clean mesh's, "detail" where what was removed
+        may be detail.
     settings : DenoiseSettings
     plan : DenoisePlan
         To treat other frames of this surface alike, or another part of it if it is of the whole.

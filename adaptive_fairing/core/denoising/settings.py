@@ -29,8 +29,9 @@ class DenoiseSettings:
         "fixed": boundary vertices stay exactly where they are; "free": they move with the surface.
     clean : str
         "keep": a mesh that looks clean or like a low-poly model comes back unchanged, and a note
-        says why. "detail": so does a mesh with detail that looks like the smooth noise of a
-        scanner, which "keep" removes. "denoise": all roughness is treated as noise.
+        says why. "detail": so does a mesh whose roughness may be detail, such as one that looks
+        like the smooth noise of a scanner; "keep" removes that. "denoise": all roughness is treated
+        as noise.
     width : "auto" or float
         Width of the noise: the distance in edges, from 1 to 16, at which its correlation is 1 / e;
         about half the size of its bumps. White noise has 1. Noise of a given width is removed even

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from support import meshes
 
-from adaptive_fairing.core import TriangleTopology, denoise
+from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.mesh_parts import MeshParts, density_classes
-from adaptive_fairing.core.denoising.mixing import UNLIKE_NOISE
+from adaptive_fairing.core.denoising.mixing import LIKE_DETAIL, UNLIKE_NOISE
 from adaptive_fairing.core.denoising.noise import noisy_surface
 from adaptive_fairing.core.denoising.noise.line_roughness import LineRoughness
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
@@ -156,3 +156,19 @@ def test_what_comes_in_clusters_is_not_removed():
     assert found.other_readings == ("denoise",)
     with using(replace(PARAMETERS, most_clustered=2.0)):
         assert not np.array_equal(denoise(points, faces).positions, points)
+
+
+def test_a_note_tells_that_what_was_removed_may_be_detail():
+    """Roughness nearly twice as strong on a third of a ball; the other reading keeps it."""
+    ball, faces = meshes.icosphere(4)
+    strength = np.where(ball[:, 2:] > 0.3, 1.8, 1)
+    numbers = np.random.default_rng(1).normal(size=(len(ball), 1))
+    points = ball * (1 + 0.0084 * strength * numbers)
+    found = denoise(points, faces)
+    assert LIKE_DETAIL in found.notes
+    assert found.other_readings == ("detail",)
+    kept = denoise(points, faces, DenoiseSettings(clean="detail"))
+    assert np.array_equal(kept.positions, points)
+    assert kept.other_readings == ("denoise",)
+    even = ball * (1 + 0.0084 * numbers)
+    assert not denoise(even, faces).notes
