@@ -6,6 +6,7 @@ import os
 import re
 import subprocess
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import bpy
@@ -209,28 +210,27 @@ def test_an_unwritable_output_is_status_1(capsys, noisy, tmp_path, target):
     assert "cannot write" in line
 
 
-@pytest.fixture
+@contextmanager
 def full_disk():
     """Let no file of this process grow beyond a few kilobytes, as on a disk that runs full."""
     resource = pytest.importorskip("resource")  # does not exist on Windows
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
-
-    def fill():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
-
-    yield fill
-    resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (4096, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
 
 
 @pytest.mark.parametrize("suffix", [".blend", *MESH_FORMATS])
-def test_a_full_disk_is_status_1_and_leaves_the_old_file(capsys, full_disk, tmp_path, suffix):
+def test_a_full_disk_is_status_1_and_leaves_the_old_file(capsys, tmp_path, suffix):
     given = tmp_path / "given"
     given.mkdir()
     export_mesh(add_object(*icosphere(3)), given / "in.ply", alone=True)
     out = tmp_path / f"out{suffix}"
     out.write_text("old")
-    full_disk()
-    line = error_of(capsys, "fair", given / "in.ply", "-o", out, "--steps", 1, status=1)
+    with full_disk():
+        line = error_of(capsys, "fair", given / "in.ply", "-o", out, "--steps", 1, status=1)
     assert line == f"adaptive-fairing: error: cannot write {out}: File too large\n"
     assert out.read_text() == "old"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["given", out.name]
