@@ -118,8 +118,10 @@ class OBJECT_OT_adaptive_fairing(
                 if solve.error is not None:
                     remember(source, solve)
                     problems.append(f"{solve.name}: {solve.error}")
+        # An error opens a window, which would swallow the Ctrl Z of whoever has deleted the object.
+        is_expected = source is None and self.options.is_invoke
         for problem in problems:
-            self.report({"WARNING"} if results else {"ERROR"}, problem)
+            self.report({"WARNING"} if results or is_expected else {"ERROR"}, problem)
         for solve in unchanged:
             self.report({"INFO"}, f"{solve.name}: {'; '.join(solve.notes)}")
         if not results:
