@@ -88,7 +88,7 @@ class NoiseVerdict:
             return self.spiky
         noisy, correlation = self.stage.noisy, self.correlation
         white = noisy.own.noise(WHITE_NOISE)
-        return self.whole(self.level) * correlation.applied(white, noisy.frame)
+        return self.level / correlation.seen * correlation.applied(white, noisy.frame)
 
 
 def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:

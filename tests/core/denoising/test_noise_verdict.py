@@ -50,6 +50,14 @@ def test_white_noise_has_its_level_and_is_removed_whatever_is_kept(clean):
     assert not verdict.impulsive.any()
 
 
+@pytest.mark.parametrize("heights", [0.2 * WHITE, smooth(0.2)])
+def test_its_example_is_as_strong_as_the_whole_noise(heights):
+    verdict = noise_verdict(stage_of(heights), 1.0, "keep")
+    judged = verdict.level > 0
+    ratio = verdict.example()[judged] / verdict.whole(verdict.level)[judged]
+    assert np.std(ratio) == pytest.approx(1, rel=0.1)
+
+
 def test_smooth_noise_is_removed_and_may_be_kept_as_detail():
     stage = stage_of(smooth(0.2))
     removed, kept, forced = (
