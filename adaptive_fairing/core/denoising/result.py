@@ -97,10 +97,13 @@ class DenoiseResult:
     def at(self, strength: float) -> FloatArray:
         """Positions (n, 3) at any strength from 0, the input, to the largest of `strengths`.
 
-        They are linear between two strengths, and constant beyond the last.
+        They are linear between two strengths, and constant beyond the last.  A vertex that has not
+        moved is exactly where it was.
         """
         knots = np.concatenate([[0.0], self.strengths])
         place = float(np.interp(strength, knots, np.arange(len(knots))))
-        below = min(int(place), len(self.strengths) - 1)
+        below = int(place)
         low = self.shapes[below - 1] if below else self.start
-        return (below + 1 - place) * low + (place - below) * self.shapes[below]
+        if below == len(self.strengths):
+            return low.copy()
+        return low + (place - below) * (self.shapes[below] - low)

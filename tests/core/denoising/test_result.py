@@ -36,6 +36,13 @@ def test_at_a_strength_between_two_it_is_between_their_shapes(result):
     assert np.array_equal(result.at(9), result.shapes[-1])
 
 
+def test_what_has_not_moved_is_exactly_where_it_was_at_any_strength():
+    is_free = np.arange(len(POINTS)) % 3 > 0
+    result = denoise(POINTS, FACES, weights=is_free.astype(float))
+    for strength in np.linspace(0, 2, 21):
+        assert np.array_equal(result.at(strength)[~is_free], POINTS[~is_free])
+
+
 def test_the_strength_of_the_settings_scales_all_and_its_shape_is_the_same(result):
     stronger = denoise(POINTS, FACES, DenoiseSettings(strength=1.5))
     np.testing.assert_allclose(stronger.strengths, 1.5 * result.strengths)
