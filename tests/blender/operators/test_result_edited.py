@@ -191,6 +191,10 @@ class TestAnotherNet:
         assert np.array_equal(coordinates(noisy), np.delete(before, 7, axis=0))
 
 
+def sorted_rows(points):
+    return points[np.lexsort(points.T)]
+
+
 class TestDynamicTopology:
     """Blender shows a mesh then that nobody else can write."""
 
@@ -210,7 +214,8 @@ class TestDynamicTopology:
         for name in ("apply", "before", "split", "paint", "surface", "discard", "forget"):
             assert not getattr(bpy.ops.object, f"adaptive_fairing_{name}").poll(), name
         bpy.ops.sculpt.dynamic_topology_toggle()
-        assert np.array_equal(coordinates(noisy), shown)
+        # Blender 4.2 and 4.5 give the vertices another order.
+        assert np.array_equal(sorted_rows(coordinates(noisy)), sorted_rows(shown))
         assert noisy.adaptive_fairing.strength == 1.0
 
     def test_without_a_stroke_the_slider_goes_on_after_it(self, noisy, shown):
@@ -219,7 +224,7 @@ class TestDynamicTopology:
         bpy.ops.object.mode_set(mode="OBJECT")
         bpy.ops.object.adaptive_fairing_before()
         assert np.array_equal(coordinates(noisy), display_of(noisy).original())
-        assert not np.array_equal(coordinates(noisy), shown)
+        assert not np.array_equal(sorted_rows(coordinates(noisy)), sorted_rows(shown))
 
 
 class TestTheModifier:
