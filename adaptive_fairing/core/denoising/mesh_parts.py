@@ -142,7 +142,7 @@ class MeshParts:
             if n_counted < tuned.fewest_to_tell and keeps_clean:
                 return NoiseFound(0 * noise, 0 * noise, level, (too_few,))
             return NoiseFound(noise, impulsive, level)
-        note = self._why_nothing(level, models)
+        note = self.why_nothing(level, models)
         return NoiseFound(noise, impulsive, level, (note,))
 
     def _rough_level(self, surface: NoisySurface, counted: BoolArray) -> FloatArray:
@@ -171,7 +171,7 @@ class MeshParts:
                 least = of_hinges
         return least
 
-    def _why_nothing(self, level: FloatArray, models: list[str]) -> str:
+    def why_nothing(self, level: FloatArray, models: Sequence[str] = ()) -> str:
         """Note why there is nothing to do, from the roughness (n,) and signs of models."""
         if models:
             return f"looks like a clean low-poly model: {models[0]}; nothing was changed"
@@ -243,6 +243,20 @@ class MeshParts:
 
         spread = covariance(size, size) * covariance(beside, beside)
         return covariance(size, beside) / np.sqrt(np.maximum(spread, np.finfo(float).tiny))
+
+    def is_rough(self, surface: TriangleSurface) -> BoolArray:
+        """Whether vertices (n,) are in the rough rest of their part, not in a smooth patch of it.
+
+        A hole that was filled, or what was denoised before, is much smoother than most of a part.
+        """
+        tuned, rises = parameters(), surface.rises(surface.positions)
+        around = surface.spread(np.abs(rises - surface.mean @ rises), tuned.averaging_passes)
+        rough = np.ones(len(around), dtype=bool)
+        for members in self._members:
+            counted = around[members][self.is_counted[members]]
+            if len(counted):
+                rough[members] = around[members] >= tuned.smooth_patch * np.median(counted)
+        return rough
 
     def counts(self, is_one: BoolArray | None = None) -> FloatArray:
         """Count the counted vertices of every part, (p,), among some vertices, (n,) bool."""

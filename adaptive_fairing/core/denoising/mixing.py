@@ -244,7 +244,9 @@ def _planned(
         sliding = Sliding(track.start, frame, saw_creases, noise)
         after = sliding.limited(track.mixed(of_noise.spread(usable)))
         as_noise = before.positions - frame.raised(verdict.example())
-        found, expected = (parts.clustering(before, each, noise) for each in (after, as_noise))
+        # Smooth patches have no noise, and what is removed beside them no clusters.
+        there = np.where(parts.is_rough(before), noise, 0)
+        found, expected = (parts.clustering(before, each, there) for each in (after, as_noise))
         excess = found - expected
         keeps_detail = settings.clean == "detail"
         is_noise = excess <= (tuned.clustered_detail if keeps_detail else tuned.most_clustered)

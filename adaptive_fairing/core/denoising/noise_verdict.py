@@ -111,8 +111,10 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
         if impulsive.any():
             return _without_spikes(stage, found, impulsive, strength, keeps_clean)
         # Spikes of the shape: the noise is at most what is rough without them.
-        level = np.minimum(found.level, after.level)
-        found = found._replace(level=level, impulsive=impulsive)
+        level, notes = np.minimum(found.level, after.level), after.notes
+        if not (notes or beyond_clean(strength * level).any()):
+            notes = (stage.parts.why_nothing(found.roughness),)
+        found = found._replace(level=level, impulsive=impulsive, notes=notes)
     was_kept = bool(found.notes) and keeps_clean
     others = ("denoise",) if was_kept and found.roughness.any() else ()
     level, impulsive = found.level, found.impulsive

@@ -101,8 +101,7 @@ class DenoiseParameters:
     gentle_times: tuple[float, ...] = (0.25, 1.0, 4.0)
     # Order of accuracy of the gentle filters. By hand.
     gentle_order: int = 2
-    # Times of the steep filters, for smooth shapes, which have no waves shorter than some length.
-    # By hand.
+    # Times of the steep filters, for smooth shapes, which have no short waves. By hand.
     steep_times: tuple[float, ...] = (0.5, 1.2, 3.0)
     # Order of accuracy of the steep filters. By hand.
     steep_order: int = 4
@@ -171,6 +170,9 @@ class DenoiseParameters:
     # The noise is that of the hinges where it is below this part of that of the roughness, which
     # shape has raised there. Elsewhere it is that of the roughness, measured at the vertices.
     clearly_less: float = 0.85
+    # A patch with less than this part of the median roughness is smooth. Without it two noisy
+    # shapes, a fifth of each smooth, were left as they were. By hand.
+    smooth_patch: float = 0.5
 
     # mixing
     # The risk is minimised for this multiple of the estimated noise. The estimate is a lower bound,
@@ -191,8 +193,7 @@ class DenoiseParameters:
     clustered_detail: float = 0.18
 
     # normal_filter
-    # 1 + cos of the angle of a turn is at least this, because half a turn has no shortest way.
-    # By hand.
+    # 1 + cos of the angle of a turn is at least this: half a turn has no shortest way. By hand.
     least_opening: float = 0.1
 
     # boundary_curves. On seven open tuning shapes with six kinds of noise.
@@ -222,8 +223,7 @@ class DenoiseParameters:
     least_bend_correlation: float = 0.6
     # A model is less rough than this. Models had at most 0.25; slivers with noise have 0.8.
     roughest_model: float = 0.4
-    # What keeps a smaller part in differences of high order is smoother than a model's edges allow.
-    # By hand.
+    # What keeps less in differences of high order is smoother than a model's edges. By hand.
     least_kept: float = 0.75
     # This fraction of a clean mesh's vertices may be rougher than clean meshes are, because their
     # edges are much shorter than others. By hand.
