@@ -1,8 +1,6 @@
 """Display of a result: which of the three kinds an object has."""
 
 import pytest
-from support.meshes import icosphere
-from support.objects import add_object
 
 from adaptive_fairing.blender.data import modifier
 from adaptive_fairing.blender.data.display import display_of, new_display
@@ -20,11 +18,6 @@ KINDS = {
     "ABSOLUTE_KEYS": KeysDisplay,
     "RELATIVE_KEYS": RelativeKeysDisplay,
 }
-
-
-@pytest.fixture
-def obj():
-    return add_object(*icosphere(1))
 
 
 def write(obj, name):

@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from support.meshes import icosphere
-from support.objects import add_object, everything
+from support.objects import everything
 
 from adaptive_fairing.blender.data.display import display_of, new_display
 from adaptive_fairing.blender.data.display_base import is_behind
@@ -13,11 +12,6 @@ from adaptive_fairing.blender.data.stored_path import StoredPath
 pytestmark = pytest.mark.usefixtures("addon")
 
 WAYS = ["LIVE", "MODIFIER", "ABSOLUTE_KEYS"]
-
-
-@pytest.fixture
-def obj():
-    return add_object(*icosphere(1))
 
 
 def write(obj, way):

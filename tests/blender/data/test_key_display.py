@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from support.meshes import icosphere
-from support.objects import add_object, key_positions, shown_positions
+from support.objects import key_positions, shown_positions
 
 from adaptive_fairing.blender.data.display import display_of, new_display
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
@@ -12,11 +11,6 @@ from adaptive_fairing.blender.data.stored_path import ORIGINAL, StoredPath, writ
 pytestmark = pytest.mark.usefixtures("addon")
 
 STEPS = (1.0, 2.0, 3.0)
-
-
-@pytest.fixture
-def obj():
-    return add_object(*icosphere(1))
 
 
 @pytest.fixture

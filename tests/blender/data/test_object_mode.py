@@ -12,11 +12,6 @@ from adaptive_fairing.blender.data.object_mode import object_mode
 MODES = ["OBJECT", "EDIT", "SCULPT", "WEIGHT_PAINT"]
 
 
-@pytest.fixture
-def obj():
-    return add_object(*icosphere(1))
-
-
 @pytest.mark.parametrize("mode", MODES)
 def test_the_mode_is_the_same_before_and_after(obj, mode):
     bpy.ops.object.mode_set(mode=mode)

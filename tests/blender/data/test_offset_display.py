@@ -2,8 +2,7 @@
 
 import numpy as np
 import pytest
-from support.meshes import icosphere
-from support.objects import add_object, edit_net, shown_positions
+from support.objects import edit_net, shown_positions
 
 from adaptive_fairing.blender.data.display import display_of, new_display
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
@@ -17,11 +16,6 @@ pytestmark = pytest.mark.usefixtures("addon")
 STROKE = 5
 ATOL = 1e-6
 ULP = 2.0**-23  # spacing of single precision at 1, the size of the sphere
-
-
-@pytest.fixture
-def obj():
-    return add_object(*icosphere(1))
 
 
 @pytest.fixture

@@ -1,9 +1,6 @@
 """The vertex group whose weights bring the original back."""
 
 import numpy as np
-import pytest
-from support.meshes import icosphere
-from support.objects import add_object
 
 from adaptive_fairing.blender.data.paint_group import (
     PAINT_GROUP,
@@ -12,11 +9,6 @@ from adaptive_fairing.blender.data.paint_group import (
     paint_weights,
     remove_paint_group,
 )
-
-
-@pytest.fixture
-def obj():
-    return add_object(*icosphere(1))
 
 
 def test_a_new_one_shows_the_whole_result_and_is_active(obj):

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from support.meshes import icosphere
-from support.objects import add_object
 
 from adaptive_fairing.blender.data import results
 from adaptive_fairing.blender.data.color_map import ANCHORS, colors_srgb
@@ -15,11 +13,6 @@ from adaptive_fairing.blender.data.record_properties import (
 )
 
 pytestmark = pytest.mark.usefixtures("addon")
-
-
-@pytest.fixture
-def obj():
-    return add_object(*icosphere(1))
 
 
 def store(obj, way):

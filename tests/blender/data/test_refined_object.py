@@ -19,11 +19,6 @@ from adaptive_fairing.core import FairingError, LimitSurface, TriangleTopology
 ROUNDING = 1e-6
 
 
-@pytest.fixture
-def obj():
-    return add_object(*icosphere(1))
-
-
 def limit(obj_or_vertices, levels):
     vertices, triangles = icosphere(1)
     surface = LimitSurface(TriangleTopology(triangles, len(vertices)), np.asarray(obj_or_vertices))

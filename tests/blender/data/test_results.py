@@ -3,8 +3,7 @@
 import bpy
 import numpy as np
 import pytest
-from support.meshes import icosphere
-from support.objects import add_object, everything, key_positions
+from support.objects import everything, key_positions
 from support.objects import shown_positions as evaluated
 
 from adaptive_fairing.blender.data import results
@@ -17,11 +16,6 @@ pytestmark = pytest.mark.usefixtures("addon")
 
 STRENGTHS = [0.5, 1.0, 2.0]
 ROUNDING = 1e-6
-
-
-@pytest.fixture
-def obj():
-    return add_object(*icosphere(1))
 
 
 def moves(obj, seed=0):

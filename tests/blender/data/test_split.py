@@ -3,16 +3,10 @@
 import bpy
 import numpy as np
 import pytest
-from support.meshes import icosphere
-from support.objects import add_object, everything, shown_positions
+from support.objects import everything, shown_positions
 
 from adaptive_fairing.blender.data import modifier, split
 from adaptive_fairing.blender.data.stored_path import offset_name, write_vectors
-
-
-@pytest.fixture
-def obj():
-    return add_object(*icosphere(1))
 
 
 @pytest.fixture
