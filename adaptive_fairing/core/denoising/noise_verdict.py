@@ -103,13 +103,20 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
         See `DenoiseSettings`.
     """
     keeps_clean = clean != "denoise"
+
+    def calmed(impulsive: FloatArray) -> tuple[Stage, NoiseFound]:
+        """Put spikes back, and estimate what noise is left."""
+        calm = stage.calmed(impulsive)
+        return calm, calm.parts.noise(calm.noisy, strength, keeps_clean=keeps_clean)
+
     found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
     if found.impulsive.any():
-        calm = stage.calmed(found.impulsive)
-        after = calm.parts.noise(calm.noisy, strength, keeps_clean=keeps_clean)
+        calm, after = calmed(found.impulsive)
         impulsive = _noisy_spikes(stage, calm, found, after)
         if impulsive.any():
-            return _without_spikes(stage, found, impulsive, strength, keeps_clean)
+            if not np.array_equal(impulsive, found.impulsive):
+                calm, after = calmed(impulsive)
+            return _without_spikes(stage, calm, found, after, impulsive)
         # Spikes of the shape: the noise is at most what is rough without them.
         level, notes = np.minimum(found.level, after.level), after.notes
         if not (notes or beyond_clean(strength * level).any()):
@@ -148,11 +155,9 @@ def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFoun
 
 
 def _without_spikes(
-    stage: Stage, found: NoiseFound, impulsive: FloatArray, strength: float, keeps_clean: bool
+    stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFound, impulsive: FloatArray
 ) -> NoiseVerdict:
-    """Put spikes back, and judge what is left: other noise, low spikes, and what was put back."""
-    calm = stage.calmed(impulsive)
-    after = calm.parts.noise(calm.noisy, strength, keeps_clean=keeps_clean)
+    """Judge what is left without spikes: other noise, low spikes, and what was put back."""
     parts, had_spikes = calm.parts, impulsive > 0
     reach = np.maximum(after.level, np.where(had_spikes, found.roughness, 0))
     only_spikes = NoiseVerdict(calm, after.level, None, impulsive, reach, (IMPULSIVE,))
