@@ -117,10 +117,11 @@ class OBJECT_OT_adaptive_fairing(
                     solve.failure = error
                 if solve.error is not None:
                     remember(source, solve)
-                    problems.append(f"{solve.name}: {solve.error}")
-        # An error opens a window, which would swallow the Ctrl Z of whoever has deleted the object.
-        is_expected = source is None and self.options.is_invoke
-        for problem in problems:
+                    problems.append((f"{solve.name}: {solve.error}", source is None))
+        for problem, was_deleted in problems:
+            # An error opens a window, which would swallow the Ctrl Z of whoever has deleted the
+            # object.
+            is_expected = was_deleted and self.options.is_invoke
             self.report({"WARNING"} if results or is_expected else {"ERROR"}, problem)
         for solve in unchanged:
             self.report({"INFO"}, f"{solve.name}: {'; '.join(solve.notes)}")
