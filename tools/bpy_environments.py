@@ -45,7 +45,7 @@ class BlenderModule:
     may_crash: bool = False
 
     def has_numerics_of(self, other: BlenderModule) -> bool:
-        """Whether the core, which needs no Blender, runs on the same Python, numpy and scipy."""
+        """Whether the core, which needs no Blender, runs on the same Python and numpy."""
         return (self.python, self.numpy) == (other.python, other.numpy)
 
 
