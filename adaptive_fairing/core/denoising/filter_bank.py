@@ -99,18 +99,17 @@ class FilterBank:
         Filter, (n, 3)
             Next filter, and the positions after it, family by family.
         """
-        tuned = parameters()
         for family in families:
             results: Iterable[FloatArray]
             if isinstance(family, FlatFamily):
-                flat = self.flattened(noisy, surface, tuned.least_flat, family.correlation)
+                flat = self.flattened(noisy, surface, family.correlation)
                 # Not the noisy positions: another frame's plan may rely on this filter.
                 results = (surface.positions if flat is None else flat,)
             elif isinstance(family, NormalFamily):
                 results = self._fitted(noisy if family.is_of_noisy else surface, surface, family)
             else:
                 results = self._diffused(
-                    noisy, surface, family.metric, family.diffusions, tuned.boundary_flux_fraction
+                    noisy, surface, family.metric, family.diffusions, parameters().boundary_flux_fraction
                 )
             yield from zip(family.filters, results, strict=True)
 
@@ -118,15 +117,14 @@ class FilterBank:
         self,
         noisy: TriangleSurface,
         surface: TriangleSurface,
-        least: float,
-        correlation: NoiseCorrelation = WHITE,
+        correlation: NoiseCorrelation,
     ) -> FloatArray | None:
         """Flatten the flat faces of a surface into planes fitted to the noisy surface, (n, 3).
 
-        None if less than the fraction `least` of the triangles is on flat faces.
+        None if the surface counts as round.
         """
         weights = self._normal_weights
-        return flattened(surface, noisy.positions, self._around, least, weights, correlation)
+        return flattened(surface, noisy.positions, self._around, weights, correlation)
 
     def flat_faces(
         self, noisy: TriangleSurface, surface: TriangleSurface, correlation: NoiseCorrelation

@@ -41,7 +41,6 @@ def flattened(
     surface: TriangleSurface,
     noisy: FloatArray,
     around: IntArray,
-    least: float = 0.0,
     weights: FloatArray | None = None,
     correlation: NoiseCorrelation = WHITE,
 ) -> FloatArray | None:
@@ -55,8 +54,6 @@ def flattened(
         Noisy positions of the same vertices, to which the planes are fitted.
     around : (9, m) int
         Triangles around each one, see `triangles_around`.
-    least : float
-        Fraction of the triangles that must be on flat faces.
     weights : (m,), optional
         Weight of the normal of each triangle.
     correlation : NoiseCorrelation
@@ -65,12 +62,11 @@ def flattened(
     Returns
     -------
     (n, 3)
-        Positions with flat faces; vertices on none of them do not move.  None if too few triangles,
-        or none, are on flat faces.
+        Positions with flat faces; vertices on none of them do not move.  None if so few triangles
+        are on flat faces that the surface counts as round.
     """
     found = FlatFaces(surface, noisy, around, weights, correlation)
-    part = np.mean(found.face >= 0)
-    if part == 0 or part < least:
+    if np.mean(found.face >= 0) < parameters().least_flat:
         return None
     return found.planes.onto(surface.positions, surface.smooth_spacing)
 

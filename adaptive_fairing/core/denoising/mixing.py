@@ -116,8 +116,7 @@ def mixed_surfaces(
         stage, level, impulsive = verdict.stage, verdict.level, verdict.impulsive
         notes, other_readings = verdict.notes, verdict.other_readings
         plan = DenoisePlan.idle(level, impulsive, verdict.reach)
-        undented = verdict.undented
-        if undented is None and beyond_clean(max(STRENGTHS) * settings.strength * level).any():
+        if beyond_clean(max(STRENGTHS) * settings.strength * level).any():
             plan, clusters = _planned(before, verdict, settings, progress)
             if plan.is_idle:
                 notes, other_readings = (UNLIKE_NOISE,), ("denoise",)
@@ -127,7 +126,6 @@ def mixed_surfaces(
         impulsive = plan.impulsive
         if impulsive.any():
             stage = stage.calmed(impulsive)
-        undented = stage.undented(plan.noise, plan.impulsive) if plan.is_idle else None
         if not plan.is_idle:
             stage.track.repeat(plan, progress)
     start = stage.track.start
@@ -140,10 +138,7 @@ def mixed_surfaces(
         kept = np.where(stays[:, None], positions, faired)
         return unfolded(kept, before, was_spike, stage.parts.is_counted)
 
-    if undented is not None:
-        sliding = Sliding(before, stage.frame, True, plan.reach)
-        results = [without_folds(sliding.limited(undented))] * len(STRENGTHS)
-    elif plan.is_idle:
+    if plan.is_idle:
         results = [without_folds(start.positions)] * len(STRENGTHS)
     else:
         progress.begin("mix")
@@ -247,7 +242,10 @@ def _planned(
         # Smooth patches have no noise, and what is removed beside them no clusters.
         there = np.where(parts.is_rough(before), noise, 0)
         found, expected = (parts.clustering(before, each, there) for each in (after, as_noise))
-        excess = found - expected
+        # Many spikes leave many neighbours that stand out.
+        was_spike = (track.start.positions != before.positions).any(axis=1)
+        share = parts.counts(was_spike) / np.maximum(parts.counts(), 1)
+        excess = found - expected - share
         keeps_detail = settings.clean == "detail"
         is_noise = excess <= (tuned.clustered_detail if keeps_detail else tuned.most_clustered)
         clusters = bool((excess[is_noise] > tuned.clustered_detail).any())

@@ -51,8 +51,6 @@ class NoiseVerdict:
     notes : tuple of str
     other_readings : tuple of str
         See `DenoiseResult`.
-    undented : (n, 3), optional
-        The surface with flat faces made flat, where that is all there is to do after spikes.
     spiky : (n,), optional
         Random noise with spikes like those that were put back: heights in local edge lengths.
     """
@@ -64,7 +62,6 @@ class NoiseVerdict:
     reach: FloatArray
     notes: tuple[str, ...]
     other_readings: tuple[str, ...] = ()
-    undented: FloatArray | None = None
     spiky: FloatArray | None = None
 
     @cached_property
@@ -160,14 +157,11 @@ def _without_spikes(
     """Judge what is left without spikes: other noise, low spikes, and what was put back."""
     parts, had_spikes = calm.parts, impulsive > 0
     reach = np.maximum(after.level, np.where(had_spikes, found.roughness, 0))
-    only_spikes = NoiseVerdict(calm, after.level, None, impulsive, reach, (IMPULSIVE,))
-    undented = calm.undented(after.level, impulsive)
-    if undented is not None:
-        return replace(only_spikes, undented=undented)
     moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
     noise, more = left_of_spikes(calm.noisy, moved, after.level, parts.is_counted, parts.may_move)
     level = np.sqrt(np.square(after.level) + np.where(had_spikes & parts.is_counted, more, 0))
-    return replace(only_spikes, level=level, reach=np.maximum(level, reach), spiky=noise)
+    reach = np.maximum(level, reach)
+    return NoiseVerdict(calm, level, None, impulsive, reach, (IMPULSIVE,), spiky=noise)
 
 
 def _with_smooth_noise(verdict: NoiseVerdict, strength: float, clean: str) -> NoiseVerdict:

@@ -14,7 +14,6 @@ from .filter_rounds import Filter, Round, rounds_for
 from .mesh_parts import MeshParts
 from .mixture import Mixture
 from .noise.face_noise import FaceNoise, face_noise
-from .noise.level import beyond_clean
 from .noise.noisy_surface import NoisySurface
 from .noise.spikes import without_spikes
 from .noise_correlation import NoiseCorrelation
@@ -123,19 +122,3 @@ class Stage:
         assumed = NoiseCorrelation(deviation=tuned.assumed_deviation, passes=tuned.assumed_passes)
         faces = self.bank.flat_faces(self.track.start, self.frame, assumed)
         return face_noise(noisy, faces, self.parts.is_counted)
-
-    def undented(self, level: FloatArray, impulsive: FloatArray) -> FloatArray | None:
-        """Flatten flat faces in which low spikes left dents, by a fraction (n,).
-
-        None if more than that is needed: the noise was not spikes, the level (n,) of the rest is
-        above that of clean meshes, or there are no flat faces.
-        """
-        judged = level[level > 0]
-        is_clean = not len(judged) or not beyond_clean(np.median(judged, keepdims=True)).any()
-        start = self.track.start
-        if not (impulsive.any() and is_clean and start.has_creases()):
-            return None
-        flat = self.bank.flattened(start, start, parameters().least_flat_dented)
-        if flat is None:
-            return None
-        return start.positions + impulsive[:, None] * (flat - start.positions)

@@ -29,9 +29,8 @@ from .edge_matrix import EdgeMatrix
 # Time t of the solves that span the space, in squared edge lengths; between those of the filters.
 COMMON_TIME = 1.0
 
-# The first solve is more accurate by this factor: all results inherit its error.  At 0.5 one
-# iteration more or less, which jitter of 0.0001 of an edge decides, changed a mesh with tiny edges
-# by 4 % of what is removed; at 0.1 by 0.3 %.  It takes no more time.
+# The first solve is more accurate by this factor: all results inherit its error.  With 0.5 one
+# iteration more or less, which rounding decides, shows in the result of a mesh with tiny edges.
 FIRST_FACTOR = 0.1
 MAX_ITERATIONS = 5000
 MOST_DIRECTIONS = 24

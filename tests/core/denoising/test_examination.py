@@ -25,12 +25,13 @@ def test_it_finds_the_noise_that_denoise_finds(noise):
 
 @pytest.mark.parametrize("width", [1.0, 2.0, 8.0])
 def test_it_heeds_the_width_that_was_told(width):
-    vertices, faces = meshes.noisy_ball(4, 0.05)
+    """A model that looks clean is taken for noise of that width."""
+    vertices, faces = meshes.random_hull(0, 400)
     settings = DenoiseSettings(width=width)
     found, result = examine(vertices, faces, settings), denoise(vertices, faces, settings)
     assert found.noise_level == pytest.approx(result.noise_level, rel=1e-9)
-    assert found.noise_level != pytest.approx(examine(vertices, faces).noise_level, rel=0.05)
     assert not found.is_clean
+    assert examine(vertices, faces).is_clean
 
 
 def test_the_length_is_in_the_units_of_the_mesh():

@@ -1,7 +1,6 @@
-"""Stage of a run: spikes put back in part, dents made flat, and filters that are repeated."""
+"""Stage of a run: spikes put back in part, and filters that are repeated."""
 
 import numpy as np
-import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
@@ -10,7 +9,6 @@ from adaptive_fairing.core.denoising.progress import ProgressReport
 from adaptive_fairing.core.denoising.stage import Stage
 
 SPHERE, FACES = meshes.icosphere(3)
-CUBE, CUBE_FACES = meshes.cube(4, unevenness=0.2)
 
 
 def staged(points, faces):
@@ -37,42 +35,6 @@ def test_spikes_go_back_by_the_fraction_that_is_asked_for():
         calm = stage.calmed(each)
         expected = points + each[:, None] * (back - points)
         np.testing.assert_allclose(calm.noisy.positions, expected, rtol=0, atol=1e-15)
-
-
-class TestDents:
-    """Low spikes that stay in flat faces after the others were put back."""
-
-    ONE = np.ones(len(CUBE))
-
-    @pytest.fixture
-    def dented(self):
-        return staged(with_spikes(CUBE, 0.01), CUBE_FACES)
-
-    def heights(self, points):
-        """Heights over the sides of the cube, away from its creases."""
-        is_on_side = np.isclose(np.abs(CUBE), 1)
-        is_far = np.sort(np.abs(CUBE), axis=1)[:, 1] < 0.8
-        return np.abs(points[is_on_side & is_far[:, None]]) - 1
-
-    def test_faces_become_flat(self, dented):
-        """A face of which a dent leaves too little stays as it is."""
-        before = np.abs(self.heights(dented.noisy.positions))
-        after = np.abs(self.heights(dented.undented(0 * self.ONE, self.ONE)))
-        is_dent, is_gone = before > 0.005, after < 0.02 * before
-        assert np.mean(is_gone[is_dent]) > 0.6
-        np.testing.assert_allclose(after[is_dent & ~is_gone], before[is_dent & ~is_gone], rtol=1e-9)
-
-    def test_by_the_fraction_that_is_asked_for(self, dented):
-        start, flat = dented.noisy.positions, dented.undented(0 * self.ONE, self.ONE)
-        half = dented.undented(0 * self.ONE, 0.5 * self.ONE)
-        np.testing.assert_allclose(half, (start + flat) / 2, rtol=0, atol=1e-15)
-
-    def test_not_where_there_is_other_noise_or_no_spike_or_no_face(self, dented):
-        assert dented.undented(0.1 * self.ONE, self.ONE) is None
-        assert dented.undented(0 * self.ONE, 0 * self.ONE) is None
-        ball = staged(with_spikes(SPHERE, 0.01), FACES)
-        ones = np.ones(len(SPHERE))
-        assert ball.undented(0 * ones, ones) is None
 
 
 def test_a_repeated_track_takes_what_the_first_run_took():
