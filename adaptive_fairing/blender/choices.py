@@ -14,6 +14,9 @@ FAIR = "FAIR"
 LIVE = "LIVE"
 """The result of `denoise` as the mesh's own coordinates."""
 
+EVOLUTION = "ABSOLUTE_KEYS"
+"""The steps of `fair` as one movie."""
+
 ALGORITHMS = (
     (DENOISE, "Denoise", "Estimate the noise and remove it, without parameters"),
     (

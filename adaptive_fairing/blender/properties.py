@@ -99,6 +99,11 @@ def fairing_settings(properties: SolverProperties) -> FairingSettings:
     return FairingSettings(**values)
 
 
+def way_of(properties: OutputProperties) -> str:
+    """How a result of the chosen algorithm is shown, see `data.display.new_display`."""
+    return properties.result if properties.algorithm == DENOISE else properties.output
+
+
 def uses_tau(properties: SolverProperties) -> bool:
     """Whether τ counts instead of the radius: it was chosen, or a script has given only τ."""
     is_implied = _is_given(properties, "tau") and not _is_given(properties, "use_tau")

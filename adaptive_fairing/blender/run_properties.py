@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-from .choices import ALGORITHMS, DENOISE, LIVE, RESULTS, SCHEMES
+from .choices import ALGORITHMS, DENOISE, EVOLUTION, LIVE, RESULTS, SCHEMES
 
 CONTEXT = "Adaptive Fairing"
 """Translation context of texts that Blender would translate wrongly or too long."""
@@ -289,7 +289,7 @@ class OutputProperties:
         description="What the object gets",
         items=(
             (
-                "ABSOLUTE_KEYS",
+                EVOLUTION,
                 "Evolution",
                 "Every step as an absolute shape key: one slider runs through them",
             ),
@@ -300,7 +300,7 @@ class OutputProperties:
             ),
             ("FINAL_SHAPE", "Final Shape Only", "Move the vertices; no shape keys"),
         ),
-        default="ABSOLUTE_KEYS",
+        default=EVOLUTION,
     )
     existing_keys: EnumProperty(
         name="Other Keys",

@@ -3,8 +3,7 @@
 import bpy
 import numpy as np
 
-from adaptive_fairing.blender.data.attribute_arrays import read_attributes
-from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
+from adaptive_fairing.blender.data.mesh_arrays import read_attributes, read_mesh_coordinates
 from adaptive_fairing.blender.files.mesh_files import empty_scene, export_mesh
 
 GRID = 5

@@ -3,8 +3,7 @@
 import bpy
 import numpy as np
 
-from adaptive_fairing.blender.data.attribute_arrays import read_attributes
-from adaptive_fairing.blender.data.mesh_arrays import read_mesh
+from adaptive_fairing.blender.data.mesh_arrays import read_attributes, read_mesh
 from adaptive_fairing.core import LimitSurface, TriangleTopology
 from support import meshes
 from support.objects import add_object

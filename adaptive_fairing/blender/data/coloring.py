@@ -1,26 +1,63 @@
-"""Colours of a field on a mesh, and their meaning in the record.
+"""Colours of a field on a mesh, their meaning in the record, and a material that renders them.
 
+A field is numbers per vertex: a float attribute of the mesh, and a colour attribute beside it.
 While a field is shown, its colours are the active ones of the mesh, in 3D views and in renders. The
 colours that were active before are noted on the mesh, and become active again.
+
+Every material slot of an object that is to be rendered so gets the material, in place of the
+material of the mesh, which does not change. The earlier materials of the slots are noted in the
+record, and come back.
 """
 
 from __future__ import annotations
 
-import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
+from typing import TYPE_CHECKING
 
-from ...core import FairingSettings, InputError
-from . import color_material
-from .attribute_arrays import remove_attributes
-from .color_map import ANCHORS, DIVERGING_ANCHORS, SIGNED_FIELDS, field_range
-from .field_attributes import COLORS_BEFORE, FIELD_ATTRIBUTES, color_name, write_color, write_scalar
-from .fields import measure_field
+import bpy
+import numpy as np
+from bpy.app.translations import pgettext_data as data_
+from bpy.app.translations import pgettext_rpt as rpt_
+from numpy.typing import ArrayLike, NDArray
+
+from .color_map import (
+    ANCHORS,
+    DIVERGING_ANCHORS,
+    SIGNED_FIELDS,
+    color_range,
+    colors_srgb,
+    field_range,
+    srgb_to_linear,
+)
+from .display import display_of
+from .mesh_arrays import remove_attributes
+
+if TYPE_CHECKING:  # enabling the add-on does not load the core
+    from ...core import FairingSettings
+
+DENSITY = "fairing_density"
+"""Float point attribute: smoothed density d of the last step, in the solver's [-3, 3]^3 frame."""
+
+FIELD_ATTRIBUTES = {
+    "DENSITY": DENSITY,
+    "DISPLACEMENT": "fairing_displacement",
+    "CURVATURE": "fairing_mean_curvature",
+    "GAUSSIAN": "fairing_gaussian_curvature",
+    "REMOVED": "fairing_removed",
+}
+"""Float attribute of each field that can be shown."""
+
+COMPARED_FIELDS = ("DISPLACEMENT", "REMOVED")
+"""Fields that compare the shown shape with the original."""
+
+COLORS_BEFORE = "fairing_colors_before"
+"""Custom property of a mesh: names of the active colours and of those of renders before a view."""
+
+RENDERED_FIELD = "fairing_field"
+"""Custom property that marks such a material: the field that it shows."""
 
 
 def color_by_field(
-    obj: bpy.types.Object,
-    field: str,
-    settings: FairingSettings,
+    obj: bpy.types.Object, field: str, settings: FairingSettings | None = None
 ) -> None:
     """Store a field of the shape that an object shows, as numbers and as active colours.
 
@@ -31,17 +68,20 @@ def color_by_field(
     field
         Key of `FIELD_ATTRIBUTES`.
     settings
-        As in `measure_field`.
+        As in `measure_field`, by default those of the core.
 
     Raises
     ------
     InputError
         The mesh is linked from another file; also as in `measure_field`.
     """
+    from ...core import FairingSettings, InputError
+    from .fields import measure_field
+
     mesh, record = obj.data, obj.adaptive_fairing
     if mesh.library is not None:
         raise InputError(rpt_("the mesh is linked from another file: make it local to color it"))
-    found = measure_field(obj, field, settings)
+    found = measure_field(obj, field, settings or FairingSettings())
     low, high = field_range(field, found.values)
     anchors = DIVERGING_ANCHORS if field in SIGNED_FIELDS else ANCHORS
     if record.view != field:
@@ -60,7 +100,7 @@ def color_by_field(
     record.view_range = low * found.unit, high * found.unit
     record.view_power = found.power
     if record.wants_material:
-        color_material.assign(obj, field)
+        assign_material(obj, field)
 
 
 def end_view(obj: bpy.types.Object) -> None:
@@ -75,13 +115,13 @@ def pause_view(obj: bpy.types.Object) -> str:
     Returns
     -------
     str
-        The field that was shown, for `color_by_field`; empty if none was.
+        The field that was shown, for `resume_view`; empty if none was.
     """
     mesh, record = obj.data, obj.adaptive_fairing
     view = record.view
     if not view:
         return view
-    color_material.take_off(obj)
+    take_material_off(obj)
     name = FIELD_ATTRIBUTES[view]
     shown = color_name(name)
     before = mesh.pop(COLORS_BEFORE, None)
@@ -96,3 +136,167 @@ def pause_view(obj: bpy.types.Object) -> str:
             mesh.attributes.default_color_name = before["rendered"]
     record.view = ""
     return view
+
+
+def resume_view(obj: bpy.types.Object, view: str, settings: FairingSettings | None = None) -> None:
+    """Show a field again that `pause_view` has returned, as `color_by_field` does.
+
+    If the shape before the runs is not known, there are no colours that compare with it.
+    """
+    if view and not (view in COMPARED_FIELDS and display_of(obj).original() is None):
+        color_by_field(obj, view, settings)
+
+
+def color_name(name: str) -> str:
+    """Name of the colour attribute that shows a float attribute."""
+    return f"{name}_color"
+
+
+def own_color(mesh: bpy.types.Mesh) -> str:
+    """Name of the user's active colour attribute, also while a field is shown; empty for none."""
+    name = mesh.get(COLORS_BEFORE, {}).get("active", mesh.attributes.active_color_name)
+    return "" if is_of_field(name) else name
+
+
+def is_of_field(name: str) -> bool:
+    """Whether an attribute holds the numbers or the colours of a field."""
+    return any(name in (each, color_name(each)) for each in FIELD_ATTRIBUTES.values())
+
+
+def write_scalar(mesh: bpy.types.Mesh, name: str, values: ArrayLike) -> None:
+    """Store one number per vertex; an earlier attribute of that name is replaced.
+
+    Parameters
+    ----------
+    mesh
+        Mesh in Object Mode.
+    name
+        Name of the attribute.
+    values
+        (n,) numbers, kept as float32.
+    """
+    values = _per_vertex(mesh, values)
+    attribute = _point_attribute(mesh, name, "FLOAT")
+    attribute.data.foreach_set("value", np.ascontiguousarray(values, dtype=np.float32))
+    mesh.update()
+
+
+def write_color(
+    mesh: bpy.types.Mesh,
+    name: str,
+    values: ArrayLike,
+    low: float | None = None,
+    high: float | None = None,
+    anchors: NDArray[np.float64] = ANCHORS,
+) -> None:
+    """Store one colour per vertex.
+
+    If the mesh has no other colours, they become the active ones and those of renders.
+
+    Parameters
+    ----------
+    mesh
+        Mesh in Object Mode.
+    name
+        Name of the colour attribute; an earlier one of that name is replaced.
+    values
+        (n,) numbers, coloured by `color_map`; NaN is grey.
+    low, high
+        Values of the first and the last colour; None takes the range of the values.
+    anchors
+        Colours of the map, see `colors_srgb`.
+    """
+    values = _per_vertex(mesh, values)
+    attribute = _point_attribute(mesh, name, "FLOAT_COLOR")  # the first one is made active
+    colors = np.ones((len(values), 4), dtype=np.float32)
+    colors[:, :3] = srgb_to_linear(colors_srgb(values, low, high, anchors))
+    attribute.data.foreach_set("color", colors.ravel())
+    mesh.update()
+
+
+def write_density(mesh: bpy.types.Mesh, density: ArrayLike) -> None:
+    """Store the density of a step under its two names, as numbers and as colours."""
+    write_scalar(mesh, DENSITY, density)
+    write_color(mesh, color_name(DENSITY), density, *color_range(density))
+
+
+def remove_density(mesh: bpy.types.Mesh) -> None:
+    """Remove what `write_density` has stored."""
+    remove_attributes(mesh, (DENSITY, color_name(DENSITY)))
+
+
+def _per_vertex(mesh: bpy.types.Mesh, values: ArrayLike) -> np.ndarray:
+    values = np.asarray(values)
+    if values.shape != (len(mesh.vertices),):
+        raise ValueError(f"values of shape {values.shape}, the mesh needs ({len(mesh.vertices)},)")
+    return values
+
+
+def _point_attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute:
+    """Find or make the attribute; one of another type or domain is replaced."""
+    attribute = mesh.attributes.get(name)
+    if attribute is not None and (attribute.data_type, attribute.domain) != (kind, "POINT"):
+        mesh.attributes.remove(attribute)
+        attribute = None
+    if attribute is None:
+        attribute = mesh.attributes.new(name, kind, "POINT")
+    return attribute
+
+
+def assign_material(obj: bpy.types.Object, field: str) -> None:
+    """Render an object in the colours of a field.
+
+    Parameters
+    ----------
+    obj
+        Mesh object in Object Mode, coloured by that field.
+    field
+        Key of `FIELD_ATTRIBUTES`.
+    """
+    take_material_off(obj)
+    record, material = obj.adaptive_fairing, field_material(field)
+    if not obj.material_slots:
+        obj.data.materials.append(None)
+        record.has_new_slot = True
+    for slot in obj.material_slots:
+        before = record.slots_before.add()
+        before.link = slot.link
+        slot.link = "OBJECT"
+        before.material = slot.material
+        slot.material = material
+
+
+def take_material_off(obj: bpy.types.Object) -> None:
+    """Give an object its materials back; a slot that has another material by now keeps it."""
+    record = obj.adaptive_fairing
+    for slot, before in zip(obj.material_slots, record.slots_before, strict=False):
+        if slot.link == "OBJECT" and slot.material is not None and RENDERED_FIELD in slot.material:
+            slot.material = before.material
+            slot.link = before.link
+    record.slots_before.clear()
+    if record.has_new_slot and list(obj.data.materials) == [None]:
+        if obj.material_slots[0].material is None:
+            obj.data.materials.clear()
+    record.has_new_slot = False
+    for material in [each for each in bpy.data.materials if RENDERED_FIELD in each]:
+        if material.users == 0 and material.library is None:
+            bpy.data.materials.remove(material)
+
+
+def field_material(field: str) -> bpy.types.Material:
+    """Find or make the material of a field."""
+    for material in bpy.data.materials:
+        if material.get(RENDERED_FIELD) == field and material.library is None:
+            return material
+    material = bpy.data.materials.new(data_("Fairing Colors"))
+    material[RENDERED_FIELD] = field
+    if material.node_tree is None:  # since Blender 5.0 every material has one
+        material.use_nodes = True
+    nodes = material.node_tree.nodes
+    shader = next(each for each in nodes if each.type == "BSDF_PRINCIPLED")
+    shader.inputs["Roughness"].default_value = 0.8  # a shine would change the colours
+    colors = nodes.new("ShaderNodeAttribute")
+    colors.attribute_name = color_name(FIELD_ATTRIBUTES[field])
+    colors.location = shader.location.x - 250, shader.location.y
+    material.node_tree.links.new(colors.outputs["Color"], shader.inputs["Base Color"])
+    return material

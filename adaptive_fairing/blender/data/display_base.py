@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 
-from . import modifier, split
-from .mesh_arrays import write_positions
-from .paint_group import made_paint_group, remove_paint_group
+from . import modifier
+from .mesh_arrays import remove_attributes, write_positions
 from .shape_keys import has_foreign_keys, remove_fairing_keys, shown_positions
-from .stored_path import StoredPath, remove_path
+from .stored_path import StoredPath, stored_names
+from .vertex_groups import made_paint_group, remove_paint_group
 
 if TYPE_CHECKING:  # enabling the add-on does not load the core
     from numpy.typing import NDArray
@@ -20,8 +19,11 @@ if TYPE_CHECKING:  # enabling the add-on does not load the core
     from ...core.runtime.arrays import SingleArray
 
 
-OF_SURFACE = ("surface", "control", "refined_fingerprint")
-"""Properties of the record that say which mesh shows the result."""
+SHARED = (
+    *("result", "strengths", "n_strengths", "keeps_density"),
+    *("surface", "control", "refined_fingerprint"),
+)
+"""Properties of the record that all objects with one mesh have in common."""
 
 
 class Display:
@@ -65,8 +67,44 @@ class Display:
 
     @property
     def place(self) -> float:
-        """Strength, or index of the step, that is shown."""
+        """Knot of the path that is shown, or a number between two: a strength or a step."""
         return 0.0
+
+    @property
+    def unit(self) -> float:
+        """Place on the path where the slider is 1."""
+        return 1.0
+
+    def so_far(
+        self, start: SingleArray, parts: list[float]
+    ) -> tuple[SingleArray, list[SingleArray]]:
+        """Original and offsets to which a further run of `denoise` adds its own offsets.
+
+        Parameters
+        ----------
+        start
+            (n, 3) positions that are shown.
+        parts
+            Fractions of the strength that is shown.
+
+        Returns
+        -------
+        array, list of array
+            (n, 3) original, and for each fraction the offset (n, 3) from it.
+        """
+        original = self.original()
+        move = start - original
+        return original, [np.float32(min(part, 1.0)) * move for part in parts]
+
+    def continued(
+        self, earlier: Display, path: StoredPath, place: float, weights: NDArray | None
+    ) -> StoredPath:
+        """Let the path of a run go on from an earlier result, see `results.store`."""
+        return path
+
+    def write(self, path: StoredPath, place: float) -> None:
+        """Store a path on an object without a result, and show it at one of its knots."""
+        write_positions(self.obj.data, path.original + path.offset_at(path.knots.index(place)))
 
     def show(self, place: float) -> None:
         """Show the path at a place, with the present weights and split."""
@@ -92,7 +130,7 @@ class Display:
             remove_paint_group(self.obj)
         self.obj.adaptive_fairing.result = ""
         self.obj.data.property_unset("adaptive_fairing")
-        remove_path(self.obj.data)
+        remove_attributes(self.obj.data, stored_names(self.obj.data))
 
     def clear(self) -> None:
         """Remove the result; the coordinates stay, or the Basis."""
@@ -108,44 +146,24 @@ class Display:
         modifier.remove(other)
         other.data = self.obj.data
         other.active_shape_key_index = self.obj.active_shape_key_index
-        for name in ("result", "strengths", "n_strengths", "keeps_density", *OF_SURFACE):
+        for name in SHARED:
             setattr(other.adaptive_fairing, name, getattr(self.obj.adaptive_fairing, name))
 
-    def add_split(self, original: SingleArray) -> None:
-        """Show these positions (n, 3) behind the plane of the record."""
-        record = self.obj.adaptive_fairing
-        split.add(self.obj, original, is_behind(original, record))
+    def compare(self) -> None:
+        """Show the original where the record says so, and the result elsewhere."""
+        record, behind = self.obj.adaptive_fairing, self._behind
+        modifier.remove_split(self.obj)
+        if behind is not None and (record.is_before or record.is_split):
+            modifier.add_split(self.obj, behind, is_behind(behind, record))
+
+    @property
+    def _behind(self) -> SingleArray | None:
+        """Positions (n, 3) that a comparison shows in place of the result."""
+        return self.original()
 
     def paint_group(self) -> bpy.types.VertexGroup:
         """Return the vertex group that scales the result, and make it take effect."""
         return made_paint_group(self.obj)
-
-
-class ResultDisplay(Display, ABC):
-    """Display of a result, which stores it and lets another run continue from it."""
-
-    @abstractmethod
-    def write(self, path: StoredPath, place: float) -> None:
-        """Store a path on an object without a result, and show it at a place."""
-
-    @abstractmethod
-    def so_far(
-        self, start: SingleArray, parts: list[float]
-    ) -> tuple[SingleArray, list[SingleArray]]:
-        """Original and offsets to which a further run of `denoise` adds its own offsets.
-
-        Parameters
-        ----------
-        start
-            (n, 3) positions that are shown.
-        parts
-            Fractions of the strength that is shown.
-
-        Returns
-        -------
-        array, list of array
-            (n, 3) original, and for each fraction the offset (n, 3) from it.
-        """
 
 
 def is_behind(original: SingleArray, record: bpy.types.PropertyGroup) -> NDArray[np.bool_]:

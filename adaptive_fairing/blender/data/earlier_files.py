@@ -13,16 +13,12 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from .display import display_of, new_display
-from .field_attributes import DENSITY
-from .key_display import KeysDisplay
+from .coloring import DENSITY
+from .display import KeysDisplay, LiveDisplay
 from .mesh_arrays import checksum, is_shared, read_key, read_mesh_coordinates
-from .record_functions import is_of_strengths
+from .results import MEASURES, is_of_strengths
 from .shape_keys import animated_frames, has_step_keys, remove_fairing_keys, shown_step
 from .stored_path import StoredPath
-
-MEASURES = ("strength", "curvature_energy", "area", "volume", "displacement")
-"""Properties that `FairingRecord.steps` and `FairingRecord.shapes` both have."""
 
 _STARTS = ("fairing_original", "fairing_offset_", "fairing_split")
 
@@ -72,7 +68,7 @@ def take_keys(obj: bpy.types.Object) -> None:
     record, keys = obj.adaptive_fairing, obj.data.shape_keys
     for step in record.steps:
         shape = record.shapes.add()
-        for name in MEASURES:
+        for name in ("strength", *MEASURES):
             setattr(shape, name, getattr(step, name))
     record.shown = record.chosen or len(record.steps) - 1  # the first files have no number
     record.keeps_density = DENSITY in obj.data.attributes
@@ -83,7 +79,7 @@ def take_keys(obj: bpy.types.Object) -> None:
         start, *shapes = (read_key(block) for block in keys.key_blocks)
         remove_fairing_keys(obj)
         path = StoredPath.through(start, strengths[1:], shapes)
-        new_display(obj, "LIVE").write(path, place)
+        LiveDisplay(obj).write(path, place)
     else:
         record.result = KeysDisplay.name
-        display_of(obj).note_written()
+        KeysDisplay(obj).note_written()

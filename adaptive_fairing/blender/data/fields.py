@@ -15,10 +15,11 @@ from ...core.mesh.solver_mesh import SolverFrame, solvable_surface
 from ...core.runtime.arrays import FloatArray
 from ...core.surface.refined_net import RefinedNet
 from .color_map import CURVATURE_FIELDS
-from .control_mesh import LEVELS, control_read, is_refined
 from .display import display_of
+from .display_base import Display
 from .mesh_arrays import read_positions, read_triangles
 from .refined_object import control_surface
+from .shown_surface import LEVELS, control_read, is_refined
 
 
 class Field(NamedTuple):
@@ -34,23 +35,7 @@ POWERS = {"DISPLACEMENT": 1, "REMOVED": 1, "CURVATURE": -1, "GAUSSIAN": -2}
 
 
 def measure_field(obj: bpy.types.Object, field: str, settings: FairingSettings) -> Field:
-    """Compute a field on the shape that an object shows, and its unit.
-
-    Parameters, errors: as in `field_values`.
-    """
-    if field != "DENSITY":
-        return Field(field_values(obj, field, settings), 1.0, POWERS[field])
-    values, scale = _density_and_scale(*_surface_shown(obj), settings)
-    power = 1 if settings.density == "edge_length" else 2
-    return Field(values, scale**-power, power)
-
-
-def field_values(
-    obj: bpy.types.Object,
-    field: str,
-    settings: FairingSettings,
-) -> FloatArray:
-    """Compute a field on the shape that an object shows, modifiers aside.
+    """Compute a field on the shape that an object shows, modifiers aside, and its unit.
 
     Parameters
     ----------
@@ -63,7 +48,7 @@ def field_values(
 
     Returns
     -------
-    (n,) array
+    Field
         Density d_i in the solver's frame; displacement from the original shape, in object units;
         removed noise, which is the displacement along the normal, positive where a bump was
         removed; mean curvature of the limit surface in 1 / object units, positive where it bulges
@@ -75,34 +60,33 @@ def field_values(
         The mesh has no faces, which all fields but the displacement need; or the original shape is
         not known, which displacement and removed noise need.
     """
-    if field == "DISPLACEMENT":
-        return np.linalg.norm(display_of(obj).shown() - _positions_before(obj), axis=1)
-    shown, triangles = _surface_shown(obj)
-    if field == "DENSITY":
-        return shown_density(shown, triangles, settings)
+    display, triangles = display_of(obj), read_triangles(obj.data)
+    if field != "DISPLACEMENT" and not len(triangles):
+        raise InputError("the mesh has no faces: there is no surface to look at")
     if field in CURVATURE_FIELDS:
-        return _curvatures(obj)[CURVATURE_FIELDS.index(field)]
+        values = _curvatures(obj)[CURVATURE_FIELDS.index(field)]
+        return Field(values, 1.0, POWERS[field])
+    shown = display.shown().astype(np.float64)
+    if field == "DENSITY":
+        values, scale = density_and_scale(shown, triangles, settings)
+        power = 1 if settings.density == "edge_length" else 2
+        return Field(values, scale**-power, power)
+    moves = _positions_before(display) - shown
+    if field == "DISPLACEMENT":
+        return Field(np.linalg.norm(moves, axis=1), 1.0, POWERS[field])
     # Normals of the shown surface, because those of the original are as noisy as it is.
     normals = vertex_normals_of(triangles, shown)
-    removed = np.einsum("id,id->i", _positions_before(obj) - shown, normals)
-    return np.where(normals.any(axis=1), removed, np.nan)
+    removed = np.where(normals.any(axis=1), np.einsum("id,id->i", moves, normals), np.nan)
+    return Field(removed, 1.0, POWERS[field])
 
 
-def _surface_shown(obj: bpy.types.Object) -> tuple[FloatArray, NDArray[np.int32]]:
-    """Read the shape that an object shows: positions (n, 3), triangles (m, 3)."""
-    triangles = read_triangles(obj.data)
-    if not len(triangles):
-        raise InputError("the mesh has no faces: there is no surface to look at")
-    return display_of(obj).shown().astype(np.float64), triangles
-
-
-def _positions_before(obj: bpy.types.Object) -> FloatArray:
+def _positions_before(display: Display) -> FloatArray:
     """Read the shape (n, 3) before the runs; that of the mesh if there was no run."""
-    original = display_of(obj).original()
+    original = display.original()
     if original is None:
-        if obj.adaptive_fairing.shapes:
+        if display.obj.adaptive_fairing.shapes:
             raise InputError(rpt_("the shape before the smoothing was not kept"))
-        original = read_positions(obj.data)
+        original = read_positions(display.obj.data)
     return original.astype(np.float64)
 
 
@@ -116,17 +100,13 @@ def _curvatures(obj: bpy.types.Object) -> FloatArray:
     return RefinedNet(cut, levels).joined(values.T).T
 
 
-def shown_density(
-    positions: FloatArray, triangles: NDArray[np.int32], settings: FairingSettings
-) -> FloatArray:
-    """Compute the density d_i, (n,), in the solver's frame; NaN at loose vertices."""
-    return _density_and_scale(positions, triangles, settings)[0]
-
-
-def _density_and_scale(
+def density_and_scale(
     positions: FloatArray, triangles: NDArray[np.int32], settings: FairingSettings
 ) -> tuple[FloatArray, float]:
-    """Compute the density as `shown_density` does, and a unit of that frame in object units."""
+    """Compute the density d_i, (n,), in the solver's frame, and that frame's unit in object units.
+
+    The density is NaN at loose vertices.
+    """
     surface = solvable_surface(positions, triangles)
     frame = SolverFrame.of(positions, surface, settings.normalize)
     topology = surface.topology

@@ -1,8 +1,9 @@
-"""The modifier that shows a stored result: "Adaptive Fairing", made of geometry nodes.
+"""Modifiers of geometry nodes that show a stored result, or the original beside it.
 
-It reads the offsets from attributes of the mesh and adds the one at its strength, so the
-coordinates of the mesh do not change. It works on meshes with shape keys, before Subdivision and
-Armature.
+"Adaptive Fairing" reads the offsets from attributes of the mesh and adds the one at its strength,
+so the coordinates of the mesh do not change. It works on meshes with shape keys, before Subdivision
+and Armature. "Adaptive Fairing Split" moves the vertices on one side of a plane to the original
+positions, which are an attribute as well.
 """
 
 from __future__ import annotations
@@ -10,21 +11,21 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
 from .. import compatibility
+from .mesh_arrays import AttributeArray, remove_attributes, write_attribute
+from .stored_path import offset_name, write_vectors
 
-NAME = "Adaptive Fairing"
+NAME, SPLIT_NAME = "Adaptive Fairing", "Adaptive Fairing Split"
 STRENGTH, GROUP = "Strength", "Vertex Group"
-_KNOTS = "fairing_strengths"
+SIDE, SPLIT_ORIGINAL = ".fairing_split", ".fairing_split_original"
+_KNOTS, _SPLIT = "fairing_strengths", "fairing_split"
 
 
-def find(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
-    """Find the modifier of an object, even if it was renamed."""
-    return find_marked(obj, _KNOTS)
-
-
-def find_marked(obj: bpy.types.Object, mark: str) -> bpy.types.NodesModifier | None:
-    """Find the modifier of an object whose nodes have a custom property."""
+def find(obj: bpy.types.Object, mark: str = _KNOTS) -> bpy.types.NodesModifier | None:
+    """Find the modifier of an object, even if it was renamed, by a custom property of its nodes."""
     for modifier in obj.modifiers:
         if modifier.type == "NODES" and modifier.node_group is not None:
             if mark in modifier.node_group:
@@ -53,14 +54,27 @@ def add(
     return modifier
 
 
-def remove(obj: bpy.types.Object) -> None:
-    """Remove the modifier, and its nodes if nothing else uses them."""
-    remove_marked(obj, _KNOTS)
+def add_split(
+    obj: bpy.types.Object, original: NDArray[np.float32], is_behind: NDArray[np.bool_]
+) -> None:
+    """Show the original positions (n, 3) at some vertices, (n,), of an object in Object Mode."""
+    remove_split(obj)
+    write_attribute(obj.data, AttributeArray(SIDE, "BOOLEAN", "POINT", is_behind))
+    write_vectors(obj.data, SPLIT_ORIGINAL, original)
+    place = 0 if find(obj) is None else 1
+    obj.modifiers.new(SPLIT_NAME, "NODES").node_group = _split_nodes()
+    obj.modifiers.move(len(obj.modifiers) - 1, place)
 
 
-def remove_marked(obj: bpy.types.Object, mark: str) -> None:
-    """Remove the modifier that `find_marked` finds, and unused nodes of that kind."""
-    modifier = find_marked(obj, mark)
+def remove_split(obj: bpy.types.Object) -> None:
+    """Show the whole result."""
+    remove(obj, _SPLIT)
+    remove_attributes(obj.data, (SIDE, SPLIT_ORIGINAL))
+
+
+def remove(obj: bpy.types.Object, mark: str = _KNOTS) -> None:
+    """Remove the modifier that `find` finds, and unused nodes of that kind."""
+    modifier = find(obj, mark)
     if modifier is not None:
         obj.modifiers.remove(modifier)
     for nodes in list(bpy.data.node_groups):
@@ -100,22 +114,38 @@ def _node_group(strengths: Sequence[float]) -> bpy.types.NodeTree:
     for nodes in bpy.data.node_groups:
         if nodes.library is None and list(nodes.get(_KNOTS, ())) == knots:
             return nodes
-    nodes = bpy.data.node_groups.new(NAME, "GeometryNodeTree")
-    nodes[_KNOTS] = knots
-    nodes.is_modifier = True
-    _add_sockets(nodes)
+    nodes = _new_nodes(NAME, _KNOTS, knots)
+    for name, largest in ((STRENGTH, 2.0), (GROUP, 1.0)):
+        socket = nodes.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketFloat")
+        socket.default_value, socket.min_value, socket.max_value = 1.0, 0.0, largest
     _add_nodes(nodes, knots)
     return nodes
 
 
-def _add_sockets(nodes: bpy.types.NodeTree) -> None:
-    add = nodes.interface.new_socket
-    add("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
-    add("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
-    strength = add(STRENGTH, in_out="INPUT", socket_type="NodeSocketFloat")
-    strength.default_value, strength.min_value, strength.max_value = 1.0, 0.0, 2.0
-    group = add(GROUP, in_out="INPUT", socket_type="NodeSocketFloat")
-    group.default_value, group.min_value, group.max_value = 1.0, 0.0, 1.0
+def _new_nodes(name: str, mark: str, value: object) -> bpy.types.NodeTree:
+    """Make nodes of a modifier, with nothing but the sockets for geometry."""
+    nodes = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    nodes[mark], nodes.is_modifier = value, True
+    for in_out in ("OUTPUT", "INPUT"):
+        nodes.interface.new_socket("Geometry", in_out=in_out, socket_type="NodeSocketGeometry")
+    return nodes
+
+
+def _split_nodes() -> bpy.types.NodeTree:
+    nodes = _new_nodes(SPLIT_NAME, _SPLIT, True)
+    entry, leave = nodes.nodes.new("NodeGroupInput"), nodes.nodes.new("NodeGroupOutput")
+    move = nodes.nodes.new("GeometryNodeSetPosition")
+    nodes.links.new(entry.outputs["Geometry"], move.inputs["Geometry"])
+    nodes.links.new(move.outputs["Geometry"], leave.inputs["Geometry"])
+    for name, kind, socket in (
+        (SIDE, "BOOLEAN", "Selection"),
+        (SPLIT_ORIGINAL, "FLOAT_VECTOR", "Position"),
+    ):
+        attribute = nodes.nodes.new("GeometryNodeInputNamedAttribute")
+        attribute.data_type = kind
+        attribute.inputs["Name"].default_value = name
+        nodes.links.new(attribute.outputs["Attribute"], move.inputs[socket])
+    return nodes
 
 
 def _add_nodes(nodes: bpy.types.NodeTree, knots: Sequence[float]) -> None:
@@ -132,7 +162,7 @@ def _add_nodes(nodes: bpy.types.NodeTree, knots: Sequence[float]) -> None:
     for index, high in enumerate(knots, start=1):
         attribute = add("GeometryNodeInputNamedAttribute", index, 3)
         attribute.data_type = "FLOAT_VECTOR"
-        attribute.inputs["Name"].default_value = f".fairing_offset_{index}"
+        attribute.inputs["Name"].default_value = offset_name(index)
         if high == 0:
             offset = attribute.outputs["Attribute"]
             continue

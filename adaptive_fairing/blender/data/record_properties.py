@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import bpy
 from bpy.props import (
     BoolProperty,
@@ -13,11 +15,9 @@ from bpy.props import (
     StringProperty,
 )
 
-from .display import display_of
-from .offset_display import N_STRENGTHS
-from .record_functions import show_at
+from .display import N_STRENGTHS, display_of
+from .results import show_at
 from .sculpt_undo import keep_slide
-from .shape_keys import last_step
 
 LARGEST_STRENGTH = 200.0
 N_SWATCHES = 5
@@ -65,29 +65,20 @@ class FairingSlotBefore(bpy.types.PropertyGroup):
     material: PointerProperty(type=bpy.types.Material, description="Of the slot of the object")
 
 
-def _evolution(record: FairingRecord) -> float:
-    display = display_of(record.id_data)
-    if display.slider != "evolution" or not display.is_whole:
-        return 0.0
-    return display.place / last_step(record.id_data.data.shape_keys)
+def _slider(name: str) -> dict[str, Callable]:
+    """Getter and setter of the slider through a result: its place on the path, in units."""
 
+    def place(record: FairingRecord) -> float:
+        display = display_of(record.id_data)
+        return display.place / display.unit if display.slider == name else 0.0
 
-def _set_evolution(record: FairingRecord, value: float) -> None:
-    display = display_of(record.id_data)
-    if display.slider == "evolution" and display.is_whole:
-        keep_slide(record.id_data)
-        show_at(record, value * last_step(record.id_data.data.shape_keys))
+    def show(record: FairingRecord, value: float) -> None:
+        display = display_of(record.id_data)
+        if display.slider == name:
+            keep_slide(record.id_data)
+            show_at(record.id_data, value * display.unit)
 
-
-def _strength(record: FairingRecord) -> float:
-    display = display_of(record.id_data)
-    return display.place if display.slider == "strength" else 0.0
-
-
-def _set_strength(record: FairingRecord, value: float) -> None:
-    if display_of(record.id_data).slider == "strength":
-        keep_slide(record.id_data)
-        show_at(record, value)
+    return {"get": place, "set": show}
 
 
 class FairingShown(bpy.types.PropertyGroup):
@@ -141,8 +132,7 @@ class FairingRecord(bpy.types.PropertyGroup):
         max=LARGEST_STRENGTH,
         step=5,
         precision=2,
-        get=_strength,
-        set=_set_strength,
+        **_slider("strength"),
     )
     shapes: CollectionProperty(type=FairingShapeMeasures)
     tau: FloatProperty()
@@ -176,9 +166,8 @@ class FairingRecord(bpy.types.PropertyGroup):
         min=0.0,
         max=1.0,
         precision=3,
-        get=_evolution,
-        set=_set_evolution,
         options=set(),
+        **_slider("evolution"),
     )
 
 

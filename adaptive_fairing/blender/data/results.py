@@ -1,104 +1,140 @@
-"""Results on an object, from storing to removing them; `display` shows them."""
+"""Results on objects: stored, shown at a place of their path, compared, measured, and ended.
+
+A `display` holds the result. The record of an object, with its sliders, is in `record_properties`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from types import SimpleNamespace
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
-from numpy.typing import NDArray
 
-from ...core import InputError
-from ...core.runtime.arrays import SingleArray
-from .coloring import end_view
+from .coloring import COMPARED_FIELDS, color_by_field, end_view, remove_density
 from .display import display_of, new_display
-from .field_attributes import remove_density
 from .mesh_arrays import write_positions
-from .record_functions import forget as forget_record
-from .rollback import remove_mesh
-from .shape_keys import animate_evolution, animated_frames, write_final_shape
-from .stored_path import ORIGINAL, StoredPath, write_vectors
+from .object_mode import object_mode
+from .shape_keys import animate_evolution, animated_frames
+from .stored_path import StoredPath
+from .targets import remove_mesh
+
+if TYPE_CHECKING:  # enabling the add-on does not load the core
+    from numpy.typing import NDArray
 
 
-def store_strengths(
+MEASURES = ("curvature_energy", "area", "volume", "displacement")
+"""Measures of a shape in the record."""
+
+
+def store(
     obj: bpy.types.Object,
-    start: SingleArray,
-    shapes: list[SingleArray],
-    strengths: list[float],
-    strength: float,
+    path: StoredPath,
+    place: float,
     way: str,
     *,
     weights: NDArray[np.floating] | None = None,
     from_original: bool = False,
 ) -> None:
-    """Store the result of `denoise` and show it.
+    """Store the path of a run and show it.
 
-    A second run continues the first: strength 0 stays the first original, and the first run's
-    offset at each strength is added. Where vertices were moved by hand in between, strength 0 is
-    that shape. A run on a region has a strength of its own: outside of the region the shape shown
-    now stays, at strength 0 too.
+    A second run continues the first: 0 stays the first original. A run of `denoise` adds the first
+    run's offset at each strength. Where vertices were moved by hand in between, strength 0 is that
+    shape. A run on a region has a strength of its own: outside of the region the shape shown now
+    stays, at strength 0 too.
 
     Parameters
     ----------
     obj
         Object that may be written, see `writable_object`.
-    start
-        (n, 3) positions that the run started from.
-    shapes, strengths
-        (n, 3) positions at each strength.
-    strength
-        Strength to show.
+    path
+        From the positions that the run started from.
+    place
+        Knot of the path to show.
     way
-        "LIVE" or "MODIFIER".
+        How to show it: an identifier of `OutputProperties.result` or `OutputProperties.output`.
     weights
         (n,) of the run, if it was on a region: 0 outside, 1 inside.
     from_original
         Whether the run started from the original, so that earlier ones do not count.
     """
-    earlier = display_of(obj)
-    path = StoredPath.through(start, strengths, shapes)
-    if earlier.is_whole and not from_original:
-        parts = [1.0, *(each / strength for each in strengths)]
-        original, (kept, *moves) = earlier.so_far(start, parts)
-        if weights is not None:
-            inside = np.float32(weights)[:, None]
-            moves = [kept + inside * (each - kept) for each in (np.zeros_like(kept), *moves)]
-            strengths, shapes = [0.0, *strengths], [start, *shapes]
-        path = StoredPath(
-            original, tuple(strengths), lambda index: moves[index] + (shapes[index] - start)
-        )
+    display, frames = new_display(obj, way), animated_frames(obj)
+    if not from_original:
+        path = display.continued(display_of(obj), path, place, weights)
     clear(obj)
-    new_display(obj, way).write(path, strength)
-
-
-def store_steps(
-    obj: bpy.types.Object, start: SingleArray, shapes: list[SingleArray], output: str
-) -> None:
-    """Store the steps of the paper's methods as shape keys, or move the vertices.
-
-    Parameters
-    ----------
-    obj, start, shapes
-        As in `store_strengths`.
-    output
-        Identifier of `OutputProperties.output`.
-    """
-    earlier = display_of(obj)
-    original = earlier.original() if earlier.goes_on else start
-    frames = animated_frames(obj)
-    clear(obj)
-    write_positions(obj.data, start)
-    if output == "FINAL_SHAPE":
-        write_final_shape(obj, shapes[-1])
-        return
-    display = new_display(obj, output)
-    steps = range(1, len(shapes) + 1)
-    display.write(StoredPath.through(start, steps, shapes), steps[-1])
-    if frames is not None and display.slider:
+    display.write(path, place)
+    if frames is not None and display.slider == "evolution":
         animate_evolution(obj, *frames)
-    if not np.array_equal(original, start):
-        write_vectors(obj.data, ORIGINAL, original)
+
+
+def show_at(obj: bpy.types.Object, place: float) -> None:
+    """Show a result at a place of its path, if it is still whole, and update its colours."""
+    with _mesh_writable(obj):
+        if display_of(obj).is_whole:
+            show_before(obj, False)
+            display_of(obj).show(place)
+
+
+def update_shown(obj: bpy.types.Object) -> None:
+    """Show a result with the present weights and split."""
+    display = display_of(obj)
+    if display.is_whole:
+        display.show(display.place)
+
+
+def show_before(obj: bpy.types.Object, is_before: bool) -> None:
+    """Show the original, or the result again, whatever the slider says."""
+    record = obj.adaptive_fairing
+    if record.is_before != is_before:
+        record.is_before = is_before
+        with _mesh_writable(obj):
+            display_of(obj).compare()
+
+
+def show_split(obj: bpy.types.Object, normal: Sequence[float], point: Sequence[float]) -> None:
+    """Show the original behind a plane, given in object space; in Object Mode."""
+    record = obj.adaptive_fairing
+    record.is_split, record.split_normal, record.split_point = True, normal, point
+    display_of(obj).compare()
+
+
+def end_comparison(obj: bpy.types.Object) -> None:
+    """Show the whole result again; in Object Mode."""
+    record = obj.adaptive_fairing
+    if record.is_before or record.is_split:
+        record.is_before = record.is_split = False
+        display_of(obj).compare()
+
+
+@contextmanager
+def _mesh_writable(obj: bpy.types.Object) -> Iterator[None]:
+    """Leave Edit Mode for the body, and update the colours that depend on the shape after it."""
+    with object_mode(bpy.context) if obj.data.is_editmode else nullcontext():
+        yield
+        view = obj.adaptive_fairing.view
+        # They tell the shape that is shown from the original.
+        if view in COMPARED_FIELDS and display_of(obj).is_whole:
+            color_by_field(obj, view)
+
+
+def is_of_strengths(record: bpy.types.PropertyGroup) -> bool:
+    """Whether the run was `denoise`, whose shapes are strengths; those of `fair` are steps."""
+    return any(shape.strength > 0 for shape in record.shapes)
+
+
+def result_measures(record: bpy.types.PropertyGroup) -> SimpleNamespace:
+    """Interpolate the measures at the slider's place; without a slider take those of the result."""
+    shapes, display = record.shapes, display_of(record.id_data)
+    place, numbers = display.place, range(len(shapes))
+    if not display.is_whole or not display.slider:
+        place = record.shown
+    elif display.slider == "strength":
+        place = np.interp(place, [each.strength for each in shapes], numbers)
+    values = {name: [getattr(each, name) for each in shapes] for name in MEASURES}
+    return SimpleNamespace(**{name: np.interp(place, numbers, values[name]) for name in MEASURES})
 
 
 def apply(obj: bpy.types.Object) -> None:
@@ -109,8 +145,7 @@ def apply(obj: bpy.types.Object) -> None:
     InputError
         There is no result, or part of it is lost.
     """
-    if not display_of(obj).is_whole:
-        raise InputError(rpt_("there is no result on this object"))
+    _require(display_of(obj).is_whole)
     display_of(obj).apply()
     clear(obj)
 
@@ -123,38 +158,18 @@ def discard(obj: bpy.types.Object) -> None:
     InputError
         There is no result.
     """
-    original = _original(obj)
+    original = display_of(obj).original()
+    _require(original is not None)
     clear(obj)
     if obj.data.shape_keys is None:
         write_positions(obj.data, original)
 
 
-def show_split(obj: bpy.types.Object, normal: Sequence[float], point: Sequence[float]) -> None:
-    """Show the original behind a plane, given in object space.
+def _require(has_result: bool) -> None:
+    if not has_result:
+        from ...core import InputError
 
-    Raises
-    ------
-    InputError
-        There is no result.
-    """
-    original, record = _original(obj), obj.adaptive_fairing
-    record.is_split, record.split_normal, record.split_point = True, normal, point
-    display_of(obj).add_split(original)
-
-
-def _original(obj: bpy.types.Object) -> SingleArray:
-    original = display_of(obj).original()
-    if original is None:
         raise InputError(rpt_("there is no result on this object"))
-    return original
-
-
-def drop_control(obj: bpy.types.Object) -> None:
-    """Forget the control mesh of a refined one."""
-    record = obj.adaptive_fairing
-    control, record.control = record.control, None
-    if control is not None:
-        remove_mesh(control)
 
 
 def clear(obj: bpy.types.Object) -> None:
@@ -169,11 +184,17 @@ def clear(obj: bpy.types.Object) -> None:
 def forget(obj: bpy.types.Object) -> None:
     """Remove what runs have left, except shape keys; the coordinates stay. See `clear`."""
     for each in bpy.data.objects:
-        if each.data == obj.data and each.is_editable:
-            if each.adaptive_fairing.view:  # else it may be paused, see `pause_view`
-                end_view(each)
-            display_of(each).forget()
-            drop_control(each)
-            if each.adaptive_fairing.keeps_density:
-                remove_density(each.data)
-            forget_record(each.adaptive_fairing)
+        if each.data != obj.data or not each.is_editable:
+            continue
+        record = each.adaptive_fairing
+        if record.view:  # else it may be paused, see `pause_view`
+            end_view(each)
+        display_of(each).forget()
+        control, record.control = record.control, None
+        if control is not None:
+            remove_mesh(control)
+        if record.keeps_density:
+            remove_density(each.data)
+        record.notes, record.keeps_density = "", False
+        record.shapes.clear()
+        record.steps.clear()

@@ -12,7 +12,7 @@ import zlib
 
 import bpy
 
-from .attribute_arrays import read_values
+from .mesh_arrays import read_values
 from .shape_keys import keys_checksum
 
 _SCULPTED = ("position", ".sculpt_mask", ".sculpt_face_set", ".hide_vert", ".hide_poly")

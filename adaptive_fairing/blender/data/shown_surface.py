@@ -8,26 +8,29 @@ the refined mesh as on the control mesh.
 The first vertices of a refined mesh are the control vertices.  Their weights in vertex groups, the
 values and the animation of keys, and the materials go back to the control mesh.  If anything else
 was changed on the refined mesh, that mesh stays in the file.
+
+Colours of a field are on one mesh only: they must be taken off before the mesh changes.
 """
 
 from __future__ import annotations
 
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import bpy
 
-from ...core import FairingSettings
-from .attribute_arrays import read_attributes
-from .coloring import color_by_field, pause_view
-from .control_mesh import CONTROL, LEVELS, has_control, is_refined, net_fingerprint, take_control
 from .display import display_of
-from .field_attributes import COMPARED_FIELDS
-from .mesh_arrays import is_shared, n_triangles
-from .paint_group import forget_weights
-from .refined_object import RENEWED, RefineOptions, refine_object
-from .rollback import remove_mesh
+from .key_copies import copy_settings
+from .mesh_arrays import is_shared, n_triangles, read_attributes
 from .shape_keys import keys_checksum
 from .stored_path import stored_names
+from .targets import remove_mesh
+from .vertex_groups import forget_weights, read_groups, same_groups, write_groups
+
+CONTROL = "CONTROL"
+LEVELS = {"LIMIT": 0, "REFINED_1": 1, "REFINED_2": 2, "REFINED_3": 3}
+"""Steps of refinement by surface; with 0 the vertices move to their limit positions."""
 
 LARGEST_EXACT = 500_000
 """Largest number of triangles of a refined mesh with exact normals.
@@ -40,7 +43,7 @@ OWN_PREFIXES = (".", "fairing_")
 
 
 def show_surface(obj: bpy.types.Object, surface: str) -> tuple[tuple[str, ...], str | None]:
-    """Show the result of an object on a surface, and update the colours of a view.
+    """Show the result of an object on a surface.
 
     Parameters
     ----------
@@ -59,10 +62,9 @@ def show_surface(obj: bpy.types.Object, surface: str) -> tuple[tuple[str, ...], 
     FairingError
         As `refine_result`.
     """
-    view = pause_view(obj)
     kept = show_control(obj)
     obj.adaptive_fairing.surface = surface
-    return show_result(obj, view), kept
+    return refine_result(obj), kept
 
 
 def show_control(obj: bpy.types.Object) -> str | None:
@@ -75,10 +77,9 @@ def show_control(obj: bpy.types.Object) -> str | None:
     """
     if not has_control(obj):
         return None
-    pause_view(obj)
     refined, record = obj.data, obj.adaptive_fairing
-    is_changed = not is_refined(obj) or _fingerprint(obj.data) != record.refined_fingerprint
-    take_control(obj)
+    is_changed = not is_refined(obj) or _fingerprint(refined) != record.refined_fingerprint
+    _take_control(obj)
     record.control = None
     name = refined.name
     if is_changed:
@@ -89,35 +90,19 @@ def show_control(obj: bpy.types.Object) -> str | None:
     return refined.name if is_changed else None
 
 
-def rest_on_control(obj: bpy.types.Object) -> tuple[str, str | None]:
-    """Bring the control mesh of a result back, without colours, so that it can be written.
+def rest_on_control(obj: bpy.types.Object) -> str | None:
+    """Bring the control mesh back for another result, unless the refined one was changed.
 
-    Returns
-    -------
-    str, str or None
-        As `pause_view` and `show_control` return.
+    Returns as `show_control`.
     """
-    view, kept = pause_view(obj), None
     if is_refined(obj):
-        kept = show_control(obj)
-    else:  # it may have been until somebody changed the refined mesh
-        obj.adaptive_fairing.surface = CONTROL
-    return view, kept
+        return show_control(obj)
+    obj.adaptive_fairing.surface = CONTROL
+    return None
 
 
-def show_result(
-    obj: bpy.types.Object, view: str, settings: FairingSettings | None = None
-) -> tuple[str, ...]:
+def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
     """Show the result of an object, which is on its control mesh, on the surface of its record.
-
-    Parameters
-    ----------
-    obj
-    view
-        Field to colour it by, as `pause_view` returns it. If the shape before the runs is not known
-        there are no colours that compare with it.
-    settings
-        As in `color_by_field`, by default those of the core.
 
     Returns
     -------
@@ -129,22 +114,15 @@ def show_result(
     FairingError
         The refined mesh does not fit into memory; then the control mesh stays.
     """
-    notes = _refine(obj)
-    if view and not (view in COMPARED_FIELDS and display_of(obj).original() is None):
-        color_by_field(obj, view, settings or FairingSettings())
-    return notes
+    from .refined_object import RefineOptions, refine_object
 
-
-def _refine(obj: bpy.types.Object) -> tuple[str, ...]:
-    record = obj.adaptive_fairing
-    if record.surface not in LEVELS or not display_of(obj).is_whole:
+    record, display = obj.adaptive_fairing, display_of(obj)
+    if record.surface not in LEVELS or not display.is_whole:
         record.surface = CONTROL
         return ()
     if is_shared(obj.data):
         obj.data = obj.data.copy()
-    control = obj.data
-    display = display_of(obj)
-    place, has_strokes = display.place, display.has_strokes
+    control, place, has_strokes = obj.data, display.place, display.has_strokes
     levels = LEVELS[record.surface]
     is_exact = n_triangles(control) * 4**levels <= LARGEST_EXACT
     obj.data = control.copy()
@@ -167,8 +145,66 @@ def _refine(obj: bpy.types.Object) -> tuple[str, ...]:
     return notes
 
 
+def has_control(obj: bpy.types.Object) -> bool:
+    """Whether an object shows its result on a mesh other than the control mesh."""
+    return obj.adaptive_fairing.control not in (None, obj.data)
+
+
+def is_refined(obj: bpy.types.Object) -> bool:
+    """Whether an object shows its result on a refined mesh that nobody has changed."""
+    display = display_of(obj)
+    return has_control(obj) and display.is_whole and not display.has_strokes
+
+
+@contextmanager
+def control_read(obj: bpy.types.Object) -> Iterator[None]:
+    """Give an object its control mesh, with the shape shown now, while the body reads it."""
+    record = obj.adaptive_fairing
+    if not is_refined(obj):
+        yield
+        return
+    refined = obj.data
+    _take_control(obj)
+    try:
+        yield
+    finally:
+        record.control, obj.data = obj.data, refined
+        forget_weights()
+
+
+def _take_control(obj: bpy.types.Object) -> None:
+    """Replace the refined mesh of an object by its control mesh; neither is changed."""
+    refined, record, display = obj.data, obj.adaptive_fairing, display_of(obj)
+    place = display.place if display.is_whole else None
+    groups = read_groups(obj)
+    if is_shared(record.control):  # a copy of the object has the same one
+        record.control = record.control.copy()
+    obj.data = control = record.control
+    n = len(control.vertices)
+    groups = [group.with_weights(lambda values: values[:n]) for group in groups]
+    has_same_net = record.refined_fingerprint.startswith(net_fingerprint(refined))
+    if has_same_net and not same_groups(groups, read_groups(obj)):
+        write_groups(obj, groups)
+    if list(control.materials) != list(refined.materials):
+        control.materials.clear()
+        for material in refined.materials:
+            control.materials.append(material)
+    if control.shape_keys is not None and refined.shape_keys is not None:
+        copy_settings(refined.shape_keys, control.shape_keys)
+    forget_weights()
+    if place is not None:
+        display_of(obj).show(place)
+
+
+def net_fingerprint(mesh: bpy.types.Mesh) -> str:
+    """Numbers of vertices and polygons; `FairingRecord.refined_fingerprint` begins with them."""
+    return f"{len(mesh.vertices)}-{len(mesh.polygons)}-"
+
+
 def _fingerprint(mesh: bpy.types.Mesh) -> str:
     """Fingerprint of a refined mesh, without the data that goes back to the control mesh."""
+    from .refined_object import RENEWED
+
     crc = 0
     for array in read_attributes(mesh, RENEWED):
         if not array.name.startswith(OWN_PREFIXES):

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import bpy
 import numpy as np
 
-from .attribute_arrays import read_values, remove_attributes
+from .mesh_arrays import AttributeArray, read_values, write_attribute
 
 if TYPE_CHECKING:  # enabling the add-on does not load the core
     from numpy.typing import NDArray
@@ -39,7 +39,7 @@ class StoredPath:
         (n, 3) positions at 0.
     knots
         (k,) ascending, above 0. The first may be 0: there the path jumps from the original to the
-        shape that earlier runs gave other regions.
+        shape that earlier runs gave.
     offset_at
         Returns the offset (n, 3) from the original at a knot, by its index from 0.
     """
@@ -49,10 +49,15 @@ class StoredPath:
     offset_at: Callable[[int], NDArray[np.floating]]
 
     @classmethod
-    def through(cls, original: SingleArray, knots: Sequence[float], shapes: list) -> StoredPath:
+    def through(cls, original: SingleArray, knots: Sequence[float], shapes: Sequence) -> StoredPath:
         """Make the path through shapes (n, 3), whose offsets are exact."""
         start = original.astype(np.float64)
         return cls(original, tuple(knots), lambda index: shapes[index] - start)
+
+    @property
+    def shapes(self) -> list[NDArray[np.floating]]:
+        """Shape (n, 3) at each knot."""
+        return [self.original + self.offset_at(index) for index in range(len(self.knots))]
 
     def offset(self, place: float) -> NDArray[np.floating]:
         """Interpolate the offset between the knots, constant beyond the last; a new array."""
@@ -77,7 +82,9 @@ def write_path(mesh: bpy.types.Mesh, path: StoredPath, *, with_original: bool = 
 
 def read_path(mesh: bpy.types.Mesh, original: SingleArray, knots: tuple[float, ...]) -> StoredPath:
     """Read the path of a mesh; offsets are read when they are needed."""
-    return StoredPath(original, knots, lambda index: read_vectors(mesh, offset_name(index + 1)))
+    return StoredPath(
+        original, knots, lambda index: read_values(mesh.attributes[offset_name(index + 1)])
+    )
 
 
 def has_offsets(mesh: bpy.types.Mesh, n_knots: int) -> bool:
@@ -92,17 +99,6 @@ def stored_names(mesh: bpy.types.Mesh) -> list[str]:
     return [name for name in mesh.attributes.keys() if name.startswith(starts)]
 
 
-def remove_path(mesh: bpy.types.Mesh) -> None:
-    """Remove the attributes of a path; the coordinates stay."""
-    remove_attributes(mesh, stored_names(mesh))
-
-
-def read_vectors(mesh: bpy.types.Mesh, name: str) -> SingleArray:
-    """Read a vector attribute of the points, (n, 3)."""
-    return read_values(mesh.attributes[name])
-
-
 def write_vectors(mesh: bpy.types.Mesh, name: str, vectors: NDArray[np.floating]) -> None:
-    """Write (n, 3) vectors as a new attribute of the points."""
-    attribute = mesh.attributes.new(name, "FLOAT_VECTOR", "POINT")
-    attribute.data.foreach_set("vector", np.ascontiguousarray(vectors, dtype=np.float32).ravel())
+    """Write (n, 3) vectors as an attribute of the points."""
+    write_attribute(mesh, AttributeArray(name, "FLOAT_VECTOR", "POINT", vectors))

@@ -18,10 +18,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...core import FairingSettings, InputError, fair_values
 from ...core.runtime.arrays import FloatArray
-from ..data.attribute_arrays import STORAGE
 from ..data.display import display_of
-from ..data.mesh_arrays import read_triangles
-from ..data.mesh_building import integers
+from ..data.mesh_arrays import STORAGE, integers, read_triangles
 from ..data.vertex_groups import add_weights, group_weights
 
 COLORS = ("FLOAT_COLOR", "BYTE_COLOR")

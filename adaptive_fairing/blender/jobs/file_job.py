@@ -26,13 +26,12 @@ from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ...files.output_words import DENOISED, FAIRED
 from ...files.report import build_report, denoise_record, step_record, write_report
 from ...version import program_version
-from ..data.field_attributes import write_density
-from ..data.mesh_arrays import MeshData, n_triangles, read_mesh, welded
+from ..data.coloring import write_density
+from ..data.mesh_arrays import MeshData, n_triangles, read_mesh, weld, welded
 from ..data.multires import shown_level
 from ..data.refined_object import RefineOptions, refine_object
 from ..data.shape_keys import animate_evolution, write_absolute_keys, write_final_shape
 from ..data.targets import needs_copy, writable_object
-from ..data.weld import weld
 from ..files.import_losses import import_notes
 from ..files.mesh_files import export_mesh, import_mesh, save_blend
 from .frames import object_at_frame

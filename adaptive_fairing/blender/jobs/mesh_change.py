@@ -13,10 +13,10 @@ from ...core import FairingError, FairingSettings
 from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ...files.output_words import FAIRED, REFINED
 from ...files.report import settings_record, write_report
+from ..data.mesh_arrays import weld
 from ..data.refined_object import RefineOptions, refine_object
 from ..data.shape_keys import shown_positions
 from ..data.targets import writable_object
-from ..data.weld import weld
 from ..files.import_losses import import_notes
 from ..files.mesh_files import export_mesh, import_mesh, save_blend
 from .fair_attribute import fair_attribute

@@ -9,8 +9,7 @@ import numpy as np
 from mathutils import Vector
 
 from ...core import DenoiseSettings
-from ..data.color_material import field_material
-from ..data.field_attributes import DENSITY, color_name
+from ..data.coloring import DENSITY, color_name, field_material
 from ..data.mesh_arrays import write_positions
 from .solve import Solve
 

@@ -132,6 +132,13 @@ class Solve:
         return [step.positions for step in self.steps]
 
     @property
+    def knots(self) -> tuple[float, ...]:
+        """Strength, or number of the step, of every shape."""
+        if self.denoised is not None:
+            return tuple(self.denoised.strengths.tolist())
+        return tuple(range(1, len(self.steps) + 1))
+
+    @property
     def shown(self) -> int:
         """Index of the shape that is the result: the last step, or the strength asked for."""
         return len(self.steps) - 1 if self.denoised is None else self.denoised.chosen

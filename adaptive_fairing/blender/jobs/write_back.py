@@ -1,4 +1,4 @@
-"""Storage of a solve in Blender's data: shape keys, attributes, the record."""
+"""What a solve reads from Blender's data, and what it stores there: result, record, density."""
 
 from __future__ import annotations
 
@@ -9,12 +9,29 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ...core import FairingError, FairingSettings
 from ...files.output_words import DENOISED, FAIRED
 from ..data import results
-from ..data.control_mesh import control_read
-from ..data.display import display_of
-from ..data.field_attributes import write_density
-from ..data.fields import shown_density
-from ..data.rollback import remove_mesh, written_or_restored
+from ..data.coloring import write_density
+from ..data.display import display_of, leaves_keys
+from ..data.fields import density_and_scale
+from ..data.mesh_arrays import MeshData, read_triangles
+from ..data.shown_surface import control_read
+from ..data.stored_path import StoredPath
+from ..data.targets import remove_mesh, written_or_restored
 from .solve import Solve
+
+
+def read_start(obj: bpy.types.Object, *, from_original: bool = False) -> MeshData:
+    """Read what a run starts from: the shape shown, or the original one if there is any.
+
+    Of a refined result, read the control mesh.
+    """
+    with control_read(obj):
+        return MeshData(_start(obj, from_original).astype(float), read_triangles(obj.data))
+
+
+def _start(obj: bpy.types.Object, from_original: bool) -> np.ndarray:
+    display = display_of(obj)
+    original = display.original() if from_original else None
+    return display.shown() if original is None else original
 
 
 def store_solve(
@@ -22,7 +39,6 @@ def store_solve(
     source: bpy.types.Object,
     *,
     way: str,
-    output: str,
     store_density: bool,
     from_original: bool = False,
 ) -> bpy.types.Object:
@@ -34,9 +50,8 @@ def store_solve(
         A finished solve.
     source
         Object that was read, on its control mesh.
-    way, output
-        How the object stores a result of `denoise` and of the paper's methods, see
-        `OutputProperties.result` and `.output`.
+    way
+        How the object stores the result, see `properties.way_of`.
     store_density
         Whether to store the density as attributes.
     from_original
@@ -53,10 +68,9 @@ def store_solve(
         The shape of the object was changed after it was read.
     """
     require_unchanged(solve, _start(source, from_original))
-    in_place = solve.is_denoise and way == "MODIFIER"
     word = DENOISED if solve.is_denoise else FAIRED
-    with written_or_restored(source, in_place=in_place, word=word) as obj:
-        write_result(obj, solve, way=way, output=output, from_original=from_original)
+    with written_or_restored(source, in_place=leaves_keys(way), word=word) as obj:
+        write_result(obj, solve, way, from_original=from_original)
         obj.adaptive_fairing.keeps_density = store_density
         if store_density:
             write_density(obj.data, _density(solve))
@@ -64,41 +78,24 @@ def store_solve(
 
 
 def write_result(
-    obj: bpy.types.Object,
-    solve: Solve,
-    *,
-    way: str = "LIVE",
-    output: str = "ABSOLUTE_KEYS",
-    from_original: bool = False,
+    obj: bpy.types.Object, solve: Solve, way: str, *, from_original: bool = False
 ) -> None:
     """Write the shapes and the record of a result to an object that may be changed.
 
     Parameters as in `store_solve`.
     """
-    start = solve.vertices.astype(np.float32)
-    if solve.is_denoise:
-        result = solve.denoised
-        results.store_strengths(
-            obj,
-            start,
-            solve.shapes,
-            result.strengths.tolist(),
-            solve.settings.strength,
-            way,
-            weights=solve.weights,
-            from_original=from_original,
-        )
-    else:
-        results.store_steps(obj, start, solve.shapes, output)
+    path = StoredPath.through(solve.vertices.astype(np.float32), solve.knots, solve.shapes)
+    place, weights = solve.knots[solve.shown], solve.weights
+    results.store(obj, path, place, way, weights=weights, from_original=from_original)
     _write_record(obj, solve)
 
 
 def share_result(solve: Solve, obj: bpy.types.Object, others: list[bpy.types.Object]) -> None:
     """Pass the result of a solve on to other objects that had the same mesh before."""
-    before = others[0].data
+    before, display = others[0].data, display_of(obj)
     meshes = {before, *(each.adaptive_fairing.control for each in others)} - {None}
     for other in others:
-        display_of(obj).share(other)
+        display.share(other)
         _write_record(other, solve)
     if before.users == 0:
         before.name, obj.data.name = f"{before.name} before", before.name
@@ -110,7 +107,7 @@ def _density(solve: Solve) -> np.ndarray:
     """Density (n,) of the last step, or for `denoise` of the result."""
     if solve.steps:
         return solve.steps[-1].density
-    return shown_density(solve.positions, solve.triangles, FairingSettings())
+    return density_and_scale(solve.positions, solve.triangles, FairingSettings())[0]
 
 
 def find_object(solve: Solve) -> bpy.types.Object:
@@ -139,21 +136,6 @@ def require_unchanged(solve: Solve, positions: np.ndarray) -> None:
         raise FairingError(rpt_("the mesh was changed during the run; nothing was written"))
 
 
-def start_positions(obj: bpy.types.Object, *, from_original: bool) -> np.ndarray:
-    """Positions (n, 3) that a run starts from: those shown, or the original ones if there are any.
-
-    For a refined result, the positions of its control mesh.
-    """
-    with control_read(obj):
-        return _start(obj, from_original)
-
-
-def _start(obj: bpy.types.Object, from_original: bool) -> np.ndarray:
-    display = display_of(obj)
-    original = display.original() if from_original else None
-    return display.shown() if original is None else original
-
-
 def object_of(session_uid: int) -> bpy.types.Object | None:
     """Find an object by its number, which it keeps as long as the file is open."""
     return next((obj for obj in bpy.data.objects if obj.session_uid == session_uid), None)
@@ -161,24 +143,18 @@ def object_of(session_uid: int) -> bpy.types.Object | None:
 
 def _write_record(obj: bpy.types.Object, solve: Solve) -> None:
     """Write the measures and the notes of the run to the record of the object."""
-    record = obj.adaptive_fairing
-    result = solve.denoised
-    record.tau = 0.0 if solve.is_denoise else solve.steps[-1].tau
-    record.stop_reason = "" if solve.is_denoise else solve.stop_reason or "stopped"
-    record.seconds = solve.seconds
+    record, result = obj.adaptive_fairing, solve.denoised
+    record.seconds, record.shown = solve.seconds, solve.shown + 1
     record.notes = "\n".join(solve.notes)
-    record.shown = solve.shown + 1
-    record.iterations = (
-        sum(step.solve.iterations for step in solve.steps)
-        if result is None
-        else result.solve.iterations
-    )
-    if result is not None:
-        record.noise = result.noise_level
-        record.noise_length = result.noise_length
-        record.radius = result.radius
-        record.is_sharp = result.is_sharp
-    strengths = [0.0] * len(solve.shapes) if result is None else result.strengths
+    if result is None:
+        record.tau, record.stop_reason = solve.steps[-1].tau, solve.stop_reason or "stopped"
+        record.iterations = sum(step.solve.iterations for step in solve.steps)
+    else:
+        record.tau, record.stop_reason = 0.0, ""
+        record.iterations = result.solve.iterations
+        record.noise, record.noise_length = result.noise_level, result.noise_length
+        record.radius, record.is_sharp = result.radius, result.is_sharp
+    strengths = [0.0] * len(solve.shapes) if result is None else solve.knots
     record.shapes.clear()
     for strength, shape, measures in zip(
         [0.0, *strengths], [solve.vertices, *solve.shapes], solve.measures, strict=True

@@ -41,7 +41,8 @@ class Check(NamedTuple):
     found: Examination
 
 
-_checks: dict[int, Check] = {}  # by the object's session_uid
+checks: dict[int, Check] = {}
+"""Findings by the object's session_uid."""
 
 
 class OBJECT_OT_adaptive_fairing_check(ModalRun, bpy.types.Operator):
@@ -59,30 +60,15 @@ class OBJECT_OT_adaptive_fairing_check(ModalRun, bpy.types.Operator):
         return is_allowed(cls, *reasons)
 
     def prepare(self, context):
-        from ..data.control_mesh import control_read
-        from ..data.mesh_arrays import MeshData, read_triangles
         from ..data.multires import read_level, shown_level
         from ..jobs.examination import ExaminationJob
-        from ..jobs.write_back import start_positions
+        from ..jobs.write_back import read_start
 
-        obj = context.active_object
+        obj, settings = context.active_object, _settings(context.scene)
         is_level = obj.mode != "EDIT" and shown_level(obj) is not None
         with object_mode(context):
-            if is_level:
-                data = read_level(obj)
-            else:
-                with control_read(obj):
-                    start = start_positions(obj, from_original=False).astype(float)
-                    data = MeshData(start, read_triangles(obj.data))
-        return [
-            ExaminationJob(
-                data.vertices,
-                data.triangles,
-                _settings(context.scene),
-                name=obj.name,
-                session_uid=obj.session_uid,
-            )
-        ]
+            data = read_level(obj) if is_level else read_start(obj)
+        return [ExaminationJob(*data, settings, name=obj.name, session_uid=obj.session_uid)]
 
     def conclude(self, context, solves, *, is_stopped):
         from ..jobs.write_back import object_of
@@ -95,7 +81,7 @@ class OBJECT_OT_adaptive_fairing_check(ModalRun, bpy.types.Operator):
             return {"CANCELLED"}
         with object_mode(context):
             shape = checksum(read_mesh_coordinates(obj.data))
-            _checks[job.session_uid] = Check(shape, job.settings, job.found)
+            checks[job.session_uid] = Check(shape, job.settings, job.found)
         if job.found.is_clean:
             text = rpt_("{:s}: looks clean")
         else:
@@ -106,7 +92,7 @@ class OBJECT_OT_adaptive_fairing_check(ModalRun, bpy.types.Operator):
 
 def check_of(obj: bpy.types.Object | None) -> Examination | None:
     """Return the findings on an object, if its shape and the settings are still the same."""
-    check = None if obj is None or obj.type != "MESH" else _checks.get(obj.session_uid)
+    check = None if obj is None or obj.type != "MESH" else checks.get(obj.session_uid)
     if check is None or check.settings != _settings(bpy.context.scene):
         return None
     # In Edit Mode the coordinates cannot be read.
@@ -122,25 +108,4 @@ def _settings(scene: bpy.types.Scene) -> DenoiseSettings:
     return solver_settings(settings) if settings.algorithm == DENOISE else DenoiseSettings()
 
 
-@bpy.app.handlers.persistent
-def _forget_all(*_arguments) -> None:
-    """Forget the objects of the file that is being closed."""
-    _checks.clear()
-
-
-_register_class, _unregister_class = bpy.utils.register_classes_factory(
-    (OBJECT_OT_adaptive_fairing_check,)
-)
-
-
-def register() -> None:
-    """Register the operator, and a handler for loaded files."""
-    _register_class()
-    bpy.app.handlers.load_pre.append(_forget_all)
-
-
-def unregister() -> None:
-    """Unregister both, and forget all findings."""
-    bpy.app.handlers.load_pre.remove(_forget_all)
-    _forget_all()
-    _unregister_class()
+register, unregister = bpy.utils.register_classes_factory((OBJECT_OT_adaptive_fairing_check,))

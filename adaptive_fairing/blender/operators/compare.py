@@ -9,10 +9,14 @@ from bpy.app.translations import pgettext_data as data_
 from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Quaternion, Vector
 
-from ..choices import DENOISE
+from ..choices import DENOISE, EVOLUTION, LIVE
+from ..data.coloring import end_view
+from ..data.key_copies import clear_keys
+from ..data.mesh_arrays import write_positions
 from ..data.object_mode import object_mode
-from ..data.record_functions import end_comparison
 from ..data.regions import refusal
+from ..data.results import clear, end_comparison
+from ..data.shown_surface import control_read
 from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem
 from ..run_properties import SolverProperties
@@ -75,10 +79,8 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
 
         from ...core import FairingSettings
         from ...core.diffusion.smoothing_radius import equivalent_uniform_tau
-        from ..data.control_mesh import control_read
-        from ..data.mesh_arrays import MeshData, read_triangles
         from ..jobs.solve import Solve
-        from ..jobs.write_back import start_positions
+        from ..jobs.write_back import read_start
 
         obj = context.active_object
         settings = in_object_units(solver_settings(self), obj)
@@ -88,21 +90,18 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         if beside.method == "uniform":
             settings = beside = replace(beside, method="adaptive_timestep")
         with object_mode(context):
-            end_comparison(obj.adaptive_fairing)
-            with control_read(obj):
-                start = start_positions(obj, from_original=True).astype(float)
-                data = MeshData(start, read_triangles(obj.data))
-        tau = self.uniform_tau or equivalent_uniform_tau(data.vertices, data.triangles, beside)
+            end_comparison(obj)
+            data = read_start(obj, from_original=True)
+        tau = self.uniform_tau or equivalent_uniform_tau(*data, beside)
         uniform = replace(beside, method="uniform", tau=float(f"{tau:.3g}"))
         return [
-            Solve(data.vertices, data.triangles, each, name=obj.name, session_uid=obj.session_uid)
+            Solve(*data, each, name=obj.name, session_uid=obj.session_uid)
             for each in (uniform, settings)
         ]
 
     def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
-        from ..data.control_mesh import control_read
-        from ..jobs.write_back import find_object, require_unchanged, start_positions
+        from ..jobs.write_back import find_object, read_start, require_unchanged
 
         failed = [solve.error for solve in solves if solve.error is not None]
         unfinished = not all(solve.has_result for solve in solves)
@@ -114,7 +113,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
             bpy.ops.object.mode_set(mode="OBJECT")
         try:
             source = find_object(solves[0])
-            require_unchanged(solves[0], start_positions(source, from_original=True))
+            require_unchanged(solves[0], read_start(source, from_original=True).vertices)
         except FairingError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -192,7 +191,7 @@ def _lay_out(context, source, solves) -> list[bpy.types.Object]:
     for solve in solves:
         place += 1
         copy = add(*_title_and_label(solve), place)
-        write_result(copy, solve)
+        write_result(copy, solve, LIVE if solve.is_denoise else EVOLUTION)
         made.append(copy)
     return made
 
@@ -223,17 +222,12 @@ def _title_and_label(solve) -> tuple[str, str]:
 
 def _plain_copy(source, name, vertices) -> bpy.types.Object:
     """Copy an object and its mesh, without shape keys and parent."""
-    from ..data import results
-    from ..data.coloring import end_view
-    from ..data.key_copies import clear_keys
-    from ..data.mesh_arrays import write_positions
-
     copy = source.copy()
     copy.name = name
     copy.data = source.data.copy()
     copy.data.name = name
     end_view(copy)
-    results.clear(copy)
+    clear(copy)
     clear_keys(copy)
     write_positions(copy.data, vertices)
     copy.parent = None

@@ -8,20 +8,22 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 
 from ..choices import DENOISE, FAIR
-from ..data.brush_region import BrushRegion
-from ..data.display import display_of
+from ..data.coloring import pause_view, resume_view
+from ..data.display import display_of, leaves_keys
 from ..data.mesh_arrays import is_shared
 from ..data.object_mode import object_mode, undoable_object_mode
-from ..data.record_functions import end_comparison
-from ..data.regions import refusal, target_objects, vertex_weights
+from ..data.regions import BrushRegion, refusal, target_objects, vertex_weights
+from ..data.results import end_comparison
+from ..data.shown_surface import refine_result, rest_on_control
+from ..data.targets import needs_copy
 from ..jobs.kept_preparation import preparations
-from ..properties import in_object_units, solver_settings
+from ..properties import in_object_units, solver_settings, way_of
 from ..requirements import scipy_problem
 from ..run_properties import CONTEXT, OutputProperties, SolverProperties
 from .modal_run import ModalRun, progress, stop_run
 from .polls import busy_refusal, is_allowed
 from .questions import Asking, hints
-from .readings import forget, remember
+from .readings import readings, remember
 from .results import discard_result, report_kept
 from .settings_layout import draw_operator
 
@@ -83,8 +85,8 @@ class OBJECT_OT_adaptive_fairing(
         mode = objects[0].mode
         with object_mode(context):
             for obj in objects:
-                forget(obj)
-                end_comparison(obj.adaptive_fairing)
+                readings.pop(obj.session_uid, None)  # because another run begins
+                end_comparison(obj)
             return [self._solve(users, mode, settings) for users in self._by_mesh(objects)]
 
     def conclude(self, context, solves, *, is_stopped):
@@ -135,13 +137,13 @@ class OBJECT_OT_adaptive_fairing(
 
     def _by_mesh(self, objects):
         """Put objects together that use one mesh, which gets one result."""
-        from ..data.targets import needs_copy
-
         users: dict[bpy.types.ID, list[bpy.types.Object]] = {}
         for obj in objects:
-            is_alone = needs_copy(obj, in_place=self._is_in_place())
-            users.setdefault(obj if is_alone else obj.data, []).append(obj)
+            users.setdefault(obj if self._needs_copy(obj) else obj.data, []).append(obj)
         return users.values()
+
+    def _needs_copy(self, obj):
+        return needs_copy(obj, in_place=leaves_keys(way_of(self)))
 
     def _bring_back(self, obj):
         """Show the original where an earlier result is shown: this run changes nothing."""
@@ -150,25 +152,28 @@ class OBJECT_OT_adaptive_fairing(
         discard_result(self, obj)
         return True
 
-    def _is_in_place(self):
-        return self.algorithm == DENOISE and self.result == "MODIFIER"
-
     def _replace(self, solve, source):
         """Replace the result of an object, and of those that share its mesh, and show it."""
-        from ..data.shown_surface import rest_on_control, show_result
-        from ..jobs.write_back import object_of, share_result
+        from ..jobs.write_back import object_of, share_result, store_solve
 
         sharing = [object_of(uid) for uid in solve.sharing]
         others = [each for each in sharing if each is not None and each.data == source.data]
         is_kept = is_shared(source.data, among=1 + len(others))
         self._tell_what_is_dropped(solve, source)
-        obj = source
-        view, refined = rest_on_control(source)
+        obj, view = source, pause_view(source)
+        refined = rest_on_control(source)
         try:
-            obj = self._store(solve, source)
+            obj = store_solve(
+                solve,
+                source,
+                way=way_of(self),
+                store_density=self.store_density or not solve.is_denoise,
+                from_original=self.from_original,
+            )
         finally:
             for each in {source, obj}:
-                show_result(each, view, None if solve.is_denoise else solve.settings)
+                refine_result(each)
+                resume_view(each, view, None if solve.is_denoise else solve.settings)
         if obj == source and others:
             share_result(solve, obj, others)
         if obj == source and is_kept:
@@ -191,112 +196,82 @@ class OBJECT_OT_adaptive_fairing(
                 ).format(solve.name),
             )
 
-    def _store(self, solve, source):
-        """Write a result with the settings of this operator, and return its object."""
-        from ..jobs.write_back import store_solve
-
-        return store_solve(
-            solve,
-            source,
-            way=self.result,
-            output=self.output,
-            store_density=self.store_density or not solve.is_denoise,
-            from_original=self.from_original,
-        )
-
     def _solve(self, users, mode, settings):
         """Make a solve of a mesh for objects that use it."""
-        from ...core import FairingError, InputError
-        from ..data.control_mesh import control_read
-        from ..data.mesh_arrays import read_triangles
+        from ...core import FairingError
         from ..data.multires import shown_level
-        from ..data.targets import needs_copy
         from ..jobs.solve import Solve
-        from ..jobs.write_back import start_positions
+        from ..jobs.write_back import read_start
 
         obj, *others = users
-        if mode == "OBJECT" and shown_level(obj) is not None:
-            return self._solve_of_level(obj, settings)
-        with control_read(obj):
-            start = start_positions(obj, from_original=self.from_original).astype(float)
-            triangles = read_triangles(obj.data)
-        settings = in_object_units(settings, obj)
+        data = read_start(obj, from_original=self.from_original)
         solve = Solve(
-            start,
-            triangles,
-            settings,
-            preparations=preparations,
-            name=obj.name,
-            session_uid=obj.session_uid,
-            sharing=tuple(each.session_uid for each in others),
-        )
-        try:
-            if self.existing_keys == "REFUSE" and needs_copy(obj, in_place=self._is_in_place()):
-                raise InputError(
-                    rpt_(
-                        "has shape keys of its own, or is linked from another file: "
-                        "allow to work on a copy, or make one without them"
-                    )
-                )
-            solve.weights = vertex_weights(
-                obj,
-                mode,
-                len(start),
-                use_region=self.use_region,
-                vertex_group=self.vertex_group,
-                invert=self.invert_vertex_group,
-                hold_sharp=self.hold_sharp,
-                brush=self._brush(),
-            )
-        except FairingError as error:
-            solve.failure = error
-        for other in _finished:
-            if solve.failure is None and solve.has_input_of(other):
-                solve.take_result(other)
-        return solve
-
-    def _brush(self):
-        """Region under the brush; None without a brush."""
-        if self.brush_radius == 0:
-            return None
-        return BrushRegion(tuple(self.brush_centre), self.brush_radius, self.brush_polygon)
-
-    def _solve_of_level(self, obj, settings):
-        """Make a solve for the shown level of a multiresolution sculpture."""
-        from ...core import FairingError, InputError
-        from ..data.mesh_arrays import read_mesh
-        from ..data.multires import read_level
-        from ..jobs.solve import Solve
-
-        failure, data = None, read_mesh(obj.data)
-        try:
-            if self.algorithm != DENOISE:
-                raise InputError(
-                    rpt_(
-                        "has sculpted levels, which cannot hold steps as shape keys: choose "
-                        "Denoise, or apply the multiresolution modifier"
-                    )
-                )
-            if self.vertex_group or self.hold_sharp:
-                raise InputError(
-                    rpt_(
-                        "has sculpted levels, which have no vertex groups or sharp edges: turn "
-                        "these options off, or apply the multiresolution modifier"
-                    )
-                )
-            data = read_level(obj)
-        except FairingError as error:
-            failure = error
-        return Solve(
-            data.vertices,
-            data.triangles,
+            *data,
             in_object_units(settings, obj),
             preparations=preparations,
             name=obj.name,
             session_uid=obj.session_uid,
-            is_of_level=True,
-            failure=failure,
+            sharing=tuple(each.session_uid for each in others),
+            is_of_level=mode == "OBJECT" and shown_level(obj) is not None,
         )
+        try:
+            if solve.is_of_level:
+                self._take_level(solve, obj)
+            else:
+                solve.weights = self._weights(obj, mode, len(data.vertices))
+                for other in _finished:
+                    if solve.has_input_of(other):
+                        solve.take_result(other)
+        except FairingError as error:
+            solve.failure = error
+        return solve
+
+    def _weights(self, obj, mode, n):
+        """Weights of the first vertices of an object, which may be smoothed."""
+        from ...core import InputError
+
+        if self.existing_keys == "REFUSE" and self._needs_copy(obj):
+            raise InputError(
+                rpt_(
+                    "has shape keys of its own, or is linked from another file: "
+                    "allow to work on a copy, or make one without them"
+                )
+            )
+        brush = None
+        if self.brush_radius > 0:
+            brush = BrushRegion(tuple(self.brush_centre), self.brush_radius, self.brush_polygon)
+        return vertex_weights(
+            obj,
+            mode,
+            n,
+            use_region=self.use_region,
+            vertex_group=self.vertex_group,
+            invert=self.invert_vertex_group,
+            hold_sharp=self.hold_sharp,
+            brush=brush,
+        )
+
+    def _take_level(self, solve, obj):
+        """Let a solve start from the shown level of a multiresolution sculpture."""
+        from ...core import InputError
+        from ..data.multires import read_level
+
+        if not solve.is_denoise:
+            raise InputError(
+                rpt_(
+                    "has sculpted levels, which cannot hold steps as shape keys: choose "
+                    "Denoise, or apply the multiresolution modifier"
+                )
+            )
+        if self.vertex_group or self.hold_sharp:
+            raise InputError(
+                rpt_(
+                    "has sculpted levels, which have no vertex groups or sharp edges: turn "
+                    "these options off, or apply the multiresolution modifier"
+                )
+            )
+        level = read_level(obj)
+        solve.vertices, solve.triangles = level.vertices, level.triangles
 
 
 class OBJECT_OT_adaptive_fairing_stop(bpy.types.Operator):

@@ -6,11 +6,11 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..choices import FAIR
-from ..data.field_attributes import own_color
+from ..data.coloring import own_color
 from ..data.object_mode import undoable_object_mode
-from ..data.paint_group import PAINT_GROUP, forget_weights
-from ..data.record_functions import end_comparison, update_shown
 from ..data.regions import refusal, target_objects, vertex_weights
+from ..data.results import end_comparison, update_shown
+from ..data.vertex_groups import PAINT_GROUP, forget_weights
 from ..properties import copy_settings, copy_solver, fairing_settings
 from ..requirements import scipy_problem
 from ..run_properties import OutputProperties, SolverProperties
@@ -93,7 +93,7 @@ class OBJECT_OT_adaptive_fairing_attribute(SolverProperties, OutputProperties, b
             invert=self.invert_vertex_group,
             hold_sharp=self.hold_sharp,
         )
-        end_comparison(obj.adaptive_fairing)
+        end_comparison(obj)
         result = fair_attribute(obj, name, settings, weights=weights)
         if name == PAINT_GROUP:
             forget_weights()

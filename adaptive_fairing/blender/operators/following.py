@@ -7,10 +7,12 @@ import numpy as np
 
 from ..data import earlier_files
 from ..data.display import display_of
-from ..data.paint_group import forget_weights, paint_weights
-from ..data.record_functions import update_shown
+from ..data.results import update_shown
 from ..data.sculpt_undo import forget_states
-from . import viewport
+from ..data.vertex_groups import forget_weights, paint_weights
+from . import mesh_scale, viewport
+from .check import checks
+from .readings import readings
 
 _weights_before: dict[int, np.ndarray] = {}  # of the object being painted, by its session_uid
 
@@ -39,11 +41,18 @@ def follow_weights(obj: bpy.types.Object) -> None:
     update_shown(obj)
 
 
-@bpy.app.handlers.persistent
-def _forget(*_arguments) -> None:
+def _forget() -> None:
     """Forget all caches of meshes, which undo or another file has replaced."""
     forget_weights()
     _weights_before.clear()
+
+
+def _forget_file() -> None:
+    """Forget all that is known of the objects of a file, because it is being closed."""
+    _forget()
+    forget_states()
+    for each in (checks, readings, mesh_scale):
+        each.clear()
 
 
 @bpy.app.handlers.persistent
@@ -56,8 +65,7 @@ def _follow_history(*_arguments) -> None:
 
 @bpy.app.handlers.persistent
 def _leave_file(*_arguments) -> None:
-    _forget()
-    forget_states()
+    _forget_file()
     viewport.put_back()  # the views may stay for the next file
 
 
@@ -86,4 +94,4 @@ def unregister() -> None:
     """End it."""
     for name, handler in _HANDLERS:
         getattr(bpy.app.handlers, name).remove(handler)
-    _forget()
+    _forget_file()

@@ -1,4 +1,4 @@
-"""Scale of τ on the mesh at hand, measured once per mesh for the panel.
+"""Scale of τ on the mesh at hand, measured once per mesh for the panel or by its operator.
 
 The panel is drawn many times a second, so drawing only looks the scale up. A mesh without a known
 scale is measured shortly after, outside of drawing.
@@ -10,10 +10,14 @@ from typing import TYPE_CHECKING
 
 import bpy
 
+from ..data.display import display_of
 from ..data.mesh_arrays import checksum, read_mesh_coordinates
 from ..jobs.kept_preparation import preparations
 from ..properties import FairingSceneSettings as Settings
 from ..properties import fairing_settings
+from ..requirements import scipy_problem
+from .modal_run import redraw_panels
+from .polls import is_allowed, no_active_mesh_refusal
 
 if TYPE_CHECKING:
     from ...core.diffusion.smoothing_radius import RadiusScale
@@ -29,6 +33,27 @@ _known: dict[Key, RadiusScale | str] = {}
 _wanted: list[tuple[Key, str, bpy.types.PropertyGroup]] = []
 
 
+class OBJECT_OT_adaptive_fairing_measure(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_measure"
+    bl_label = "Measure Mesh"
+    bl_description = "Find out what τ and the radius mean on the active mesh"
+    bl_options = {"INTERNAL"}
+
+    @classmethod
+    def poll(cls, context):
+        problem = scipy_problem() or no_active_mesh_refusal(context)
+        if problem is None and context.active_object.mode == "EDIT":
+            problem = "Leave Edit Mode to measure the mesh"
+        return is_allowed(cls, problem)
+
+    def execute(self, context):
+        scale = measure(context.active_object, context.scene.adaptive_fairing)
+        if isinstance(scale, str):
+            self.report({"ERROR"}, scale)
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
 def known_scale(obj: bpy.types.Object, properties: Settings) -> RadiusScale | str | None:
     """Look up the scale of a mesh, or the reason why it has none; None if it is not measured."""
     if obj.mode == "EDIT":  # its coordinates cannot be read
@@ -40,13 +65,9 @@ def measure(obj: bpy.types.Object, properties: Settings) -> RadiusScale | str:
     """Measure the shape that a run would start from; remember the scale, or why there is none."""
     from ...core import FairingError
     from ...core.diffusion.smoothing_radius import radius_scale
-    from ..data.control_mesh import control_read
-    from ..data.mesh_arrays import read_triangles
-    from ..jobs.write_back import start_positions
+    from ..jobs.write_back import read_start
 
-    with control_read(obj):
-        start = start_positions(obj, from_original=properties.from_original)
-        triangles = read_triangles(obj.data)
+    start, triangles = read_start(obj, from_original=properties.from_original)
     known = preparations.known(triangles, len(start))
     surface = None if known is None else known.surface
     try:
@@ -77,8 +98,6 @@ def measure_soon(obj: bpy.types.Object, properties: Settings) -> bool:
 
 def _measure_wanted() -> None:
     """Timer that measures the mesh that the panel asked for, if it still exists."""
-    from .modal_run import redraw_panels
-
     for key, object_name, scene_name in _wanted:
         obj, scene = bpy.data.objects.get(object_name), bpy.data.scenes.get(scene_name)
         if obj is None or scene is None or obj.type != "MESH" or obj.mode == "EDIT":
@@ -91,8 +110,8 @@ def _measure_wanted() -> None:
 
 def _key(obj: bpy.types.Object, properties: Settings) -> Key:
     """Key of everything that the scale depends on, cheap to compare."""
-    mesh, record = obj.data, obj.adaptive_fairing
-    shown = checksum(read_mesh_coordinates(mesh)), record.stored_strength, record.evolution
+    mesh = obj.data
+    shown = checksum(read_mesh_coordinates(mesh)), display_of(obj).place
     faces = len(mesh.edges), len(mesh.polygons)
     density = properties.density, properties.density_passes
     if properties.scheme == "UNIFORM":
@@ -101,21 +120,24 @@ def _key(obj: bpy.types.Object, properties: Settings) -> Key:
     return (obj.session_uid, *shown, *faces, *frame, *density)
 
 
-@bpy.app.handlers.persistent
-def _forget(*_arguments) -> None:
+def clear() -> None:
     """Forget the meshes of the file that is being closed."""
     _known.clear()
     _wanted.clear()
 
 
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(
+    (OBJECT_OT_adaptive_fairing_measure,)
+)
+
+
 def register() -> None:
-    """Register the handler for loaded files."""
-    bpy.app.handlers.load_pre.append(_forget)
+    """Register the operator."""
+    _register_classes()
 
 
 def unregister() -> None:
-    """Unregister the handler, and forget everything."""
-    bpy.app.handlers.load_pre.remove(_forget)
+    """Unregister it, and the timer."""
     if bpy.app.timers.is_registered(_measure_wanted):
         bpy.app.timers.unregister(_measure_wanted)
-    _forget()
+    _unregister_classes()

@@ -1,4 +1,4 @@
-"""Painting the original back: a faint overlay, and a key that swaps the weights 0 and 1.
+"""Painting the original back, with a faint overlay and a key that swaps the weights 0 and 1.
 
 Blender's overlay of weights is opaque and would hide the surface that the user judges.  It is faint
 during painting.  After that the earlier opacity comes back, except in views that were changed.
@@ -10,14 +10,67 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..compatibility import weight_paint_settings
-from ..data.paint_group import PAINT_GROUP
+from ..data.display import display_of
+from ..data.object_mode import undoable_object_mode
+from ..data.regions import SCULPT_MASK, sculpt_mask
+from ..data.results import update_shown
+from ..data.vertex_groups import PAINT_GROUP, add_weights, forget_weights
 from . import viewport
-from .polls import is_allowed
+from .polls import busy_refusal, is_allowed
+from .results import result_refusal
 
 FAINT = 0.25
 """Opacity of the overlay while the user paints back."""
 
 _before: dict[int, float] = {}  # opacity by the address of a view
+
+
+class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_paint"
+    bl_label = "Paint Back"
+    bl_description = (
+        "Change to Weight Paint with the vertex group Fairing: weight 0 brings the original back, "
+        "1 shows the result; once more leaves it. In Sculpt Mode bring the original back where the "
+        "mask is"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        refusal = result_refusal(context)
+        if refusal is None and not display_of(context.active_object).has_weights:
+            refusal = "Shape keys have no weights to paint: use the result Live or Modifier"
+        elif refusal is None and _lacks_mask(context.active_object):
+            refusal = "Mask where the original is to come back"
+        return is_allowed(cls, refusal, busy_refusal())
+
+    def execute(self, context):
+        obj = context.active_object
+        if obj.mode == "SCULPT":
+            return self._take_mask(context, obj)
+        if obj.mode == "WEIGHT_PAINT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+            return {"FINISHED"}
+        if obj.mode != "OBJECT":
+            bpy.ops.object.mode_set(mode="OBJECT")
+        display_of(obj).paint_group()
+        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+        settings = weight_paint_settings(context)
+        settings.use_unified_weight, settings.weight = True, 0.0  # of every brush
+        make_faint()
+        self.report({"INFO"}, rpt_("Paint to bring the original back; X swaps the weights 0 and 1"))
+        return {"FINISHED"}
+
+    def _take_mask(self, context, obj):
+        with undoable_object_mode(context):
+            mask = sculpt_mask(obj.data)
+            if mask is None or not mask.any():
+                self.report({"ERROR"}, rpt_("Mask where the original is to come back"))
+                return {"CANCELLED"}
+            add_weights(display_of(obj).paint_group(), range(len(mask)), 1 - mask)
+            forget_weights()
+            update_shown(obj)
+        return {"FINISHED"}
 
 
 class OBJECT_OT_adaptive_fairing_paint_swap(bpy.types.Operator):
@@ -44,6 +97,11 @@ class OBJECT_OT_adaptive_fairing_paint_swap(bpy.types.Operator):
             else rpt_("Painting brings the original back"),
         )
         return {"FINISHED"}
+
+
+def _lacks_mask(obj: bpy.types.Object) -> bool:
+    """Whether an object in Sculpt Mode has never had a mask."""
+    return obj.mode == "SCULPT" and SCULPT_MASK not in obj.data.attributes
 
 
 def is_painting(context: bpy.types.Context) -> bool:
@@ -83,14 +141,14 @@ def _leave_file(*_arguments) -> None:
     put_back()
 
 
-_register_class, _unregister_class = bpy.utils.register_classes_factory(
-    (OBJECT_OT_adaptive_fairing_paint_swap,)
+_register_classes, _unregister_classes = bpy.utils.register_classes_factory(
+    (OBJECT_OT_adaptive_fairing_paint, OBJECT_OT_adaptive_fairing_paint_swap)
 )
 
 
 def register() -> None:
-    """Register the operator, and a handler for the end of painting."""
-    _register_class()
+    """Register the operators, and a handler for the end of painting."""
+    _register_classes()
     bpy.app.handlers.depsgraph_update_post.append(_follow_mode)
     bpy.app.handlers.load_pre.append(_leave_file)
 
@@ -100,4 +158,4 @@ def unregister() -> None:
     bpy.app.handlers.load_pre.remove(_leave_file)
     bpy.app.handlers.depsgraph_update_post.remove(_follow_mode)
     put_back()
-    _unregister_class()
+    _unregister_classes()

@@ -18,7 +18,8 @@ from ..data.mesh_arrays import checksum, read_mesh_coordinates
 if TYPE_CHECKING:  # the solver needs scipy, which may be missing
     from ..jobs.solve import Solve
 
-_readings: dict[int, Reading] = {}  # by the object's session_uid
+readings: dict[int, Reading] = {}
+"""Notes by the object's session_uid."""
 
 
 class Reading(NamedTuple):
@@ -53,17 +54,12 @@ def remember(obj: bpy.types.Object | None, solve: Solve) -> None:
     if error is not None or others or not solve.is_changed:
         algorithm = DENOISE if solve.is_denoise else FAIR
         shape = "" if obj.adaptive_fairing.result else checksum(read_mesh_coordinates(obj.data))
-        _readings[obj.session_uid] = Reading(algorithm, notes, others, shape)
-
-
-def forget(obj: bpy.types.Object) -> None:
-    """Forget the notes on an object, because another run begins."""
-    _readings.pop(obj.session_uid, None)
+        readings[obj.session_uid] = Reading(algorithm, notes, others, shape)
 
 
 def reading_of(obj: bpy.types.Object | None) -> Reading | None:
     """Return the notes on an object, if they still hold."""
-    reading = None if obj is None else _readings.get(obj.session_uid)
+    reading = None if obj is None else readings.get(obj.session_uid)
     if reading is None or obj.type != "MESH":
         return None
     if bool(obj.adaptive_fairing.result) == bool(reading.shape):
@@ -75,20 +71,3 @@ def reading_of(obj: bpy.types.Object | None) -> Reading | None:
     else:
         holds = display_of(obj).is_whole
     return reading if holds else None
-
-
-@bpy.app.handlers.persistent
-def _forget_all(*_arguments) -> None:
-    """Forget the objects of the file that is being closed."""
-    _readings.clear()
-
-
-def register() -> None:
-    """Register the handler for loaded files."""
-    bpy.app.handlers.load_pre.append(_forget_all)
-
-
-def unregister() -> None:
-    """Unregister the handler, and forget everything."""
-    bpy.app.handlers.load_pre.remove(_forget_all)
-    _forget_all()

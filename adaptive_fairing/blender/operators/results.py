@@ -1,4 +1,4 @@
-"""Operators on results: apply, discard, compare with the original, paint back."""
+"""Operators on results: apply, discard, show on a surface, compare with the original."""
 
 from __future__ import annotations
 
@@ -7,23 +7,16 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
-from ..compatibility import weight_paint_settings
-from ..data.control_mesh import has_control
+from ..data.coloring import end_view, pause_view, resume_view
 from ..data.display import display_of
+from ..data.earlier_files import has_earlier_keys, take_keys
 from ..data.object_mode import undoable_object_mode
-from ..data.paint_group import forget_weights
-from ..data.record_functions import (
-    end_before,
-    end_comparison,
-    show_before,
-    update_shown,
-)
-from ..data.regions import DYNTOPO, SCULPT_MASK, sculpt_mask
+from ..data.regions import DYNTOPO
+from ..data.results import apply, discard, end_comparison, forget, show_before, show_split
 from ..data.sculpt_undo import keep_before
-from ..data.vertex_groups import add_weights
+from ..data.shown_surface import has_control, show_control, show_surface
 from ..requirements import scipy_problem
-from .painting import make_faint
-from .polls import busy_refusal, is_allowed, linked_refusal
+from .polls import busy_refusal, is_allowed, linked_refusal, no_active_mesh_refusal
 from .questions import Asking
 
 SURFACES = (
@@ -82,7 +75,7 @@ class _OnResult:
             for obj in objects:
                 if not obj.adaptive_fairing.result:  # has ended with that of a shared mesh
                     continue
-                end_comparison(obj.adaptive_fairing)
+                end_comparison(obj)
                 try:
                     action(obj)
                 except FairingError as error:
@@ -109,8 +102,6 @@ class OBJECT_OT_adaptive_fairing_apply(_EndOfResult, bpy.types.Operator):
     )
 
     def execute(self, context):
-        from ..data.results import apply
-
         return self.finish(context, apply, result_objects(context))
 
 
@@ -146,8 +137,6 @@ class OBJECT_OT_adaptive_fairing_forget(_EndOfResult, bpy.types.Operator):
         return is_allowed(cls, record_refusal(context), busy_refusal())
 
     def execute(self, context):
-        from ..data.results import forget
-
         return self.finish(context, forget, result_objects(context))
 
 
@@ -172,10 +161,10 @@ class OBJECT_OT_adaptive_fairing_surface(_OnResult, bpy.types.Operator):
         return is_allowed(cls, *problems)
 
     def execute(self, context):
-        from ..data.shown_surface import show_surface
-
         def show(obj):
+            view = pause_view(obj)
             notes, kept = show_surface(obj, self.surface)
+            resume_view(obj, view)
             report_kept(self, kept)
             for note in notes:
                 self.report({"WARNING"}, f"{obj.name}: {note}")
@@ -191,9 +180,7 @@ def surface_name(record: bpy.types.PropertyGroup) -> str:
 
 def discard_result(operator: bpy.types.Operator, obj: bpy.types.Object) -> None:
     """Bring the mesh back to exactly what it was before the runs."""
-    from ..data.results import discard
-    from ..data.shown_surface import show_control
-
+    end_view(obj)
     report_kept(operator, show_control(obj))
     discard(obj)
 
@@ -216,8 +203,8 @@ class OBJECT_OT_adaptive_fairing_before(_OnResult, bpy.types.Operator):
 
     def execute(self, context):
         keep_before(context.active_object)
-        record = context.active_object.adaptive_fairing
-        show_before(record, not record.is_before)
+        obj = context.active_object
+        show_before(obj, not obj.adaptive_fairing.is_before)
         return {"FINISHED"}
 
     def invoke(self, context, event):
@@ -231,11 +218,11 @@ class OBJECT_OT_adaptive_fairing_before(_OnResult, bpy.types.Operator):
     def modal(self, context, event):
         if event.type != self._key or event.value != "RELEASE":
             return {"RUNNING_MODAL"}
-        end_before(context.active_object.adaptive_fairing)
+        show_before(context.active_object, False)
         return {"CANCELLED"}  # all is as it was: that is no step of the history
 
     def cancel(self, context):
-        end_before(context.active_object.adaptive_fairing)
+        show_before(context.active_object, False)
 
 
 class OBJECT_OT_adaptive_fairing_split(_OnResult, bpy.types.Operator):
@@ -247,15 +234,12 @@ class OBJECT_OT_adaptive_fairing_split(_OnResult, bpy.types.Operator):
     )
 
     def execute(self, context):
-        from ..data.results import show_split
-
         obj = context.active_object
-        record = obj.adaptive_fairing
         with undoable_object_mode(context):
-            if record.is_split:
-                end_comparison(record)
+            if obj.adaptive_fairing.is_split:
+                end_comparison(obj)
                 return {"FINISHED"}
-            end_before(record)
+            show_before(obj, False)
             to_right = Vector((1.0, 0.0, 0.0))
             if context.region_data is not None:
                 to_right = context.region_data.view_matrix.to_3x3().inverted() @ to_right
@@ -266,57 +250,28 @@ class OBJECT_OT_adaptive_fairing_split(_OnResult, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
-    bl_idname = "object.adaptive_fairing_paint"
-    bl_label = "Paint Back"
+class OBJECT_OT_adaptive_fairing_take_keys(bpy.types.Operator):
+    bl_idname = "object.adaptive_fairing_take_keys"
+    bl_label = "Make Them a Result"
     bl_description = (
-        "Change to Weight Paint with the vertex group Fairing: weight 0 brings the original back, "
-        "1 shows the result; once more leaves it. In Sculpt Mode bring the original back where the "
-        "mask is"
+        "Give the shape keys of an earlier run a slider, Before, Split, Apply and Discard. "
+        "Strengths are stored without keys, unless they are animated"
     )
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
     def poll(cls, context):
-        refusal = result_refusal(context)
-        if refusal is None and not display_of(context.active_object).has_weights:
-            refusal = "Shape keys have no weights to paint: use the result Live or Modifier"
-        elif refusal is None and _lacks_mask(context.active_object):
-            refusal = "Mask where the original is to come back"
+        refusal, obj = no_active_mesh_refusal(context), context.active_object
+        if refusal is None and not has_earlier_keys(obj):
+            refusal = "The active object has no shape keys of an earlier run"
+        elif refusal is None:
+            refusal = linked_refusal(obj)
         return is_allowed(cls, refusal, busy_refusal())
 
     def execute(self, context):
-        obj = context.active_object
-        if obj.mode == "SCULPT":
-            return self._take_mask(context, obj)
-        if obj.mode == "WEIGHT_PAINT":
-            bpy.ops.object.mode_set(mode="OBJECT")
-            return {"FINISHED"}
-        if obj.mode != "OBJECT":
-            bpy.ops.object.mode_set(mode="OBJECT")
-        display_of(obj).paint_group()
-        bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-        settings = weight_paint_settings(context)
-        settings.use_unified_weight, settings.weight = True, 0.0  # of every brush
-        make_faint()
-        self.report({"INFO"}, rpt_("Paint to bring the original back; X swaps the weights 0 and 1"))
-        return {"FINISHED"}
-
-    def _take_mask(self, context, obj):
         with undoable_object_mode(context):
-            mask = sculpt_mask(obj.data)
-            if mask is None or not mask.any():
-                self.report({"ERROR"}, rpt_("Mask where the original is to come back"))
-                return {"CANCELLED"}
-            add_weights(display_of(obj).paint_group(), range(len(mask)), 1 - mask)
-            forget_weights()
-            update_shown(obj)
+            take_keys(context.active_object)
         return {"FINISHED"}
-
-
-def _lacks_mask(obj: bpy.types.Object) -> bool:
-    """Whether an object in Sculpt Mode has never had a mask."""
-    return obj.mode == "SCULPT" and SCULPT_MASK not in obj.data.attributes
 
 
 _CLASSES = (
@@ -326,6 +281,6 @@ _CLASSES = (
     OBJECT_OT_adaptive_fairing_surface,
     OBJECT_OT_adaptive_fairing_before,
     OBJECT_OT_adaptive_fairing_split,
-    OBJECT_OT_adaptive_fairing_paint,
+    OBJECT_OT_adaptive_fairing_take_keys,
 )
 register, unregister = bpy.utils.register_classes_factory(_CLASSES)

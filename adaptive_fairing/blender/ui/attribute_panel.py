@@ -10,7 +10,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..choices import FAIR
-from ..data.field_attributes import is_of_field, own_color
+from ..data.coloring import is_of_field, own_color
 from ..operators.fair_attribute import draw_attribute_button
 from .layouts import FairingPanel
 

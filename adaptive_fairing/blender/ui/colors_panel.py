@@ -6,12 +6,10 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..data.record_properties import N_SWATCHES, swatch_name
-from ..operators.material import (
-    OBJECT_OT_adaptive_fairing_material,
-    OBJECT_OT_adaptive_fairing_material_end,
-)
 from ..operators.view import (
     FIELDS,
+    OBJECT_OT_adaptive_fairing_material,
+    OBJECT_OT_adaptive_fairing_material_end,
     OBJECT_OT_adaptive_fairing_view,
     OBJECT_OT_adaptive_fairing_view_end,
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from ..data.record_functions import is_of_strengths, result_measures
+from ..data.results import is_of_strengths, result_measures
 from ..data.shape_keys import evolution_keys
 from ..operators.animate import (
     OBJECT_OT_adaptive_fairing_animate,

@@ -9,24 +9,26 @@ from ..choices import DENOISE
 from ..compatibility import weight_paint_settings
 from ..data.display import display_of
 from ..data.earlier_files import has_earlier_keys
-from ..data.record_functions import is_of_strengths, result_measures
+from ..data.results import is_of_strengths, result_measures
 from ..operators.animate import (
     OBJECT_OT_adaptive_fairing_play,
     OBJECT_OT_adaptive_fairing_play_end,
 )
-from ..operators.painting import OBJECT_OT_adaptive_fairing_paint_swap
+from ..operators.painting import (
+    OBJECT_OT_adaptive_fairing_paint,
+    OBJECT_OT_adaptive_fairing_paint_swap,
+)
 from ..operators.results import (
     OBJECT_OT_adaptive_fairing_apply,
     OBJECT_OT_adaptive_fairing_before,
     OBJECT_OT_adaptive_fairing_discard,
     OBJECT_OT_adaptive_fairing_forget,
-    OBJECT_OT_adaptive_fairing_paint,
     OBJECT_OT_adaptive_fairing_split,
     OBJECT_OT_adaptive_fairing_surface,
+    OBJECT_OT_adaptive_fairing_take_keys,
     result_objects,
     surface_name,
 )
-from ..operators.take_keys import OBJECT_OT_adaptive_fairing_take_keys
 from ..properties import copy_settings
 from .colors_panel import draw_field_button
 from .finished_run_panels import active_record, change_text, draw_energies

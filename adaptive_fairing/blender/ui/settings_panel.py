@@ -9,7 +9,7 @@ from ..choices import DENOISE, FAIR
 from ..data.regions import refusal, target_objects
 from ..operators import mesh_scale, modal_run
 from ..operators.fair import OBJECT_OT_adaptive_fairing, run_label
-from ..operators.measure import OBJECT_OT_adaptive_fairing_measure
+from ..operators.mesh_scale import OBJECT_OT_adaptive_fairing_measure
 from ..operators.questions import hints
 from ..operators.readings import reading_of
 from ..operators.settings_layout import (

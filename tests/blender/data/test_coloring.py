@@ -7,7 +7,7 @@ from support.fields import add_denoised, show, state
 from support.meshes import icosphere
 from support.objects import add_object, add_rich_object, colors_by_vertex
 
-from adaptive_fairing.blender.data.field_attributes import FIELD_ATTRIBUTES, color_name
+from adaptive_fairing.blender.data.coloring import FIELD_ATTRIBUTES, color_name
 
 pytestmark = pytest.mark.usefixtures("addon")
 

@@ -3,11 +3,16 @@
 import pytest
 
 from adaptive_fairing.blender.data import modifier
-from adaptive_fairing.blender.data.display import display_of, new_display
+from adaptive_fairing.blender.data.display import (
+    KeysDisplay,
+    LiveDisplay,
+    ModifierDisplay,
+    RelativeKeysDisplay,
+    display_of,
+    new_display,
+)
 from adaptive_fairing.blender.data.display_base import Display
-from adaptive_fairing.blender.data.key_display import KeysDisplay, RelativeKeysDisplay
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
-from adaptive_fairing.blender.data.offset_display import LiveDisplay, ModifierDisplay
 from adaptive_fairing.blender.data.stored_path import StoredPath
 
 pytestmark = pytest.mark.usefixtures("addon")

@@ -10,13 +10,13 @@ from support.objects import add_object, shown_positions
 from adaptive_fairing.blender.data import earlier_files, results, shown_surface
 from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
-from adaptive_fairing.blender.data.record_functions import result_measures
+from adaptive_fairing.blender.data.results import result_measures
 from adaptive_fairing.blender.data.shape_keys import (
     animate_evolution,
     write_absolute_keys,
     write_relative_keys,
 )
-from adaptive_fairing.blender.data.stored_path import stored_names
+from adaptive_fairing.blender.data.stored_path import StoredPath, stored_names
 from adaptive_fairing.blender.ui import settings_panel
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -36,7 +36,7 @@ def make_earlier(obj):
 def test_strength_and_discard_work_as_if_nothing_had_been(surface):
     obj = add_object(*icosphere(1))
     start = read_mesh_coordinates(obj.data)
-    results.store_strengths(obj, start, [0.8 * start], [1.0], 1.0, "LIVE")
+    results.store(obj, StoredPath.through(start, [1.0], [0.8 * start]), 1.0, "LIVE")
     shown_surface.show_surface(obj, surface)
     shown = {}
     for strength in (0.0, 0.4, 0.9):

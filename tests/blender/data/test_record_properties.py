@@ -11,13 +11,14 @@ from adaptive_fairing.blender.data.record_properties import (
     N_SWATCHES,
     swatch_name,
 )
+from adaptive_fairing.blender.data.stored_path import StoredPath
 
 pytestmark = pytest.mark.usefixtures("addon")
 
 
 def store(obj, way):
     start = read_mesh_coordinates(obj.data)
-    results.store_strengths(obj, start, [0.8 * start], [1.0], 1.0, way)
+    results.store(obj, StoredPath.through(start, [1.0], [0.8 * start]), 1.0, way)
     return start
 
 
@@ -40,7 +41,7 @@ def test_the_strength_of_a_lost_result_writes_nothing(obj):
 def test_the_evolution_goes_through_the_steps(obj):
     start = read_mesh_coordinates(obj.data)
     shapes = [0.9 * start, 0.7 * start, 0.6 * start]
-    results.store_steps(obj, start, shapes, "ABSOLUTE_KEYS")
+    results.store(obj, StoredPath.through(start, (1, 2, 3), shapes), 3, "ABSOLUTE_KEYS")
     record = obj.adaptive_fairing
     path = np.stack([start, *shapes])
     for time in (0.0, 1 / 6, 1 / 3, 0.75, 1.0):

@@ -7,13 +7,13 @@ from scipy.spatial import cKDTree
 from support.meshes import icosphere
 from support.objects import add_object, add_rich_object, everything, key_positions
 
-from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
+from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_values
 from adaptive_fairing.blender.data.refined_object import (
     RefineOptions,
     control_surface,
     refine_object,
 )
-from adaptive_fairing.blender.data.stored_path import read_vectors, write_vectors
+from adaptive_fairing.blender.data.stored_path import write_vectors
 from adaptive_fairing.core import FairingError, LimitSurface, TriangleTopology
 
 ROUNDING = 1e-6
@@ -68,7 +68,9 @@ def test_keys_and_differences_of_places_are_refined_as_the_positions_are(obj):
     obj.shape_key_add(name="Smile", from_mix=False).points.foreach_set("co", smile.ravel())
     refine_object(obj, RefineOptions(1), shapes=("offset",))
     np.testing.assert_allclose(key_positions(obj, "Smile"), limit(smile, 1), atol=ROUNDING)
-    np.testing.assert_allclose(read_vectors(obj.data, "offset"), limit(offset, 1), atol=5e-6)
+    np.testing.assert_allclose(
+        read_values(obj.data.attributes["offset"]), limit(offset, 1), atol=5e-6
+    )
 
 
 def test_polygons_hand_their_materials_and_corners_their_maps_to_the_pieces():

@@ -9,7 +9,7 @@ from support.objects import shown_positions as evaluated
 from adaptive_fairing.blender.data import results
 from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
-from adaptive_fairing.blender.data.stored_path import stored_names
+from adaptive_fairing.blender.data.stored_path import StoredPath, stored_names
 from adaptive_fairing.core import InputError
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -28,8 +28,14 @@ def store(obj, way, strength=1.0, seed=0, **options):
     """Store displacements of what the object shows; give the start and the shapes."""
     start = display_of(obj).shown()
     shapes = list(start + moves(obj, seed))
-    results.store_strengths(obj, start, shapes, STRENGTHS, strength, way, **options)
+    results.store(obj, StoredPath.through(start, STRENGTHS, shapes), strength, way, **options)
     return start, shapes
+
+
+def store_steps(obj, start, shapes, way):
+    """Store the steps of `fair`, and show the last one."""
+    steps = range(1, len(shapes) + 1)
+    results.store(obj, StoredPath.through(start, steps, shapes), steps[-1], way)
 
 
 @pytest.mark.parametrize("way", ["LIVE", "MODIFIER"])
@@ -60,8 +66,12 @@ class TestStrengths:
         weights[:10], weights[-10:] = 0, 1
         second_start = display_of(obj).shown()
         shapes = list(second_start + weights * moves(obj, 1))
-        results.store_strengths(
-            obj, second_start, shapes, STRENGTHS, 1.0, way, weights=weights[:, 0]
+        results.store(
+            obj,
+            StoredPath.through(second_start, STRENGTHS, shapes),
+            1.0,
+            way,
+            weights=weights[:, 0],
         )
         np.testing.assert_allclose(evaluated(obj), shapes[1], atol=ROUNDING)
         obj.adaptive_fairing.strength = 0.0
@@ -74,7 +84,7 @@ class TestStrengths:
         np.testing.assert_array_equal(display_of(obj).original(), start)
         # A run on all takes both along.
         shown = display_of(obj).shown()
-        results.store_strengths(obj, shown, [1.1 * shown], [1.0], 1.0, way)
+        results.store(obj, StoredPath.through(shown, [1.0], [1.1 * shown]), 1.0, way)
         np.testing.assert_allclose(evaluated(obj), 1.1 * shown, atol=2 * ROUNDING)
         obj.adaptive_fairing.strength = 0.0
         np.testing.assert_allclose(evaluated(obj), start, atol=ROUNDING)
@@ -84,7 +94,9 @@ class TestStrengths:
     def test_from_the_original_an_earlier_run_does_not_count(self, obj, way):
         start, _ = store(obj, way)
         shapes = list(start + moves(obj, 1))
-        results.store_strengths(obj, start, shapes, STRENGTHS, 1.0, way, from_original=True)
+        results.store(
+            obj, StoredPath.through(start, STRENGTHS, shapes), 1.0, way, from_original=True
+        )
         np.testing.assert_allclose(display_of(obj).shown(), shapes[1], atol=ROUNDING)
 
     def test_kept_only_the_shape_is_left(self, obj, way):
@@ -130,7 +142,7 @@ class TestSteps:
         before = everything(obj)
         start = read_mesh_coordinates(obj.data)
         shapes = list(start + moves(obj))
-        results.store_steps(obj, start, shapes, output)
+        store_steps(obj, start, shapes, output)
         for number, shape in enumerate(shapes, start=1):
             np.testing.assert_array_equal(key_positions(obj, f"Fairing {number}"), shape)
         np.testing.assert_array_equal(display_of(obj).original(), start)
@@ -141,7 +153,7 @@ class TestSteps:
     def test_the_final_shape_alone_is_no_result(self, obj):
         start = read_mesh_coordinates(obj.data)
         shapes = list(start + moves(obj))
-        results.store_steps(obj, start, shapes, "FINAL_SHAPE")
+        store_steps(obj, start, shapes, "FINAL_SHAPE")
         np.testing.assert_array_equal(read_mesh_coordinates(obj.data), shapes[-1])
         assert not display_of(obj).is_whole
         assert display_of(obj).original() is None
@@ -149,7 +161,7 @@ class TestSteps:
     def test_of_a_shape_that_was_denoised_before_the_first_original_is_kept(self, obj):
         original = read_mesh_coordinates(obj.data)
         _, denoised = store(obj, "LIVE")
-        results.store_steps(obj, denoised[1], list(denoised[1] + moves(obj, 2)), "ABSOLUTE_KEYS")
+        store_steps(obj, denoised[1], list(denoised[1] + moves(obj, 2)), "ABSOLUTE_KEYS")
         np.testing.assert_array_equal(display_of(obj).original(), original)
         results.discard(obj)
         np.testing.assert_array_equal(read_mesh_coordinates(obj.data), original)

@@ -7,16 +7,16 @@ from support.meshes import icosphere
 from support.objects import add_object, everything
 
 from adaptive_fairing.blender.data import results
-from adaptive_fairing.blender.data.attribute_arrays import read_values
-from adaptive_fairing.blender.data.coloring import color_by_field
+from adaptive_fairing.blender.data.coloring import color_by_field, pause_view, resume_view
 from adaptive_fairing.blender.data.display import display_of
-from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
+from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_values
 from adaptive_fairing.blender.data.shown_surface import (
+    refine_result,
     rest_on_control,
     show_control,
-    show_result,
     show_surface,
 )
+from adaptive_fairing.blender.data.stored_path import StoredPath
 from adaptive_fairing.core import FairingSettings, LimitSurface, TriangleTopology
 from adaptive_fairing.core.surface import memory_estimate
 
@@ -28,7 +28,7 @@ def obj():
     obj = add_object(*icosphere(1))
     start = read_mesh_coordinates(obj.data)
     shape = start * np.float32([0.8, 0.9, 1.1])
-    results.store_strengths(obj, start, [shape], [1.0], 1.0, "LIVE")
+    results.store(obj, StoredPath.through(start, [1.0], [shape]), 1.0, "LIVE")
     return obj
 
 
@@ -63,11 +63,11 @@ def test_a_refined_mesh_that_somebody_changed_stays_in_the_file(obj):
 def test_another_result_is_refined_after_it_was_written(obj):
     show_surface(obj, "REFINED_1")
     n = len(obj.data.vertices)
-    assert rest_on_control(obj) == ("", None)
+    assert rest_on_control(obj) is None
     start = display_of(obj).shown()
     assert len(start) == len(icosphere(1)[0])
-    results.store_strengths(obj, start, [0.5 * start], [1.0], 1.0, "LIVE")
-    show_result(obj, "")
+    results.store(obj, StoredPath.through(start, [1.0], [0.5 * start]), 1.0, "LIVE")
+    refine_result(obj)
     assert len(obj.data.vertices) == n
     obj.adaptive_fairing.strength = 1.0
     assert np.abs(read_mesh_coordinates(obj.data)).max() < 0.6
@@ -76,11 +76,15 @@ def test_another_result_is_refined_after_it_was_written(obj):
 def test_colours_rest_meanwhile_and_are_those_of_the_new_shape(obj):
     show_surface(obj, "REFINED_1")
     color_by_field(obj, "DISPLACEMENT", FairingSettings())
-    view, _ = rest_on_control(obj)
+    view = pause_view(obj)
+    rest_on_control(obj)
     assert (view, list(obj.data.color_attributes)) == ("DISPLACEMENT", [])
     start = display_of(obj).original()
-    results.store_strengths(obj, start, [2 * start], [1.0], 1.0, "LIVE", from_original=True)
-    show_result(obj, view)
+    results.store(
+        obj, StoredPath.through(start, [1.0], [2 * start]), 1.0, "LIVE", from_original=True
+    )
+    refine_result(obj)
+    resume_view(obj, view)
     shown = read_values(obj.data.attributes["fairing_displacement"])
     assert shown.max() == pytest.approx(1.0, rel=0.1)
     assert len(shown) == len(obj.data.vertices) > len(start)
@@ -88,9 +92,11 @@ def test_colours_rest_meanwhile_and_are_those_of_the_new_shape(obj):
 
 def test_colours_that_compare_end_with_the_original(obj):
     color_by_field(obj, "DISPLACEMENT", FairingSettings())
-    view, _ = rest_on_control(obj)
+    view = pause_view(obj)
+    rest_on_control(obj)
     results.clear(obj)
-    show_result(obj, view)
+    refine_result(obj)
+    resume_view(obj, view)
     assert (obj.adaptive_fairing.view, list(obj.data.color_attributes)) == ("", [])
 
 

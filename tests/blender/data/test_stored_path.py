@@ -5,15 +5,17 @@ import pytest
 from support.meshes import icosphere
 from support.objects import add_object
 
-from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
+from adaptive_fairing.blender.data.mesh_arrays import (
+    read_mesh_coordinates,
+    read_values,
+    remove_attributes,
+)
 from adaptive_fairing.blender.data.stored_path import (
     ORIGINAL,
     StoredPath,
     has_offsets,
     offset_name,
     read_path,
-    read_vectors,
-    remove_path,
     stored_names,
     write_path,
 )
@@ -70,7 +72,7 @@ def test_the_way_through_shapes_of_any_size_is_exact():
 
 def test_what_was_written_is_read_again(mesh, path):
     write_path(mesh, path)
-    found = read_path(mesh, read_vectors(mesh, ORIGINAL), KNOTS)
+    found = read_path(mesh, read_values(mesh.attributes[ORIGINAL]), KNOTS)
     np.testing.assert_array_equal(found.original, path.original)
     for index in range(len(KNOTS)):
         np.testing.assert_array_equal(found.offset_at(index), path.offset_at(index))
@@ -89,6 +91,6 @@ def test_removed_it_leaves_no_attribute_and_the_coordinates(mesh, path):
     before, names = read_mesh_coordinates(mesh), mesh.attributes.keys()
     write_path(mesh, path, with_original=False)
     assert stored_names(mesh) == [offset_name(1), offset_name(2), offset_name(3)]
-    remove_path(mesh)
+    remove_attributes(mesh, stored_names(mesh))
     assert mesh.attributes.keys() == names
     np.testing.assert_array_equal(read_mesh_coordinates(mesh), before)

@@ -6,8 +6,12 @@ import pytest
 from support.meshes import icosphere, noisy_ball
 from support.objects import add_object, add_rich_object, corners, numbers
 
-from adaptive_fairing.blender.data.attribute_arrays import STORAGE, read_attributes
-from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_triangles
+from adaptive_fairing.blender.data.mesh_arrays import (
+    STORAGE,
+    read_attributes,
+    read_mesh_coordinates,
+    read_triangles,
+)
 from adaptive_fairing.blender.data.shape_keys import write_absolute_keys
 from adaptive_fairing.blender.data.vertex_groups import add_weights, group_weights
 from adaptive_fairing.blender.jobs.fair_attribute import LEAST_WEIGHT, fair_attribute

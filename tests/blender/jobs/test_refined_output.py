@@ -7,8 +7,7 @@ from scipy.spatial import cKDTree
 from support.meshes import bumpy_disc, random_closed
 from support.objects import add_object, key_positions, write_ply
 
-from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions
-from adaptive_fairing.blender.data.weld import weld
+from adaptive_fairing.blender.data.mesh_arrays import read_mesh, read_positions, weld
 from adaptive_fairing.blender.files.mesh_files import export_mesh, import_mesh
 from adaptive_fairing.cli import main as cli
 from adaptive_fairing.core import LimitSurface, TriangleTopology

@@ -92,7 +92,7 @@ class TestPreparations:
         data = read_mesh(import_mesh(place[0]).data)
         preparations.turn_to(place, None, settings, scale=None, keep_axes=True)
         first = preparations.of(data, settings, None)
-        moved = replace(data, vertices=data.vertices * [1, 2, 3])
+        moved = data._replace(vertices=data.vertices * [1, 2, 3])
         preparations.turn_to(place, None, settings, scale=None, keep_axes=True)
         assert preparations.of(moved, settings, None) is first
         assert first.plan is None

@@ -26,7 +26,7 @@ def solve():
 
 def store(solve):
     source = find_object(solve)
-    return store_solve(solve, source, way="LIVE", output="ABSOLUTE_KEYS", store_density=True)
+    return store_solve(solve, source, way="ABSOLUTE_KEYS", store_density=True)
 
 
 def test_a_deleted_object_is_said(solve):

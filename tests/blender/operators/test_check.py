@@ -125,7 +125,7 @@ def test_it_is_forgotten_with_the_file():
     bpy.ops.wm.read_homefile(use_empty=True)
     from adaptive_fairing.blender.operators import check as module
 
-    assert uid not in module._checks
+    assert uid not in module.checks
 
 
 def test_a_mesh_without_faces_is_refused_in_a_line():

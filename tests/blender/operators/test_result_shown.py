@@ -8,8 +8,8 @@ from support.results import coordinates, core_result, fairing_attributes, near, 
 
 from adaptive_fairing.blender.compatibility import set_modifier_input, weight_paint_settings
 from adaptive_fairing.blender.data.display import display_of
-from adaptive_fairing.blender.data.paint_group import PAINT_GROUP
-from adaptive_fairing.blender.data.record_functions import end_comparison
+from adaptive_fairing.blender.data.results import end_comparison
+from adaptive_fairing.blender.data.vertex_groups import PAINT_GROUP
 from adaptive_fairing.blender.operators import following
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -122,7 +122,7 @@ class TestComparing:
         bpy.ops.object.adaptive_fairing_before()
         noisy.adaptive_fairing.strength = 0.5
         shown = coordinates(noisy)
-        end_comparison(noisy.adaptive_fairing)
+        end_comparison(noisy)
         assert np.array_equal(coordinates(noisy), shown)
 
     @pytest.mark.parametrize("way", ["LIVE", "MODIFIER", "KEYS", "RELATIVE_KEYS"])
@@ -148,7 +148,7 @@ class TestComparing:
         assert np.array_equal(shown_positions(noisy), after)
         bpy.ops.object.adaptive_fairing_split()
         bpy.ops.object.mode_set(mode="OBJECT")
-        end_comparison(noisy.adaptive_fairing)
+        end_comparison(noisy)
         assert (noisy.data.attributes.keys(), noisy.modifiers.keys()) == (names, modifiers)
         bpy.ops.object.adaptive_fairing_split()
         bpy.ops.object.adaptive_fairing_apply()

@@ -17,7 +17,7 @@ from support.results import LEVELS, coordinates, near, paper, refined, run, surf
 
 from adaptive_fairing.blender.data import shown_surface
 from adaptive_fairing.blender.data.mesh_arrays import read_triangles
-from adaptive_fairing.blender.data.paint_group import PAINT_GROUP
+from adaptive_fairing.blender.data.vertex_groups import PAINT_GROUP
 from adaptive_fairing.blender.operators import following
 from adaptive_fairing.core import LimitSurface, TriangleTopology
 from adaptive_fairing.core.surface import memory_estimate

@@ -8,9 +8,9 @@ from support.objects import add_object, key_positions, shown_positions
 from support.results import LEVELS, ULP, coordinates, near, paper, refined, run, surface
 
 from adaptive_fairing.blender.data.color_map import CURVATURE_FIELDS
-from adaptive_fairing.blender.data.fields import field_values
+from adaptive_fairing.blender.data.fields import measure_field
 from adaptive_fairing.blender.data.mesh_arrays import read_triangles
-from adaptive_fairing.blender.data.record_functions import end_comparison
+from adaptive_fairing.blender.data.results import end_comparison
 from adaptive_fairing.blender.data.shape_keys import animated_frames
 from adaptive_fairing.core import FairingSettings, LimitSurface, TriangleTopology
 
@@ -167,7 +167,7 @@ class TestViews:
         noisy.adaptive_fairing.strength = 0.5
         refined_mesh, shown = noisy.data, coordinates(noisy)
         for row, field in enumerate(CURVATURE_FIELDS):
-            values = field_values(noisy, field, FairingSettings())
+            values = measure_field(noisy, field, FairingSettings()).values
             assert np.array_equal(values, limit.refined_curvature(LEVELS[name])[row])
         assert noisy.data == refined_mesh and np.array_equal(coordinates(noisy), shown)
         noisy.adaptive_fairing.strength = 1.0
@@ -184,7 +184,7 @@ class TestViews:
         bpy.ops.object.adaptive_fairing_split()
         left = original[:, 0] < np.float32(noisy.adaptive_fairing.split_point[0])
         assert np.array_equal(coordinates(noisy)[left], original[left])
-        end_comparison(noisy.adaptive_fairing)
+        end_comparison(noisy)
         assert np.array_equal(coordinates(noisy), shown)
 
     def test_in_edit_mode(self, noisy):

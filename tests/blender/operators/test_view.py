@@ -8,8 +8,8 @@ from support.meshes import ellipsoid, flat_hexagon, icosphere, noisy_ball
 from support.objects import add_object, numbers, shown_positions
 
 from adaptive_fairing.blender.data.color_map import CURVATURE_FIELDS, color_range
-from adaptive_fairing.blender.data.field_attributes import FIELD_ATTRIBUTES
-from adaptive_fairing.blender.data.fields import field_values
+from adaptive_fairing.blender.data.coloring import FIELD_ATTRIBUTES
+from adaptive_fairing.blender.data.fields import measure_field
 from adaptive_fairing.blender.data.shape_keys import write_absolute_keys
 from adaptive_fairing.core import (
     FairingSettings,
@@ -56,12 +56,15 @@ class TestCurvature:
             ("CURVATURE", surface.mean_curvature),
             ("GAUSSIAN", surface.gaussian_curvature),
         ):
-            assert np.array_equal(field_values(obj, field, FairingSettings()), exact)
+            assert np.array_equal(measure_field(obj, field, FairingSettings()).values, exact)
 
     def test_a_sphere_turned_inside_out_has_the_opposite_mean_curvature(self):
         vertices, faces = icosphere(2)
         out, inward = (
-            {field: field_values(obj, field, FairingSettings()) for field in CURVATURE_FIELDS}
+            {
+                field: measure_field(obj, field, FairingSettings()).values
+                for field in CURVATURE_FIELDS
+            }
             for obj in (add_object(vertices, faces), add_object(vertices, faces[:, ::-1]))
         )
         assert inward["CURVATURE"] == pytest.approx(-out["CURVATURE"], rel=1e-9)
@@ -72,13 +75,13 @@ class TestCurvature:
     def test_a_plane_has_none_up_to_its_boundary(self, field):
         vertices, faces = flat_hexagon(4)
         vertices = np.concatenate([vertices, [[0.0, 0.0, 9.0]]])
-        values = field_values(add_object(vertices, faces), field, FairingSettings())
+        values = measure_field(add_object(vertices, faces), field, FairingSettings()).values
         assert values[:-1] == pytest.approx(0.0, abs=1e-9)
         assert np.isnan(values[-1])  # a loose vertex
 
     def test_a_cut_in_the_surface_is_no_obstacle(self):
         obj = add_object(*three_sheets())
-        assert np.isfinite(field_values(obj, "GAUSSIAN", FairingSettings())).all()
+        assert np.isfinite(measure_field(obj, "GAUSSIAN", FairingSettings()).values).all()
 
     def test_marked_edges_are_creases(self):
         vertices, faces = icosphere(2)
@@ -86,7 +89,9 @@ class TestCurvature:
         equator = np.abs(vertices[:, 2]) < 1e-6
         for edge in marked.data.edges:
             edge.use_edge_sharp = bool(equator[list(edge.vertices)].all())
-        values = [field_values(obj, "CURVATURE", FairingSettings()) for obj in (smooth, marked)]
+        values = [
+            measure_field(obj, "CURVATURE", FairingSettings()).values for obj in (smooth, marked)
+        ]
         differs = values[0] != values[1]
         assert differs.any() and not differs[np.abs(vertices[:, 2]) > 0.5].any()
 
@@ -158,7 +163,7 @@ class TestFinalShapeOnly:
     def test_later_it_is_said_that_there_is_nothing_to_compare_with(self, obj, field):
         self.run()
         with pytest.raises(InputError, match="the shape before the smoothing was not kept"):
-            field_values(obj, field, FairingSettings())
+            measure_field(obj, field, FairingSettings())
         assert show(field) == {"CANCELLED"}
         assert obj.adaptive_fairing.view == ""
 

@@ -100,7 +100,7 @@ def test_it_is_forgotten_with_the_file():
     bpy.ops.object.adaptive_fairing()
     assert readings.reading_of(obj) is not None
     bpy.ops.wm.read_homefile(use_empty=True)
-    assert readings._readings == {}
+    assert readings.readings == {}
 
 
 def test_another_algorithm_and_another_object_show_nothing():

@@ -4,8 +4,7 @@ import numpy as np
 from support.meshes import icosphere
 from support.objects import add_object, everything
 
-from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
-from adaptive_fairing.blender.data.weld import weld
+from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, weld
 
 
 def test_triangles_of_their_own_become_a_closed_surface_and_keep_their_uvs():

@@ -6,13 +6,8 @@ import pytest
 from support.meshes import icosphere
 from support.objects import add_object, add_rich_object, everything
 
-from adaptive_fairing.blender.data.attribute_arrays import read_attributes
-from adaptive_fairing.blender.data.mesh_building import (
-    fill,
-    integers,
-    write_attributes,
-    write_normals,
-)
+from adaptive_fairing.blender.data.mesh_arrays import integers, read_attributes
+from adaptive_fairing.blender.data.refined_object import fill, write_attributes, write_normals
 
 
 def edges_and_sides(mesh):

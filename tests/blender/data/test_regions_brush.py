@@ -7,7 +7,7 @@ from support.meshes import flat_grid, noisy_ball
 from support.objects import add_object
 from support.results import coordinates
 
-from adaptive_fairing.blender.data.brush_region import FACE_SET, FULL_PART, BrushRegion
+from adaptive_fairing.blender.data.regions import FACE_SET, FULL_PART, BrushRegion
 
 pytestmark = pytest.mark.usefixtures("addon")
 

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from support.objects import edit_net, shown_positions
 
-from adaptive_fairing.blender.data.display import display_of, new_display
+from adaptive_fairing.blender.data.display import N_STRENGTHS, display_of, new_display
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
-from adaptive_fairing.blender.data.offset_display import N_STRENGTHS
-from adaptive_fairing.blender.data.paint_group import forget_weights
 from adaptive_fairing.blender.data.stored_path import StoredPath
+from adaptive_fairing.blender.data.vertex_groups import forget_weights
 from adaptive_fairing.core.denoising.plan import STRENGTHS
 
 pytestmark = pytest.mark.usefixtures("addon")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from adaptive_fairing.blender.data.paint_group import (
+from adaptive_fairing.blender.data.vertex_groups import (
     PAINT_GROUP,
     forget_weights,
     made_paint_group,

@@ -6,9 +6,10 @@ from support.meshes import icosphere
 from support.objects import add_object, everything
 
 from adaptive_fairing.blender.data import results, shown_surface
-from adaptive_fairing.blender.data.control_mesh import control_read, is_refined, net_fingerprint
 from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
+from adaptive_fairing.blender.data.shown_surface import control_read, is_refined, net_fingerprint
+from adaptive_fairing.blender.data.stored_path import StoredPath
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -18,9 +19,9 @@ def obj():
     """A ball with a result that is shown on a refined mesh."""
     obj = add_object(*icosphere(1))
     start = read_mesh_coordinates(obj.data)
-    results.store_strengths(obj, start, [0.8 * start], [1.0], 1.0, "LIVE")
+    results.store(obj, StoredPath.through(start, [1.0], [0.8 * start]), 1.0, "LIVE")
     obj.adaptive_fairing.surface = "REFINED_1"
-    shown_surface.show_result(obj, "")
+    shown_surface.refine_result(obj)
     return obj
 
 

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from support.objects import everything, shown_positions
 
-from adaptive_fairing.blender.data import modifier, split
+from adaptive_fairing.blender.data import modifier
 from adaptive_fairing.blender.data.stored_path import offset_name, write_vectors
 
 
@@ -23,20 +23,24 @@ def test_the_original_is_shown_behind_and_the_result_before_it(obj, original, ha
     result = shown_positions(obj)
     is_behind = result[:, 0] < 0.1
     obj.modifiers.new("Wireframe", "SUBSURF").levels = 0
-    split.add(obj, original, is_behind)
+    modifier.add_split(obj, original, is_behind)
     expected = np.where(is_behind[:, None], original, result)
     np.testing.assert_array_equal(shown_positions(obj), expected)
     names = [each.name for each in obj.modifiers]
-    assert names == [*(["Adaptive Fairing"] if has_result else []), split.NAME, "Wireframe"]
+    assert names == [
+        *(["Adaptive Fairing"] if has_result else []),
+        modifier.SPLIT_NAME,
+        "Wireframe",
+    ]
 
 
 def test_a_second_plane_replaces_the_first_and_removed_nothing_is_left(obj, original):
     before = everything(obj)
     shown = shown_positions(obj)
-    split.add(obj, original, np.ones(len(original), dtype=bool))
-    split.add(obj, original, original[:, 1] < 0)
+    modifier.add_split(obj, original, np.ones(len(original), dtype=bool))
+    modifier.add_split(obj, original, original[:, 1] < 0)
     assert len(obj.modifiers) == len(bpy.data.node_groups) == 1
-    split.remove(obj)
+    modifier.remove_split(obj)
     assert everything(obj) == before
     assert len(obj.modifiers) == len(bpy.data.node_groups) == 0
     np.testing.assert_array_equal(shown_positions(obj), shown)

@@ -6,7 +6,7 @@ from support.meshes import icosphere
 from support.objects import add_object, add_rich_object, colors_by_vertex, numbers
 
 from adaptive_fairing.blender.data.color_map import colors_srgb, srgb_to_linear
-from adaptive_fairing.blender.data.field_attributes import write_color, write_density, write_scalar
+from adaptive_fairing.blender.data.coloring import write_color, write_density, write_scalar
 
 
 @pytest.fixture

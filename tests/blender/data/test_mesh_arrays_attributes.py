@@ -6,7 +6,7 @@ import pytest
 from support.meshes import icosphere
 from support.objects import add_object
 
-from adaptive_fairing.blender.data.attribute_arrays import (
+from adaptive_fairing.blender.data.mesh_arrays import (
     GEOMETRY,
     STORAGE,
     AttributeArray,
