@@ -66,6 +66,16 @@ class Display:
         return self.is_whole
 
     @property
+    def has_control(self) -> bool:
+        """Whether a mesh other than the control mesh shows the result, see `shown_surface`."""
+        return self.obj.adaptive_fairing.control not in (None, self.obj.data)
+
+    @property
+    def is_refined(self) -> bool:
+        """Whether a refined mesh shows the result, and nobody has changed it."""
+        return self.has_control and self.is_whole and not self.has_strokes
+
+    @property
     def place(self) -> float:
         """Knot of the path that is shown, or a number between two: a strength or a step."""
         return 0.0

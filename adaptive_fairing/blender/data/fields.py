@@ -19,7 +19,7 @@ from .display import display_of
 from .display_base import Display
 from .mesh_arrays import read_positions, read_triangles
 from .refined_object import control_surface
-from .shown_surface import LEVELS, control_read, is_refined
+from .shown_surface import LEVELS, control_read
 
 
 class Field(NamedTuple):
@@ -64,7 +64,7 @@ def measure_field(obj: bpy.types.Object, field: str, settings: FairingSettings) 
     if field != "DISPLACEMENT" and not len(triangles):
         raise InputError("the mesh has no faces: there is no surface to look at")
     if field in CURVATURE_FIELDS:
-        values = _curvatures(obj)[CURVATURE_FIELDS.index(field)]
+        values = _curvatures(display)[CURVATURE_FIELDS.index(field)]
         return Field(values, 1.0, POWERS[field])
     shown = display.shown().astype(np.float64)
     if field == "DENSITY":
@@ -90,12 +90,13 @@ def _positions_before(display: Display) -> FloatArray:
     return original.astype(np.float64)
 
 
-def _curvatures(obj: bpy.types.Object) -> FloatArray:
+def _curvatures(display: Display) -> FloatArray:
     """Compute mean and Gaussian curvature of the limit surface, (2, n); NaN at loose vertices."""
-    levels = LEVELS[obj.adaptive_fairing.surface] if is_refined(obj) else 0
+    obj = display.obj
+    levels = LEVELS[obj.adaptive_fairing.surface] if display.is_refined else 0
     with control_read(obj):
         cut = control_surface(obj.data)
-        positions = display_of(obj).shown().astype(np.float64)[cut.vertex_of]
+        positions = display.shown().astype(np.float64)[cut.vertex_of]
     values = LimitSurface.from_levels(cut.levels, positions).refined_curvature(levels)
     return RefinedNet(cut, levels).joined(values.T).T
 

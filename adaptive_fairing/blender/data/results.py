@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
 from types import SimpleNamespace
 from typing import TYPE_CHECKING
 
@@ -14,16 +15,26 @@ import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from .coloring import COMPARED_FIELDS, color_by_field, end_view, remove_density
+from .coloring import (
+    COMPARED_FIELDS,
+    color_by_field,
+    end_view,
+    pause_view,
+    remove_density,
+    resume_view,
+)
 from .display import display_of, new_display
 from .mesh_arrays import write_positions
 from .object_mode import object_mode
 from .shape_keys import animate_evolution, animated_frames
+from .shown_surface import CONTROL, refine_result, show_control
 from .stored_path import StoredPath
 from .targets import remove_mesh
 
 if TYPE_CHECKING:  # enabling the add-on does not load the core
     from numpy.typing import NDArray
+
+    from ...core import FairingSettings
 
 
 MEASURES = ("curvature_energy", "area", "volume", "displacement")
@@ -68,6 +79,60 @@ def store(
     display.write(path, place)
     if frames is not None and display.slider == "evolution":
         animate_evolution(obj, *frames)
+
+
+@dataclass
+class Shown:
+    """Objects that show a result on the same surface and in the same colours, see `on_control`.
+
+    Attributes
+    ----------
+    objects
+    kept
+        As `show_control` returns.
+    notes
+        As `refine_result` returns.
+    """
+
+    objects: set[bpy.types.Object]
+    kept: str | None = None
+    notes: tuple[str, ...] = ()
+
+
+@contextmanager
+def on_control(
+    obj: bpy.types.Object, settings: FairingSettings | None = None, *, for_run: bool = False
+) -> Iterator[Shown]:
+    """Give an object in Object Mode its control mesh, without colours, for the body.
+
+    After it the objects of `Shown`, to which the body may add copies, show what they have by then
+    on the surface of their record, and in the same colours.
+
+    Parameters
+    ----------
+    obj
+    settings
+        As in `color_by_field`.
+    for_run
+        Whether a run is to write to the object. It takes a refined mesh that somebody has changed
+        for the control mesh, since it has read that.
+
+    Raises
+    ------
+    FairingError
+        As `refine_result`.
+    """
+    shown, view = Shown({obj}), pause_view(obj)
+    if for_run and not display_of(obj).is_refined:
+        obj.adaptive_fairing.surface = CONTROL
+    else:
+        shown.kept = show_control(obj)
+    try:
+        yield shown
+    finally:
+        for each in shown.objects:
+            shown.notes += refine_result(each)
+            resume_view(each, view, settings)
 
 
 def show_at(obj: bpy.types.Object, place: float) -> None:
@@ -150,19 +215,24 @@ def apply(obj: bpy.types.Object) -> None:
     clear(obj)
 
 
-def discard(obj: bpy.types.Object) -> None:
+def discard(obj: bpy.types.Object) -> str | None:
     """Restore an object as it was before the first run that is still in effect.
+
+    Returns as `show_control`.
 
     Raises
     ------
     InputError
         There is no result.
     """
+    end_view(obj)
+    kept = show_control(obj)
     original = display_of(obj).original()
     _require(original is not None)
     clear(obj)
     if obj.data.shape_keys is None:
         write_positions(obj.data, original)
+    return kept
 
 
 def _require(has_result: bool) -> None:

@@ -8,8 +8,6 @@ the refined mesh as on the control mesh.
 The first vertices of a refined mesh are the control vertices.  Their weights in vertex groups, the
 values and the animation of keys, and the materials go back to the control mesh.  If anything else
 was changed on the refined mesh, that mesh stays in the file.
-
-Colours of a field are on one mesh only: they must be taken off before the mesh changes.
 """
 
 from __future__ import annotations
@@ -42,31 +40,6 @@ OWN_PREFIXES = (".", "fairing_")
 """Prefixes of attributes that hold no work of the user."""
 
 
-def show_surface(obj: bpy.types.Object, surface: str) -> tuple[tuple[str, ...], str | None]:
-    """Show the result of an object on a surface.
-
-    Parameters
-    ----------
-    obj
-        Object in Object Mode that has a result.
-    surface
-        `CONTROL` or a key of `LEVELS`.
-
-    Returns
-    -------
-    tuple of str, str or None
-        As `refine_result` and `show_control` return.
-
-    Raises
-    ------
-    FairingError
-        As `refine_result`.
-    """
-    kept = show_control(obj)
-    obj.adaptive_fairing.surface = surface
-    return refine_result(obj), kept
-
-
 def show_control(obj: bpy.types.Object) -> str | None:
     """Bring the control mesh of a result back, with the shape shown now.
 
@@ -75,10 +48,10 @@ def show_control(obj: bpy.types.Object) -> str | None:
     str or None
         Name of the refined mesh, if it stays in the file because something was changed on it.
     """
-    if not has_control(obj):
+    refined, record, display = obj.data, obj.adaptive_fairing, display_of(obj)
+    if not display.has_control:
         return None
-    refined, record = obj.data, obj.adaptive_fairing
-    is_changed = not is_refined(obj) or _fingerprint(refined) != record.refined_fingerprint
+    is_changed = not display.is_refined or _fingerprint(refined) != record.refined_fingerprint
     _take_control(obj)
     record.control = None
     name = refined.name
@@ -88,17 +61,6 @@ def show_control(obj: bpy.types.Object) -> str | None:
         remove_mesh(refined)
     obj.data.name = name
     return refined.name if is_changed else None
-
-
-def rest_on_control(obj: bpy.types.Object) -> str | None:
-    """Bring the control mesh back for another result, unless the refined one was changed.
-
-    Returns as `show_control`.
-    """
-    if is_refined(obj):
-        return show_control(obj)
-    obj.adaptive_fairing.surface = CONTROL
-    return None
 
 
 def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
@@ -145,22 +107,11 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
     return notes
 
 
-def has_control(obj: bpy.types.Object) -> bool:
-    """Whether an object shows its result on a mesh other than the control mesh."""
-    return obj.adaptive_fairing.control not in (None, obj.data)
-
-
-def is_refined(obj: bpy.types.Object) -> bool:
-    """Whether an object shows its result on a refined mesh that nobody has changed."""
-    display = display_of(obj)
-    return has_control(obj) and display.is_whole and not display.has_strokes
-
-
 @contextmanager
 def control_read(obj: bpy.types.Object) -> Iterator[None]:
     """Give an object its control mesh, with the shape shown now, while the body reads it."""
     record = obj.adaptive_fairing
-    if not is_refined(obj):
+    if not display_of(obj).is_refined:
         yield
         return
     refined = obj.data

@@ -8,13 +8,11 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 
 from ..choices import DENOISE, FAIR
-from ..data.coloring import pause_view, resume_view
 from ..data.display import display_of, leaves_keys
 from ..data.mesh_arrays import is_shared
 from ..data.object_mode import object_mode, undoable_object_mode
 from ..data.regions import BrushRegion, refusal, target_objects, vertex_weights
-from ..data.results import end_comparison
-from ..data.shown_surface import refine_result, rest_on_control
+from ..data.results import discard, end_comparison, on_control
 from ..data.targets import needs_copy
 from ..jobs.kept_preparation import preparations
 from ..properties import in_object_units, solver_settings, way_of
@@ -24,7 +22,7 @@ from .modal_run import ModalRun, progress, stop_run
 from .polls import busy_refusal, is_allowed
 from .questions import Asking, hints
 from .readings import readings, remember
-from .results import discard_result, report_kept
+from .results import report_kept
 from .settings_layout import draw_operator
 
 _finished: list = []
@@ -107,7 +105,7 @@ class OBJECT_OT_adaptive_fairing(
                         text = rpt_("{:s}: denoised the level that is shown; it has no slider")
                         self.report({"INFO"}, text.format(solve.name))
                     elif solve.is_changed:
-                        results.append(self._replace(solve, source))
+                        results.append(self._store(solve, source))
                         remember(results[-1], solve)
                         _take_over_selection(context, source, results[-1])
                     elif solve.has_result:
@@ -149,10 +147,10 @@ class OBJECT_OT_adaptive_fairing(
         """Show the original where an earlier result is shown: this run changes nothing."""
         if not display_of(obj).is_whole:
             return False
-        discard_result(self, obj)
+        report_kept(self, discard(obj))
         return True
 
-    def _replace(self, solve, source):
+    def _store(self, solve, source):
         """Replace the result of an object, and of those that share its mesh, and show it."""
         from ..jobs.write_back import object_of, share_result, store_solve
 
@@ -160,9 +158,8 @@ class OBJECT_OT_adaptive_fairing(
         others = [each for each in sharing if each is not None and each.data == source.data]
         is_kept = is_shared(source.data, among=1 + len(others))
         self._tell_what_is_dropped(solve, source)
-        obj, view = source, pause_view(source)
-        refined = rest_on_control(source)
-        try:
+        settings = None if solve.is_denoise else solve.settings
+        with on_control(source, settings, for_run=True) as shown:
             obj = store_solve(
                 solve,
                 source,
@@ -170,16 +167,13 @@ class OBJECT_OT_adaptive_fairing(
                 store_density=self.store_density or not solve.is_denoise,
                 from_original=self.from_original,
             )
-        finally:
-            for each in {source, obj}:
-                refine_result(each)
-                resume_view(each, view, None if solve.is_denoise else solve.settings)
+            shown.objects.add(obj)
         if obj == source and others:
             share_result(solve, obj, others)
         if obj == source and is_kept:
             text = rpt_("{:s} has a mesh of its own now: other objects keep the old one")
             self.report({"INFO"}, text.format(solve.name))
-        report_kept(self, refined)
+        report_kept(self, shown.kept)
         for note in solve.notes:
             self.report({"INFO"}, f"{obj.name}: {note}")
         return obj

@@ -7,14 +7,20 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Vector
 
-from ..data.coloring import end_view, pause_view, resume_view
 from ..data.display import display_of
 from ..data.earlier_files import has_earlier_keys, take_keys
 from ..data.object_mode import undoable_object_mode
 from ..data.regions import DYNTOPO
-from ..data.results import apply, discard, end_comparison, forget, show_before, show_split
+from ..data.results import (
+    apply,
+    discard,
+    end_comparison,
+    forget,
+    on_control,
+    show_before,
+    show_split,
+)
 from ..data.sculpt_undo import keep_before
-from ..data.shown_surface import has_control, show_control, show_surface
 from ..requirements import scipy_problem
 from .polls import busy_refusal, is_allowed, linked_refusal, no_active_mesh_refusal
 from .questions import Asking
@@ -115,13 +121,14 @@ class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
     @classmethod
     def poll(cls, context):
         refusal, obj = record_refusal(context), context.active_object
-        if refusal is None and not has_control(obj) and not display_of(obj).has_original:
+        display = display_of(obj) if refusal is None else None
+        if display is not None and not (display.has_control or display.has_original):
             refusal = "The mesh from before the runs is no longer known: Forget keeps this one"
         return is_allowed(cls, refusal, busy_refusal())
 
     def execute(self, context):
         objects = result_objects(context)
-        return self.finish(context, lambda obj: discard_result(self, obj), objects)
+        return self.finish(context, lambda obj: report_kept(self, discard(obj)), objects)
 
 
 class OBJECT_OT_adaptive_fairing_forget(_EndOfResult, bpy.types.Operator):
@@ -162,11 +169,10 @@ class OBJECT_OT_adaptive_fairing_surface(_OnResult, bpy.types.Operator):
 
     def execute(self, context):
         def show(obj):
-            view = pause_view(obj)
-            notes, kept = show_surface(obj, self.surface)
-            resume_view(obj, view)
-            report_kept(self, kept)
-            for note in notes:
+            with on_control(obj) as shown:
+                obj.adaptive_fairing.surface = self.surface
+            report_kept(self, shown.kept)
+            for note in shown.notes:
                 self.report({"WARNING"}, f"{obj.name}: {note}")
 
         return self.finish(context, show)
@@ -176,13 +182,6 @@ def surface_name(record: bpy.types.PropertyGroup) -> str:
     """Name of the surface that shows a result."""
     shown = "CONTROL" if record.control is None else record.surface
     return next(name for identifier, name, *_ in SURFACES if identifier == shown)
-
-
-def discard_result(operator: bpy.types.Operator, obj: bpy.types.Object) -> None:
-    """Bring the mesh back to exactly what it was before the runs."""
-    end_view(obj)
-    report_kept(operator, show_control(obj))
-    discard(obj)
 
 
 def report_kept(operator: bpy.types.Operator, name: str | None) -> None:

@@ -7,7 +7,7 @@ from support.layouts import draw
 from support.meshes import icosphere
 from support.objects import add_object, shown_positions
 
-from adaptive_fairing.blender.data import earlier_files, results, shown_surface
+from adaptive_fairing.blender.data import earlier_files, results
 from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
 from adaptive_fairing.blender.data.results import result_measures
@@ -37,7 +37,8 @@ def test_strength_and_discard_work_as_if_nothing_had_been(surface):
     obj = add_object(*icosphere(1))
     start = read_mesh_coordinates(obj.data)
     results.store(obj, StoredPath.through(start, [1.0], [0.8 * start]), 1.0, "LIVE")
-    shown_surface.show_surface(obj, surface)
+    with results.on_control(obj):
+        obj.adaptive_fairing.surface = surface
     shown = {}
     for strength in (0.0, 0.4, 0.9):
         obj.adaptive_fairing.strength = strength
@@ -50,7 +51,6 @@ def test_strength_and_discard_work_as_if_nothing_had_been(surface):
     for strength, positions in shown.items():
         obj.adaptive_fairing.strength = strength
         np.testing.assert_array_equal(shown_positions(obj), positions)
-    shown_surface.show_control(obj)
     results.discard(obj)
     np.testing.assert_array_equal(read_mesh_coordinates(obj.data), start)
 

@@ -66,7 +66,8 @@ def test_density_has_no_unit_and_loose_vertices_have_none():
 def test_on_a_refined_mesh_the_curvature_is_that_of_the_same_surface(obj):
     """The control vertices are the first of the refined mesh."""
     expected = measure_field(obj, "CURVATURE", SETTINGS).values
-    shown_surface.show_surface(obj, "REFINED_1")
+    obj.adaptive_fairing.surface = "REFINED_1"
+    shown_surface.refine_result(obj)
     found = measure_field(obj, "CURVATURE", SETTINGS).values
     assert len(found) == len(obj.data.vertices) > len(expected)
     np.testing.assert_allclose(found[: len(expected)], expected, atol=1e-4 * np.ptp(expected))

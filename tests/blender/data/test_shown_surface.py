@@ -7,14 +7,11 @@ from support.meshes import icosphere
 from support.objects import add_object, everything
 
 from adaptive_fairing.blender.data import results
-from adaptive_fairing.blender.data.coloring import color_by_field, pause_view, resume_view
+from adaptive_fairing.blender.data.coloring import color_by_field
 from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates, read_values
 from adaptive_fairing.blender.data.shown_surface import (
-    refine_result,
-    rest_on_control,
     show_control,
-    show_surface,
 )
 from adaptive_fairing.blender.data.stored_path import StoredPath
 from adaptive_fairing.core import FairingSettings, LimitSurface, TriangleTopology
@@ -30,6 +27,12 @@ def obj():
     shape = start * np.float32([0.8, 0.9, 1.1])
     results.store(obj, StoredPath.through(start, [1.0], [shape]), 1.0, "LIVE")
     return obj
+
+
+def show_surface(obj, name):
+    """Show the result on a surface."""
+    with results.on_control(obj):
+        obj.adaptive_fairing.surface = name
 
 
 @pytest.mark.parametrize(("name", "levels"), [("LIMIT", 0), ("REFINED_1", 1), ("REFINED_2", 2)])
@@ -63,11 +66,11 @@ def test_a_refined_mesh_that_somebody_changed_stays_in_the_file(obj):
 def test_another_result_is_refined_after_it_was_written(obj):
     show_surface(obj, "REFINED_1")
     n = len(obj.data.vertices)
-    assert rest_on_control(obj) is None
-    start = display_of(obj).shown()
-    assert len(start) == len(icosphere(1)[0])
-    results.store(obj, StoredPath.through(start, [1.0], [0.5 * start]), 1.0, "LIVE")
-    refine_result(obj)
+    with results.on_control(obj, for_run=True) as shown:
+        start = display_of(obj).shown()
+        assert len(start) == len(icosphere(1)[0])
+        results.store(obj, StoredPath.through(start, [1.0], [0.5 * start]), 1.0, "LIVE")
+    assert shown.kept is None
     assert len(obj.data.vertices) == n
     obj.adaptive_fairing.strength = 1.0
     assert np.abs(read_mesh_coordinates(obj.data)).max() < 0.6
@@ -76,15 +79,12 @@ def test_another_result_is_refined_after_it_was_written(obj):
 def test_colours_rest_meanwhile_and_are_those_of_the_new_shape(obj):
     show_surface(obj, "REFINED_1")
     color_by_field(obj, "DISPLACEMENT", FairingSettings())
-    view = pause_view(obj)
-    rest_on_control(obj)
-    assert (view, list(obj.data.color_attributes)) == ("DISPLACEMENT", [])
-    start = display_of(obj).original()
-    results.store(
-        obj, StoredPath.through(start, [1.0], [2 * start]), 1.0, "LIVE", from_original=True
-    )
-    refine_result(obj)
-    resume_view(obj, view)
+    with results.on_control(obj, for_run=True):
+        assert list(obj.data.color_attributes) == []
+        start = display_of(obj).original()
+        path = StoredPath.through(start, [1.0], [2 * start])
+        results.store(obj, path, 1.0, "LIVE", from_original=True)
+    assert obj.adaptive_fairing.view == "DISPLACEMENT"
     shown = read_values(obj.data.attributes["fairing_displacement"])
     assert shown.max() == pytest.approx(1.0, rel=0.1)
     assert len(shown) == len(obj.data.vertices) > len(start)
@@ -92,11 +92,8 @@ def test_colours_rest_meanwhile_and_are_those_of_the_new_shape(obj):
 
 def test_colours_that_compare_end_with_the_original(obj):
     color_by_field(obj, "DISPLACEMENT", FairingSettings())
-    view = pause_view(obj)
-    rest_on_control(obj)
-    results.clear(obj)
-    refine_result(obj)
-    resume_view(obj, view)
+    with results.on_control(obj, for_run=True):
+        results.clear(obj)
     assert (obj.adaptive_fairing.view, list(obj.data.color_attributes)) == ("", [])
 
 

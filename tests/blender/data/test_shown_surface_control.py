@@ -8,7 +8,7 @@ from support.objects import add_object, everything
 from adaptive_fairing.blender.data import results, shown_surface
 from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
-from adaptive_fairing.blender.data.shown_surface import control_read, is_refined, net_fingerprint
+from adaptive_fairing.blender.data.shown_surface import control_read, net_fingerprint
 from adaptive_fairing.blender.data.stored_path import StoredPath
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -29,13 +29,13 @@ def test_inside_the_object_has_its_control_mesh_at_the_strength_of_now(obj):
     vertices, _ = icosphere(1)
     obj.adaptive_fairing.strength = 0.5
     before, refined = everything(obj), obj.data
-    assert is_refined(obj)
+    assert display_of(obj).is_refined
     with control_read(obj):
         assert obj.data != refined
         np.testing.assert_allclose(read_mesh_coordinates(obj.data), 0.9 * vertices, atol=1e-6)
     assert obj.data == refined
     assert everything(obj) == before
-    assert is_refined(obj)
+    assert display_of(obj).is_refined
     assert display_of(obj).is_whole
 
 
@@ -43,7 +43,7 @@ def test_an_error_inside_brings_the_refined_mesh_back_too(obj):
     refined = obj.data
     with pytest.raises(RuntimeError, match="inside"), control_read(obj):
         raise RuntimeError("inside")
-    assert obj.data == refined and is_refined(obj)
+    assert obj.data == refined and display_of(obj).is_refined
 
 
 def test_without_a_refined_mesh_nothing_changes():
@@ -51,7 +51,7 @@ def test_without_a_refined_mesh_nothing_changes():
     mesh = obj.data
     with control_read(obj):
         assert obj.data == mesh
-    assert not is_refined(obj)
+    assert not display_of(obj).is_refined
 
 
 def test_nets_of_other_sizes_have_other_prints(obj):
