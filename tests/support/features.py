@@ -6,8 +6,8 @@ Needs bpy.
 import bpy
 import numpy as np
 
-from adaptive_fairing.blender.data.mesh_arrays import read_positions
-from adaptive_fairing.blender.data.shape_keys import write_final_shape
+from adaptive_fairing.blender.data.mesh_arrays import read_positions, write_positions
+from adaptive_fairing.blender.data.shape_keys import remove_fairing_keys
 
 from .objects import bumpy_box, corners
 
@@ -164,7 +164,8 @@ def custom_normals(obj):
         # They are stored relative to the surface, so they are compared on the undeformed one.
         copy = obj.copy()
         copy.data = obj.data.copy()
-        write_final_shape(copy, bumpy_box()[0])
+        remove_fairing_keys(copy)
+        write_positions(copy.data, bumpy_box()[0])
         normals = [tuple(round(x, 5) for x in each.vector) for each in copy.data.corner_normals]
         return (obj.data.has_custom_normals, normals)
 

@@ -29,7 +29,7 @@ from .color_map import (
     srgb_to_linear,
 )
 from .display import display_of
-from .mesh_arrays import remove_attributes
+from .mesh_arrays import AttributeArray, remove_attributes, write_attribute
 
 if TYPE_CHECKING:  # enabling the add-on does not load the core
     from ...core import FairingSettings
@@ -175,9 +175,7 @@ def write_scalar(mesh: bpy.types.Mesh, name: str, values: ArrayLike) -> None:
     values
         (n,) numbers, kept as float32.
     """
-    values = _per_vertex(mesh, values)
-    attribute = _point_attribute(mesh, name, "FLOAT")
-    attribute.data.foreach_set("value", np.ascontiguousarray(values, dtype=np.float32))
+    write_attribute(mesh, AttributeArray(name, "FLOAT", "POINT", _per_vertex(mesh, values)))
     mesh.update()
 
 
@@ -207,10 +205,9 @@ def write_color(
         Colours of the map, see `colors_srgb`.
     """
     values = _per_vertex(mesh, values)
-    attribute = _point_attribute(mesh, name, "FLOAT_COLOR")  # the first one is made active
     colors = np.ones((len(values), 4), dtype=np.float32)
     colors[:, :3] = srgb_to_linear(colors_srgb(values, low, high, anchors))
-    attribute.data.foreach_set("color", colors.ravel())
+    write_attribute(mesh, AttributeArray(name, "FLOAT_COLOR", "POINT", colors))
     mesh.update()
 
 
@@ -230,17 +227,6 @@ def _per_vertex(mesh: bpy.types.Mesh, values: ArrayLike) -> np.ndarray:
     if values.shape != (len(mesh.vertices),):
         raise ValueError(f"values of shape {values.shape}, the mesh needs ({len(mesh.vertices)},)")
     return values
-
-
-def _point_attribute(mesh: bpy.types.Mesh, name: str, kind: str) -> bpy.types.Attribute:
-    """Find or make the attribute; one of another type or domain is replaced."""
-    attribute = mesh.attributes.get(name)
-    if attribute is not None and (attribute.data_type, attribute.domain) != (kind, "POINT"):
-        mesh.attributes.remove(attribute)
-        attribute = None
-    if attribute is None:
-        attribute = mesh.attributes.new(name, kind, "POINT")
-    return attribute
 
 
 def assign_material(obj: bpy.types.Object, field: str) -> None:

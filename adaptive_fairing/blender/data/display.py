@@ -86,13 +86,17 @@ class _OffsetDisplay(Display):
         record = self.obj.adaptive_fairing
         return tuple(record.strengths[: record.n_strengths])
 
-    def _write_path(self, path: StoredPath, place: float, *, with_original: bool) -> None:
-        write_path(self.obj.data, path, with_original=with_original)
-        record = self.obj.adaptive_fairing
+    def write(self, path: StoredPath, place: float) -> None:
+        mesh, record = self.obj.data, self.obj.adaptive_fairing
+        write_path(mesh, path, with_original=mesh.shape_keys is None)
         record.result = self.name
         record.n_strengths = len(path.knots)
         record.strengths = [*path.knots, *[0.0] * (N_STRENGTHS - len(path.knots))]
-        self.obj.data.adaptive_fairing.strength = place
+        mesh.adaptive_fairing.strength = place
+
+    def note_written(self) -> None:
+        mesh = self.obj.data
+        mesh.adaptive_fairing.checksum = checksum(read_mesh_coordinates(mesh))
 
     def _offset(self, original: SingleArray, place: float) -> SingleArray:
         """Offset (n, 3) at a place, by weights and split."""
@@ -167,7 +171,7 @@ class LiveDisplay(_OffsetDisplay):
         return _touched[key]
 
     def write(self, path: StoredPath, place: float) -> None:
-        self._write_path(path, place, with_original=True)
+        super().write(path, place)
         original = read_values(self.obj.data.attributes[ORIGINAL])
         write_positions(self.obj.data, original + self._offset(original, place))
         self.note_written()
@@ -184,10 +188,6 @@ class LiveDisplay(_OffsetDisplay):
             mesh.adaptive_fairing.checksum = f"{len(shape)}-"
         else:
             self.note_written()
-
-    def note_written(self) -> None:
-        mesh = self.obj.data
-        mesh.adaptive_fairing.checksum = checksum(read_mesh_coordinates(mesh))
 
     def original(self) -> SingleArray | None:
         if not self.has_original:
@@ -233,12 +233,10 @@ class ModifierDisplay(_OffsetDisplay):
         return modifier.strength_of(self.obj)
 
     def write(self, path: StoredPath, place: float) -> None:
-        mesh = self.obj.data
-        has_keys = mesh.shape_keys is not None
-        self._write_path(path, place, with_original=not has_keys)
-        if not has_keys:
-            write_positions(mesh, path.original)
-        mesh.adaptive_fairing.checksum = checksum(read_mesh_coordinates(mesh))
+        super().write(path, place)
+        if self.obj.data.shape_keys is None:
+            write_positions(self.obj.data, path.original)
+        self.note_written()
         modifier.add(self.obj, path.knots, place)
 
     def show(self, place: float) -> None:
@@ -364,9 +362,8 @@ class RelativeKeysDisplay(KeysDisplay):
         write_positions(self.obj.data, self.shown())
 
 
-_DISPLAYS = {each.name: each for each in (LiveDisplay, ModifierDisplay, KeysDisplay)}
-_BY_SETTING = {
-    **_DISPLAYS,
+_DISPLAYS = {
+    **{each.name: each for each in (LiveDisplay, ModifierDisplay, KeysDisplay)},
     "ABSOLUTE_KEYS": KeysDisplay,
     "RELATIVE_KEYS": RelativeKeysDisplay,
     "FINAL_SHAPE": Display,
@@ -387,12 +384,12 @@ def display_of(obj: bpy.types.Object) -> Display:
 
 def new_display(obj: bpy.types.Object, way: str) -> Display:
     """Display for a new result, by the setting that chooses it, see `OutputProperties`."""
-    return _BY_SETTING[way](obj)
+    return _DISPLAYS[way](obj)
 
 
 def leaves_keys(way: str) -> bool:
     """Whether a result that is shown in this way leaves the mesh and its shape keys as they are."""
-    return _BY_SETTING[way] is ModifierDisplay
+    return _DISPLAYS[way] is ModifierDisplay
 
 
 def _is_off_line(moves: SingleArray, offsets: SingleArray, size: float) -> NDArray[np.bool_]:

@@ -12,7 +12,6 @@ import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ...core import FairingError
 from .mesh_arrays import MeshData, is_shared, read_mesh, write_positions
 
 
@@ -30,6 +29,8 @@ def read_level(obj: bpy.types.Object) -> MeshData:
     FairingError
         The level could not be written back.
     """
+    from ...core import FairingError  # enabling the add-on does not load the core
+
     mesh = obj.data
     if mesh.shape_keys is not None:
         raise FairingError(
@@ -61,6 +62,8 @@ def write_level(obj: bpy.types.Object, start: np.ndarray, positions: np.ndarray)
     FairingError
         The level was changed after it was read.
     """
+    from ...core import FairingError
+
     modifier = shown_level(obj)
     if modifier is None or not np.array_equal(read_level(obj).vertices, start):
         raise FairingError(rpt_("the mesh was changed during the run; nothing was written"))

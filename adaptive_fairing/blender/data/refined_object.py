@@ -18,7 +18,6 @@ from ...core.surface.cut_surface import CutSurface
 from ...core.surface.memory_estimate import require_memory
 from ...core.surface.refined_net import RefinedNet
 from ...core.surface.refined_topology import edge_keys
-from .key_copies import read_keys, write_keys
 from .mesh_arrays import (
     GEOMETRY,
     AttributeArray,
@@ -33,6 +32,7 @@ from .mesh_arrays import (
     write_positions,
 )
 from .refinement_cache import RefinedShape, refinement_of
+from .shape_keys import read_keys, write_keys
 from .targets import remove_mesh
 from .vertex_groups import read_groups, write_groups
 

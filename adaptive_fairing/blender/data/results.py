@@ -83,16 +83,7 @@ def store(
 
 @dataclass
 class Shown:
-    """Objects that show a result on the same surface and in the same colours, see `on_control`.
-
-    Attributes
-    ----------
-    objects
-    kept
-        As `show_control` returns.
-    notes
-        As `refine_result` returns.
-    """
+    """Objects that `on_control` shows; what `show_control` and `refine_result` return of them."""
 
     objects: set[bpy.types.Object]
     kept: str | None = None

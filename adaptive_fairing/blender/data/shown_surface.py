@@ -19,9 +19,8 @@ from contextlib import contextmanager
 import bpy
 
 from .display import display_of
-from .key_copies import copy_settings
 from .mesh_arrays import is_shared, n_triangles, read_attributes
-from .shape_keys import keys_checksum
+from .shape_keys import copy_settings, keys_checksum
 from .stored_path import stored_names
 from .targets import remove_mesh
 from .vertex_groups import forget_weights, read_groups, same_groups, write_groups

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import bpy
 
 from ...files.output_words import FAIRED
-from .key_copies import clear_keys
 from .mesh_arrays import is_shared, write_positions
-from .shape_keys import clear_animation, has_foreign_keys, shown_positions
+from .shape_keys import clear_animation, clear_keys, has_foreign_keys, shown_positions
 
 
 def find_mesh_object(file_name: str, name: str | None = None) -> bpy.types.Object:

@@ -27,10 +27,10 @@ from ...files.output_words import DENOISED, FAIRED
 from ...files.report import build_report, denoise_record, step_record, write_report
 from ...version import program_version
 from ..data.coloring import write_density
-from ..data.mesh_arrays import MeshData, n_triangles, read_mesh, weld, welded
+from ..data.mesh_arrays import MeshData, n_triangles, read_mesh, weld, welded, write_positions
 from ..data.multires import shown_level
 from ..data.refined_object import RefineOptions, refine_object
-from ..data.shape_keys import animate_evolution, write_absolute_keys, write_final_shape
+from ..data.shape_keys import animate_evolution, remove_fairing_keys, write_absolute_keys
 from ..data.targets import needs_copy, writable_object
 from ..files.import_losses import import_notes
 from ..files.mesh_files import export_mesh, import_mesh, save_blend
@@ -235,7 +235,8 @@ class _Run:
                 frame_views(objects)
             save_blend(job.output)
         else:
-            write_final_shape(obj, solve.shapes[solve.shown][surface_vertex])
+            remove_fairing_keys(obj)
+            write_positions(obj.data, solve.positions[surface_vertex])
             self._finish(obj)
             self.notes += export_mesh(
                 obj,

@@ -5,7 +5,12 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..data.shape_keys import clear_animation, evolution_keys
+from ..data.shape_keys import (
+    animate_evolution,
+    animated_frames,
+    clear_animation,
+    evolution_keys,
+)
 from .polls import is_allowed
 
 NO_EVOLUTION = "Fair the active object first, with Evolution as its result"
@@ -34,8 +39,6 @@ class _OverFrames(_OnEvolution):
 
     def animate(self, context) -> bool:
         """Set the keyframes in place of earlier ones; False if the range of frames is invalid."""
-        from ..data.shape_keys import animate_evolution
-
         if self.frame_end <= self.frame_start:
             self.report({"ERROR"}, rpt_("The last frame must come after the first"))
             return False
@@ -56,8 +59,6 @@ class OBJECT_OT_adaptive_fairing_play(_OverFrames, bpy.types.Operator):
     bl_options = {"REGISTER"}  # what can be undone is pushed; starting and stopping cannot
 
     def execute(self, context):
-        from ..data.shape_keys import animated_frames
-
         obj, scene = context.active_object, context.scene
         if animated_frames(obj) is None:
             if not self.animate(context):

@@ -13,6 +13,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..choices import DENOISE
 from ..data.mesh_arrays import checksum, read_mesh_coordinates
+from ..data.multires import read_level, shown_level
 from ..data.object_mode import object_mode
 from ..properties import solver_settings
 from ..requirements import scipy_problem
@@ -60,7 +61,6 @@ class OBJECT_OT_adaptive_fairing_check(ModalRun, bpy.types.Operator):
         return is_allowed(cls, *reasons)
 
     def prepare(self, context):
-        from ..data.multires import read_level, shown_level
         from ..jobs.examination import ExaminationJob
         from ..jobs.write_back import read_start
 

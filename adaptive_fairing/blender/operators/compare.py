@@ -11,11 +11,11 @@ from mathutils import Quaternion, Vector
 
 from ..choices import DENOISE, EVOLUTION, LIVE
 from ..data.coloring import end_view
-from ..data.key_copies import clear_keys
 from ..data.mesh_arrays import write_positions
 from ..data.object_mode import object_mode
 from ..data.regions import refusal
 from ..data.results import clear, end_comparison
+from ..data.shape_keys import clear_keys
 from ..data.shown_surface import control_read
 from ..properties import in_object_units, solver_settings
 from ..requirements import scipy_problem

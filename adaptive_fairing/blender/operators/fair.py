@@ -10,6 +10,7 @@ from bpy.app.translations import pgettext_tip as tip_
 from ..choices import DENOISE, FAIR
 from ..data.display import display_of, leaves_keys
 from ..data.mesh_arrays import is_shared
+from ..data.multires import read_level, shown_level, write_level
 from ..data.object_mode import object_mode, undoable_object_mode
 from ..data.regions import BrushRegion, refusal, target_objects, vertex_weights
 from ..data.results import discard, end_comparison, on_control
@@ -89,7 +90,6 @@ class OBJECT_OT_adaptive_fairing(
 
     def conclude(self, context, solves, *, is_stopped):
         from ...core import FairingError
-        from ..data.multires import write_level
         from ..jobs.write_back import find_object
 
         _finished[:] = [solve for solve in solves if solve.is_over and solve.has_result]
@@ -193,7 +193,6 @@ class OBJECT_OT_adaptive_fairing(
     def _solve(self, users, mode, settings):
         """Make a solve of a mesh for objects that use it."""
         from ...core import FairingError
-        from ..data.multires import shown_level
         from ..jobs.solve import Solve
         from ..jobs.write_back import read_start
 
@@ -248,7 +247,6 @@ class OBJECT_OT_adaptive_fairing(
     def _take_level(self, solve, obj):
         """Let a solve start from the shown level of a multiresolution sculpture."""
         from ...core import InputError
-        from ..data.multires import read_level
 
         if not solve.is_denoise:
             raise InputError(

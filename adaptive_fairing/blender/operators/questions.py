@@ -9,8 +9,13 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..choices import DENOISE
-from ..data import modifier
+from ..data.display import leaves_keys
 from ..data.mesh_arrays import is_shared
+from ..data.modifier import NAME
+from ..data.multires import shown_level
+from ..data.shape_keys import animated_frames
+from ..data.targets import needs_copy
+from ..properties import way_of
 
 
 def hints(objects: Sequence[bpy.types.Object], settings) -> list[str]:
@@ -22,25 +27,18 @@ def hints(objects: Sequence[bpy.types.Object], settings) -> list[str]:
 
 def _hints_of(obj: bpy.types.Object, settings, n_users: int) -> list[str]:
     """Warnings on an object whose mesh so many objects of the run use."""
-    # They need the core, which enabling the add-on does not load.
-    from ..data.multires import shown_level
-    from ..data.shape_keys import animated_frames
-    from ..data.targets import needs_copy
-
     mesh = obj.data
     found = []
-    is_modifier = settings.algorithm == DENOISE and settings.result == "MODIFIER"
-    if needs_copy(obj, in_place=is_modifier):
+    keeps_keys = leaves_keys(way_of(settings))
+    if needs_copy(obj, in_place=keeps_keys):
         found.append("The result goes to a copy; this object is hidden")
     elif is_shared(mesh, among=n_users):
         found.append("Other objects share this mesh: they keep the old one")
-    if settings.algorithm == DENOISE and not is_modifier and animated_frames(obj) is not None:
+    if settings.algorithm == DENOISE and not keeps_keys and animated_frames(obj) is not None:
         found.append("The animation of the evolution is removed with its shape keys")
     if obj.mode == "OBJECT" and shown_level(obj) is not None:
         found.append("Multiresolution: the level that is shown is denoised, without a slider")
-    elif any(
-        not each.name.startswith(modifier.NAME) and each.show_viewport for each in obj.modifiers
-    ):
+    elif any(not each.name.startswith(NAME) and each.show_viewport for each in obj.modifiers):
         found.append("Modifiers stay above: the mesh below them is smoothed")
     low, high = min(obj.scale), max(obj.scale)
     if high - low > 0.01 * max(abs(low), abs(high)):

@@ -8,6 +8,7 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from numpy.typing import NDArray
 
+from ..data.mesh_arrays import read_mesh
 from ..data.object_mode import object_mode
 from ..requirements import scipy_problem
 from .polls import is_allowed, linked_refusal, no_active_mesh_refusal
@@ -35,7 +36,6 @@ class OBJECT_OT_adaptive_fairing_select_problems(bpy.types.Operator):
 
     def execute(self, context):
         from ...core.problem.diagnosis import find_problems
-        from ..data.mesh_arrays import read_mesh
 
         obj = context.active_object
         with object_mode(context):

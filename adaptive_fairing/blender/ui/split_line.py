@@ -9,6 +9,7 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d, region_2d_to_locat
 from mathutils import Vector
 from mathutils.geometry import intersect_point_line
 
+from ..data.results import show_split
 from ..operators.results import result_refusal
 
 if TYPE_CHECKING:
@@ -142,8 +143,6 @@ class VIEW3D_GGT_adaptive_fairing_split(bpy.types.GizmoGroup):
 
 def split_at(obj: bpy.types.Object, plane: SplitPlane) -> None:
     """Show the original behind a plane of the world."""
-    from ..data.results import show_split
-
     matrix = obj.matrix_world
     normal = (matrix.to_3x3().transposed() @ plane.normal).normalized()
     show_split(obj, normal, matrix.inverted_safe() @ plane.point)

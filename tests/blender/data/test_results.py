@@ -150,10 +150,12 @@ class TestSteps:
         results.discard(obj)
         assert everything(obj) == before
 
-    def test_the_final_shape_alone_is_no_result(self, obj):
+    def test_the_final_shape_alone_is_no_result_and_leaves_no_keys(self, obj):
         start = read_mesh_coordinates(obj.data)
         shapes = list(start + moves(obj))
+        store_steps(obj, start, [2 * start], "ABSOLUTE_KEYS")
         store_steps(obj, start, shapes, "FINAL_SHAPE")
+        assert obj.data.shape_keys is None
         np.testing.assert_array_equal(read_mesh_coordinates(obj.data), shapes[-1])
         assert not display_of(obj).is_whole
         assert display_of(obj).original() is None

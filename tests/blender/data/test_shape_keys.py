@@ -13,7 +13,6 @@ from adaptive_fairing.blender.data.shape_keys import (
     has_foreign_keys,
     remove_fairing_keys,
     write_absolute_keys,
-    write_final_shape,
     write_relative_keys,
 )
 from adaptive_fairing.core import FairingError
@@ -71,13 +70,6 @@ def test_relative_keys_show_the_last_step(obj):
     np.testing.assert_array_equal(key_positions(obj, "Fairing 1"), STEPS[0])
 
 
-def test_final_shape_leaves_no_keys(obj):
-    write_absolute_keys(obj, STEPS)
-    write_final_shape(obj, STEPS[1])
-    assert obj.data.shape_keys is None
-    np.testing.assert_array_equal(shown_positions(obj), STEPS[1])
-
-
 @pytest.mark.parametrize("write", [write_absolute_keys, write_relative_keys])
 def test_a_second_run_replaces_the_keys_of_the_first(obj, write):
     write_absolute_keys(obj, STEPS)
@@ -111,10 +103,9 @@ def test_removing_keys_gives_the_basis_back_even_if_the_mesh_differs(obj):
     [
         lambda obj: write_absolute_keys(obj, STEPS),
         lambda obj: write_relative_keys(obj, STEPS),
-        lambda obj: write_final_shape(obj, STEPS[0]),
         remove_fairing_keys,
     ],
-    ids=["absolute", "relative", "final", "remove"],
+    ids=["absolute", "relative", "remove"],
 )
 def test_keys_of_the_user_are_never_touched(obj, names, write):
     for name in names:

@@ -48,6 +48,7 @@ def stand_in(operator, **given):
         "is_confirmed": False,
         "algorithm": "DENOISE",
         "result": "LIVE",
+        "output": "ABSOLUTE_KEYS",
         **given,
     }.items():
         setattr(made, name, value)

@@ -6,7 +6,7 @@ import pytest
 from support.meshes import icosphere
 from support.objects import add_object, key_positions
 
-from adaptive_fairing.blender.data.key_copies import clear_keys, read_keys, write_keys
+from adaptive_fairing.blender.data.shape_keys import clear_keys, read_keys, write_keys
 
 
 @pytest.fixture
