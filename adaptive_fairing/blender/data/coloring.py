@@ -17,13 +17,12 @@ import bpy
 import numpy as np
 from bpy.app.translations import pgettext_data as data_
 from bpy.app.translations import pgettext_rpt as rpt_
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .color_map import (
     ANCHORS,
     DIVERGING_ANCHORS,
     SIGNED_FIELDS,
-    color_range,
     colors_srgb,
     field_range,
     srgb_to_linear,
@@ -82,23 +81,19 @@ def color_by_field(
     if mesh.library is not None:
         raise InputError(rpt_("the mesh is linked from another file: make it local to color it"))
     found = measure_field(obj, field, settings or FairingSettings())
-    low, high = field_range(field, found.values)
-    anchors = DIVERGING_ANCHORS if field in SIGNED_FIELDS else ANCHORS
     if record.view != field:
         pause_view(obj)
-    name = FIELD_ATTRIBUTES[field]
     attributes = mesh.attributes
     if COLORS_BEFORE not in mesh:
         mesh[COLORS_BEFORE] = {
             "active": attributes.active_color_name,
             "rendered": attributes.default_color_name,
         }
-    write_scalar(mesh, name, found.values)
-    write_color(mesh, color_name(name), found.values, low, high, anchors)
-    attributes.active_color_name = attributes.default_color_name = color_name(name)
-    record.view = field
+    low, high = write_field(mesh, field, found.values)
+    shown = color_name(FIELD_ATTRIBUTES[field])
+    attributes.active_color_name = attributes.default_color_name = shown
+    record.view, record.view_power = field, found.power
     record.view_range = low * found.unit, high * found.unit
-    record.view_power = found.power
     if record.wants_material:
         assign_material(obj, field)
 
@@ -163,31 +158,8 @@ def is_of_field(name: str) -> bool:
     return any(name in (each, color_name(each)) for each in FIELD_ATTRIBUTES.values())
 
 
-def write_scalar(mesh: bpy.types.Mesh, name: str, values: ArrayLike) -> None:
-    """Store one number per vertex; an earlier attribute of that name is replaced.
-
-    Parameters
-    ----------
-    mesh
-        Mesh in Object Mode.
-    name
-        Name of the attribute.
-    values
-        (n,) numbers, kept as float32.
-    """
-    write_attribute(mesh, AttributeArray(name, "FLOAT", "POINT", _per_vertex(mesh, values)))
-    mesh.update()
-
-
-def write_color(
-    mesh: bpy.types.Mesh,
-    name: str,
-    values: ArrayLike,
-    low: float | None = None,
-    high: float | None = None,
-    anchors: NDArray[np.float64] = ANCHORS,
-) -> None:
-    """Store one colour per vertex.
+def write_field(mesh: bpy.types.Mesh, field: str, values: ArrayLike) -> tuple[float, float]:
+    """Store a field as numbers and as colours, in place of earlier attributes of these names.
 
     If the mesh has no other colours, they become the active ones and those of renders.
 
@@ -195,38 +167,32 @@ def write_color(
     ----------
     mesh
         Mesh in Object Mode.
-    name
-        Name of the colour attribute; an earlier one of that name is replaced.
+    field
+        Key of `FIELD_ATTRIBUTES`.
     values
-        (n,) numbers, coloured by `color_map`; NaN is grey.
-    low, high
-        Values of the first and the last colour; None takes the range of the values.
-    anchors
-        Colours of the map, see `colors_srgb`.
+        (n,) numbers, kept as float32; NaN is grey.
+
+    Returns
+    -------
+    float, float
+        Values of the first and the last colour.
     """
-    values = _per_vertex(mesh, values)
+    values, name = np.asarray(values), FIELD_ATTRIBUTES[field]
+    if values.shape != (len(mesh.vertices),):
+        raise ValueError(f"values of shape {values.shape}, the mesh needs ({len(mesh.vertices)},)")
+    low, high = field_range(field, values)
+    anchors = DIVERGING_ANCHORS if field in SIGNED_FIELDS else ANCHORS
     colors = np.ones((len(values), 4), dtype=np.float32)
     colors[:, :3] = srgb_to_linear(colors_srgb(values, low, high, anchors))
-    write_attribute(mesh, AttributeArray(name, "FLOAT_COLOR", "POINT", colors))
+    write_attribute(mesh, AttributeArray(name, "FLOAT", "POINT", values))
+    write_attribute(mesh, AttributeArray(color_name(name), "FLOAT_COLOR", "POINT", colors))
     mesh.update()
-
-
-def write_density(mesh: bpy.types.Mesh, density: ArrayLike) -> None:
-    """Store the density of a step under its two names, as numbers and as colours."""
-    write_scalar(mesh, DENSITY, density)
-    write_color(mesh, color_name(DENSITY), density, *color_range(density))
+    return low, high
 
 
 def remove_density(mesh: bpy.types.Mesh) -> None:
-    """Remove what `write_density` has stored."""
+    """Remove a density that was asked for."""
     remove_attributes(mesh, (DENSITY, color_name(DENSITY)))
-
-
-def _per_vertex(mesh: bpy.types.Mesh, values: ArrayLike) -> np.ndarray:
-    values = np.asarray(values)
-    if values.shape != (len(mesh.vertices),):
-        raise ValueError(f"values of shape {values.shape}, the mesh needs ({len(mesh.vertices)},)")
-    return values
 
 
 def assign_material(obj: bpy.types.Object, field: str) -> None:

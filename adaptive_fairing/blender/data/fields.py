@@ -92,10 +92,9 @@ def _positions_before(display: Display) -> FloatArray:
 
 def _curvatures(display: Display) -> FloatArray:
     """Compute mean and Gaussian curvature of the limit surface, (2, n); NaN at loose vertices."""
-    obj = display.obj
-    levels = LEVELS[obj.adaptive_fairing.surface] if display.is_refined else 0
-    with control_read(obj):
-        cut = control_surface(obj.data)
+    levels = LEVELS[display.obj.adaptive_fairing.surface] if display.is_refined else 0
+    with control_read(display):
+        cut = control_surface(display.obj.data)
         positions = display.shown().astype(np.float64)[cut.vertex_of]
     values = LimitSurface.from_levels(cut.levels, positions).refined_curvature(levels)
     return RefinedNet(cut, levels).joined(values.T).T

@@ -113,16 +113,16 @@ def on_control(
     FairingError
         As `refine_result`.
     """
-    shown, view = Shown({obj}), pause_view(obj)
-    if for_run and not display_of(obj).is_refined:
+    shown, view, display = Shown({obj}), pause_view(obj), display_of(obj)
+    if for_run and not display.is_refined:
         obj.adaptive_fairing.surface = CONTROL
     else:
-        shown.kept = show_control(obj)
+        shown.kept = show_control(display)
     try:
         yield shown
     finally:
         for each in shown.objects:
-            shown.notes += refine_result(each)
+            shown.notes += refine_result(display_of(each))
             resume_view(each, view, settings)
 
 
@@ -217,8 +217,8 @@ def discard(obj: bpy.types.Object) -> str | None:
         There is no result.
     """
     end_view(obj)
-    kept = show_control(obj)
-    original = display_of(obj).original()
+    display = display_of(obj)
+    kept, original = show_control(display), display.original()
     _require(original is not None)
     clear(obj)
     if obj.data.shape_keys is None:

@@ -18,7 +18,7 @@ from contextlib import contextmanager
 
 import bpy
 
-from .display import display_of
+from .display_base import Display
 from .mesh_arrays import is_shared, n_triangles, read_attributes
 from .shape_keys import copy_settings, keys_checksum
 from .stored_path import stored_names
@@ -39,7 +39,7 @@ OWN_PREFIXES = (".", "fairing_")
 """Prefixes of attributes that hold no work of the user."""
 
 
-def show_control(obj: bpy.types.Object) -> str | None:
+def show_control(display: Display) -> str | None:
     """Bring the control mesh of a result back, with the shape shown now.
 
     Returns
@@ -47,11 +47,11 @@ def show_control(obj: bpy.types.Object) -> str | None:
     str or None
         Name of the refined mesh, if it stays in the file because something was changed on it.
     """
-    refined, record, display = obj.data, obj.adaptive_fairing, display_of(obj)
     if not display.has_control:
         return None
+    obj, refined, record = display.obj, display.obj.data, display.obj.adaptive_fairing
     is_changed = not display.is_refined or _fingerprint(refined) != record.refined_fingerprint
-    _take_control(obj)
+    _take_control(display)
     record.control = None
     name = refined.name
     if is_changed:
@@ -62,8 +62,8 @@ def show_control(obj: bpy.types.Object) -> str | None:
     return refined.name if is_changed else None
 
 
-def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
-    """Show the result of an object, which is on its control mesh, on the surface of its record.
+def refine_result(display: Display) -> tuple[str, ...]:
+    """Show a result, which is on its control mesh, on the surface of its record.
 
     Returns
     -------
@@ -77,7 +77,7 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
     """
     from .refined_object import RefineOptions, refine_object
 
-    record, display = obj.adaptive_fairing, display_of(obj)
+    obj, record = display.obj, display.obj.adaptive_fairing
     if record.surface not in LEVELS or not display.is_whole:
         record.surface = CONTROL
         return ()
@@ -107,14 +107,13 @@ def refine_result(obj: bpy.types.Object) -> tuple[str, ...]:
 
 
 @contextmanager
-def control_read(obj: bpy.types.Object) -> Iterator[None]:
+def control_read(display: Display) -> Iterator[None]:
     """Give an object its control mesh, with the shape shown now, while the body reads it."""
-    record = obj.adaptive_fairing
-    if not display_of(obj).is_refined:
+    if not display.is_refined:
         yield
         return
-    refined = obj.data
-    _take_control(obj)
+    obj, refined, record = display.obj, display.obj.data, display.obj.adaptive_fairing
+    _take_control(display)
     try:
         yield
     finally:
@@ -122,9 +121,9 @@ def control_read(obj: bpy.types.Object) -> Iterator[None]:
         forget_weights()
 
 
-def _take_control(obj: bpy.types.Object) -> None:
+def _take_control(display: Display) -> None:
     """Replace the refined mesh of an object by its control mesh; neither is changed."""
-    refined, record, display = obj.data, obj.adaptive_fairing, display_of(obj)
+    obj, refined, record = display.obj, display.obj.data, display.obj.adaptive_fairing
     place = display.place if display.is_whole else None
     groups = read_groups(obj)
     if is_shared(record.control):  # a copy of the object has the same one
@@ -143,7 +142,7 @@ def _take_control(obj: bpy.types.Object) -> None:
         copy_settings(refined.shape_keys, control.shape_keys)
     forget_weights()
     if place is not None:
-        display_of(obj).show(place)
+        display.show(place)
 
 
 def net_fingerprint(mesh: bpy.types.Mesh) -> str:

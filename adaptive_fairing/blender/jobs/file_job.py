@@ -26,7 +26,7 @@ from ...files.formats import BLEND, keeps_axes, splits_vertices, suffix_of
 from ...files.output_words import DENOISED, FAIRED
 from ...files.report import build_report, denoise_record, step_record, write_report
 from ...version import program_version
-from ..data.coloring import write_density
+from ..data.coloring import write_field
 from ..data.mesh_arrays import MeshData, n_triangles, read_mesh, weld, welded, write_positions
 from ..data.multires import shown_level
 from ..data.refined_object import RefineOptions, refine_object
@@ -227,7 +227,7 @@ class _Run:
             shapes = [shape[surface_vertex] for shape in solve.shapes]
             write_absolute_keys(obj, shapes, solve.shown)
             if solve.steps:
-                write_density(obj.data, solve.steps[-1].density[surface_vertex])
+                write_field(obj.data, "DENSITY", solve.steps[-1].density[surface_vertex])
                 color_by_density(obj)
             self._finish(obj)
             _put_on_timeline(obj, solve.shown, extend=not is_own_scene)

@@ -9,8 +9,9 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ...core import FairingError, FairingSettings
 from ...files.output_words import DENOISED, FAIRED
 from ..data import results
-from ..data.coloring import write_density
+from ..data.coloring import write_field
 from ..data.display import display_of, leaves_keys
+from ..data.display_base import Display
 from ..data.fields import density_and_scale
 from ..data.mesh_arrays import MeshData, read_triangles
 from ..data.shown_surface import control_read
@@ -24,12 +25,12 @@ def read_start(obj: bpy.types.Object, *, from_original: bool = False) -> MeshDat
 
     Of a refined result, read the control mesh.
     """
-    with control_read(obj):
-        return MeshData(_start(obj, from_original).astype(float), read_triangles(obj.data))
-
-
-def _start(obj: bpy.types.Object, from_original: bool) -> np.ndarray:
     display = display_of(obj)
+    with control_read(display):
+        return MeshData(_start(display, from_original).astype(float), read_triangles(obj.data))
+
+
+def _start(display: Display, from_original: bool) -> np.ndarray:
     original = display.original() if from_original else None
     return display.shown() if original is None else original
 
@@ -67,13 +68,13 @@ def store_solve(
     FairingError
         The shape of the object was changed after it was read.
     """
-    require_unchanged(solve, _start(source, from_original))
+    require_unchanged(solve, _start(display_of(source), from_original))
     word = DENOISED if solve.is_denoise else FAIRED
     with written_or_restored(source, in_place=leaves_keys(way), word=word) as obj:
         write_result(obj, solve, way, from_original=from_original)
         obj.adaptive_fairing.keeps_density = store_density
         if store_density:
-            write_density(obj.data, _density(solve))
+            write_field(obj.data, "DENSITY", _density(solve))
     return obj
 
 

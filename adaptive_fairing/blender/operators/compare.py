@@ -11,6 +11,7 @@ from mathutils import Quaternion, Vector
 
 from ..choices import DENOISE, EVOLUTION, LIVE
 from ..data.coloring import end_view
+from ..data.display import display_of
 from ..data.mesh_arrays import write_positions
 from ..data.object_mode import object_mode
 from ..data.regions import refusal
@@ -117,7 +118,7 @@ class OBJECT_OT_adaptive_fairing_compare(SolverProperties, ModalRun, bpy.types.O
         except FairingError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        with control_read(source):
+        with control_read(display_of(source)):
             made = _lay_out(context, source, solves)
         comparison = comparison_of(context.scene)
         _select(context, [source, *comparison.objects])

@@ -95,11 +95,6 @@ def _refusal(context: bpy.types.Context) -> str | None:
     return None
 
 
-def register() -> None:
-    """Register the operator."""
-    bpy.utils.register_class(OBJECT_OT_adaptive_fairing_loop_subdivide)
-
-
-def unregister() -> None:
-    """Take it back."""
-    bpy.utils.unregister_class(OBJECT_OT_adaptive_fairing_loop_subdivide)
+register, unregister = bpy.utils.register_classes_factory(
+    (OBJECT_OT_adaptive_fairing_loop_subdivide,)
+)

@@ -93,10 +93,13 @@ class _OnResult:
 
 
 class _EndOfResult(Asking, _OnResult):
-    """Mix-in of operators that end the results of all selected objects."""
+    """Mix-in of operators that end the results of all selected objects, each by `end`."""
 
     def invoke(self, context, event):
         return self.ask(context, iface_(self.bl_label)) or self.execute(context)
+
+    def execute(self, context):
+        return self.finish(context, self.end, result_objects(context))
 
 
 class OBJECT_OT_adaptive_fairing_apply(_EndOfResult, bpy.types.Operator):
@@ -106,9 +109,7 @@ class OBJECT_OT_adaptive_fairing_apply(_EndOfResult, bpy.types.Operator):
         "Keep the shape as it is shown and remove everything else that the runs have left: stored "
         "shapes, shape keys, modifier, colors. Of all selected objects"
     )
-
-    def execute(self, context):
-        return self.finish(context, apply, result_objects(context))
+    end = staticmethod(apply)
 
 
 class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
@@ -126,9 +127,8 @@ class OBJECT_OT_adaptive_fairing_discard(_EndOfResult, bpy.types.Operator):
             refusal = "The mesh from before the runs is no longer known: Forget keeps this one"
         return is_allowed(cls, refusal, busy_refusal())
 
-    def execute(self, context):
-        objects = result_objects(context)
-        return self.finish(context, lambda obj: report_kept(self, discard(obj)), objects)
+    def end(self, obj):
+        report_kept(self, discard(obj))
 
 
 class OBJECT_OT_adaptive_fairing_forget(_EndOfResult, bpy.types.Operator):
@@ -138,13 +138,11 @@ class OBJECT_OT_adaptive_fairing_forget(_EndOfResult, bpy.types.Operator):
         "Leave the mesh and its shape keys as they are and remove what else the runs have left. Of "
         "all selected objects"
     )
+    end = staticmethod(forget)
 
     @classmethod
     def poll(cls, context):
         return is_allowed(cls, record_refusal(context), busy_refusal())
-
-    def execute(self, context):
-        return self.finish(context, forget, result_objects(context))
 
 
 class OBJECT_OT_adaptive_fairing_surface(_OnResult, bpy.types.Operator):

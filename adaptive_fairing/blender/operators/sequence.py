@@ -55,12 +55,7 @@ class OBJECT_OT_adaptive_fairing_sequence(SolverProperties, ModalRun, bpy.types.
         self._session_uid = obj.session_uid
         self._frames = read_frames(obj, numbers)
         return [
-            Solve(
-                frame.data.vertices,
-                frame.data.triangles,
-                settings,
-                name=rpt_("Frame {:d}").format(frame.number),
-            )
+            Solve(*frame.data, settings, name=rpt_("Frame {:d}").format(frame.number))
             for frame in self._frames
         ]
 

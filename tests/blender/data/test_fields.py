@@ -67,7 +67,7 @@ def test_on_a_refined_mesh_the_curvature_is_that_of_the_same_surface(obj):
     """The control vertices are the first of the refined mesh."""
     expected = measure_field(obj, "CURVATURE", SETTINGS).values
     obj.adaptive_fairing.surface = "REFINED_1"
-    shown_surface.refine_result(obj)
+    shown_surface.refine_result(display_of(obj))
     found = measure_field(obj, "CURVATURE", SETTINGS).values
     assert len(found) == len(obj.data.vertices) > len(expected)
     np.testing.assert_allclose(found[: len(expected)], expected, atol=1e-4 * np.ptp(expected))

@@ -49,7 +49,7 @@ def test_the_result_is_on_the_limit_surface_at_every_strength(obj, name, levels)
 def test_the_control_mesh_comes_back_bit_by_bit_and_the_other_goes(obj):
     before = everything(obj)
     show_surface(obj, "REFINED_2")
-    assert show_control(obj) is None
+    assert show_control(display_of(obj)) is None
     assert everything(obj) == before
     assert list(bpy.data.meshes) == [obj.data]
 
@@ -57,7 +57,7 @@ def test_the_control_mesh_comes_back_bit_by_bit_and_the_other_goes(obj):
 def test_a_refined_mesh_that_somebody_changed_stays_in_the_file(obj):
     show_surface(obj, "REFINED_1")
     obj.data.attributes.new("mine", "FLOAT", "POINT").data[0].value = 1.0
-    kept = show_control(obj)
+    kept = show_control(display_of(obj))
     assert bpy.data.meshes[kept].use_fake_user
     assert "mine" in bpy.data.meshes[kept].attributes
     assert len(obj.data.vertices) == len(icosphere(1)[0])

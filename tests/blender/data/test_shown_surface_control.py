@@ -21,7 +21,7 @@ def obj():
     start = read_mesh_coordinates(obj.data)
     results.store(obj, StoredPath.through(start, [1.0], [0.8 * start]), 1.0, "LIVE")
     obj.adaptive_fairing.surface = "REFINED_1"
-    shown_surface.refine_result(obj)
+    shown_surface.refine_result(display_of(obj))
     return obj
 
 
@@ -30,7 +30,7 @@ def test_inside_the_object_has_its_control_mesh_at_the_strength_of_now(obj):
     obj.adaptive_fairing.strength = 0.5
     before, refined = everything(obj), obj.data
     assert display_of(obj).is_refined
-    with control_read(obj):
+    with control_read(display_of(obj)):
         assert obj.data != refined
         np.testing.assert_allclose(read_mesh_coordinates(obj.data), 0.9 * vertices, atol=1e-6)
     assert obj.data == refined
@@ -41,7 +41,7 @@ def test_inside_the_object_has_its_control_mesh_at_the_strength_of_now(obj):
 
 def test_an_error_inside_brings_the_refined_mesh_back_too(obj):
     refined = obj.data
-    with pytest.raises(RuntimeError, match="inside"), control_read(obj):
+    with pytest.raises(RuntimeError, match="inside"), control_read(display_of(obj)):
         raise RuntimeError("inside")
     assert obj.data == refined and display_of(obj).is_refined
 
@@ -49,7 +49,7 @@ def test_an_error_inside_brings_the_refined_mesh_back_too(obj):
 def test_without_a_refined_mesh_nothing_changes():
     obj = add_object(*icosphere(0))
     mesh = obj.data
-    with control_read(obj):
+    with control_read(display_of(obj)):
         assert obj.data == mesh
     assert not display_of(obj).is_refined
 

@@ -56,7 +56,7 @@ def fails(request, monkeypatch):
     def broken(*arguments):
         raise request.param("no room for the density")
 
-    monkeypatch.setattr(write_back, "write_density", broken)
+    monkeypatch.setattr(write_back, "write_field", broken)
 
 
 def fail(**options):
@@ -81,13 +81,13 @@ def test_an_earlier_evolution_with_its_animation(obj, monkeypatch):
     run()
     bpy.ops.object.adaptive_fairing_animate(frame_start=1, frame_end=20)
     before = state(obj)
-    monkeypatch.setattr(write_back, "write_density", _broken)
+    monkeypatch.setattr(write_back, "write_field", _broken)
     fail(tau=0.1)
     assert state(obj) == before
     assert obj.data.shape_keys.animation_data.action is not None
 
 
-@pytest.mark.parametrize("place", ["_write_record", "write_density"])
+@pytest.mark.parametrize("place", ["_write_record", "write_field"])
 def test_the_colours_of_a_field_and_their_material(obj, monkeypatch, place):
     obj.data.materials.append(bpy.data.materials.new("Mine"))
     plain = state(obj)
