@@ -105,7 +105,7 @@ class FairingRecord(bpy.types.PropertyGroup):
     __slots__ = ()
 
     result: StringProperty()
-    surface: StringProperty(description="Identifier of SURFACES in `shown_surface`, or empty")
+    surface: StringProperty(description="Identifier of SURFACES, or empty")
     control: PointerProperty(
         type=bpy.types.Mesh, description="Control mesh, while the object has a refined one"
     )

@@ -30,6 +30,7 @@ from .shape_keys import animate_evolution, animated_frames
 from .shown_surface import CONTROL, refine_result, show_control
 from .stored_path import StoredPath
 from .targets import remove_mesh
+from .vertex_groups import have_weights_changed
 
 if TYPE_CHECKING:  # enabling the add-on does not load the core
     from numpy.typing import NDArray
@@ -134,10 +135,10 @@ def show_at(obj: bpy.types.Object, place: float) -> None:
             display_of(obj).show(place)
 
 
-def update_shown(obj: bpy.types.Object) -> None:
-    """Show a result with the present weights and split."""
+def follow_weights(obj: bpy.types.Object) -> None:
+    """Show a result with its painted weights, unless it does already."""
     display = display_of(obj)
-    if display.is_whole:
+    if have_weights_changed(obj) and display.is_whole:
         display.show(display.place)
 
 

@@ -137,6 +137,13 @@ def paint_weights(obj: bpy.types.Object) -> SingleArray | None:
     return _weights[key]
 
 
+def have_weights_changed(obj: bpy.types.Object) -> bool:
+    """Read the weights of the group again, and compare them with those that were read last."""
+    before = _weights.pop((obj.session_uid, len(obj.data.vertices)), None)
+    now = paint_weights(obj)
+    return now is not None and not (before is not None and np.array_equal(before, now))
+
+
 def forget_weights() -> None:
     """Have the weights read again at the next use, because they may have been painted."""
     _weights.clear()

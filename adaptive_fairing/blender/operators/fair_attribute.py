@@ -9,8 +9,8 @@ from ..choices import FAIR
 from ..data.coloring import own_color
 from ..data.object_mode import undoable_object_mode
 from ..data.regions import refusal, target_objects, vertex_weights
-from ..data.results import end_comparison, update_shown
-from ..data.vertex_groups import PAINT_GROUP, forget_weights
+from ..data.results import end_comparison, follow_weights
+from ..data.vertex_groups import PAINT_GROUP
 from ..properties import copy_settings, copy_solver, fairing_settings
 from ..requirements import scipy_problem
 from ..run_properties import OutputProperties, SolverProperties
@@ -96,8 +96,7 @@ class OBJECT_OT_adaptive_fairing_attribute(SolverProperties, OutputProperties, b
         end_comparison(obj)
         result = fair_attribute(obj, name, settings, weights=weights)
         if name == PAINT_GROUP:
-            forget_weights()
-            update_shown(obj)
+            follow_weights(obj)
         text = rpt_("{:s}: {!r} is faired").format(obj.name, name)
         if result.n_limited:
             cut = rpt_(

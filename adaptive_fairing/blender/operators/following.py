@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 import bpy
-import numpy as np
 
 from ..data import earlier_files
 from ..data.display import display_of
-from ..data.results import update_shown
+from ..data.results import follow_weights
 from ..data.sculpt_undo import forget_states
-from ..data.vertex_groups import forget_weights, paint_weights
+from ..data.vertex_groups import forget_weights
 from . import mesh_scale, viewport
 from .check import checks
 from .readings import readings
-
-_weights_before: dict[int, np.ndarray] = {}  # of the object being painted, by its session_uid
 
 
 @bpy.app.handlers.persistent
@@ -29,27 +26,9 @@ def _follow_change(scene, graph) -> None:
             follow_weights(obj)
 
 
-def follow_weights(obj: bpy.types.Object) -> None:
-    """Show an object with its painted weights, unless it does already."""
-    forget_weights()
-    weights = paint_weights(obj)
-    before = _weights_before.get(obj.session_uid)
-    if weights is None or (before is not None and np.array_equal(weights, before)):
-        return
-    _weights_before.clear()
-    _weights_before[obj.session_uid] = weights
-    update_shown(obj)
-
-
-def _forget() -> None:
-    """Forget all caches of meshes, which undo or another file has replaced."""
-    forget_weights()
-    _weights_before.clear()
-
-
 def _forget_file() -> None:
     """Forget all that is known of the objects of a file, because it is being closed."""
-    _forget()
+    forget_weights()
     forget_states()
     for each in (checks, readings, mesh_scale):
         each.clear()
@@ -58,7 +37,7 @@ def _forget_file() -> None:
 @bpy.app.handlers.persistent
 def _follow_history(*_arguments) -> None:
     """After undo and redo, show the colours of fields exactly where there are fields."""
-    _forget()
+    forget_weights()
     viewport.end_without_fields()
     viewport.show()
 

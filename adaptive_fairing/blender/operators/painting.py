@@ -13,8 +13,8 @@ from ..compatibility import weight_paint_settings
 from ..data.display import display_of
 from ..data.object_mode import undoable_object_mode
 from ..data.regions import SCULPT_MASK, sculpt_mask
-from ..data.results import update_shown
-from ..data.vertex_groups import PAINT_GROUP, add_weights, forget_weights
+from ..data.results import follow_weights
+from ..data.vertex_groups import PAINT_GROUP, add_weights
 from . import viewport
 from .polls import busy_refusal, is_allowed
 from .results import result_refusal
@@ -68,8 +68,7 @@ class OBJECT_OT_adaptive_fairing_paint(bpy.types.Operator):
                 self.report({"ERROR"}, rpt_("Mask where the original is to come back"))
                 return {"CANCELLED"}
             add_weights(display_of(obj).paint_group(), range(len(mask)), 1 - mask)
-            forget_weights()
-            update_shown(obj)
+            follow_weights(obj)
         return {"FINISHED"}
 
 

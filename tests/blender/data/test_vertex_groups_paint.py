@@ -5,6 +5,7 @@ import numpy as np
 from adaptive_fairing.blender.data.vertex_groups import (
     PAINT_GROUP,
     forget_weights,
+    have_weights_changed,
     made_paint_group,
     paint_weights,
     remove_paint_group,
@@ -33,6 +34,17 @@ def test_painted_weights_count_once_the_old_ones_are_forgotten(obj):
     expected = np.ones(len(before), dtype=np.float32)
     expected[3], expected[4] = 0.25, 0.0
     assert np.array_equal(paint_weights(obj), expected)
+
+
+def test_weights_that_were_painted_since_they_were_read_have_changed(obj):
+    assert not have_weights_changed(obj)  # there is no group
+    group = made_paint_group(obj)
+    assert have_weights_changed(obj)
+    assert not have_weights_changed(obj)
+    group.add([3], 0.25, "REPLACE")
+    assert have_weights_changed(obj)
+    assert paint_weights(obj)[3] == 0.25
+    assert not have_weights_changed(obj)
 
 
 def test_every_object_has_its_own(obj):

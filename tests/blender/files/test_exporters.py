@@ -6,8 +6,8 @@ import pytest
 from support.meshes import noisy_ball
 from support.objects import add_object, shown_positions
 
+from adaptive_fairing.blender.data import results
 from adaptive_fairing.blender.files.mesh_files import empty_scene
-from adaptive_fairing.blender.operators import following
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -154,7 +154,7 @@ def test_a_walk_from_the_scan_to_the_export(noisy, tmp_path, kind):
     bpy.ops.object.adaptive_fairing_paint()
     nose = before[:, 2] > 0.7
     noisy.vertex_groups["Fairing"].add(np.flatnonzero(nose).tolist(), 0.0, "REPLACE")
-    following.follow_weights(noisy)
+    results.follow_weights(noisy)
     bpy.ops.object.adaptive_fairing_paint()
     assert noisy.mode == "OBJECT"
     bpy.ops.object.adaptive_fairing_apply()

@@ -7,10 +7,10 @@ from support.objects import edited_vertices, key_positions, select, shown_positi
 from support.results import coordinates, core_result, fairing_attributes, near, paper, run
 
 from adaptive_fairing.blender.compatibility import set_modifier_input, weight_paint_settings
+from adaptive_fairing.blender.data import results
 from adaptive_fairing.blender.data.display import display_of
 from adaptive_fairing.blender.data.results import end_comparison
 from adaptive_fairing.blender.data.vertex_groups import PAINT_GROUP
-from adaptive_fairing.blender.operators import following
 
 pytestmark = pytest.mark.usefixtures("addon")
 
@@ -272,7 +272,7 @@ class TestPaintBack:
         group.add([0, 1], 0.0, "REPLACE")
         group.add([2], 0.5, "REPLACE")
         noisy.data.update()
-        following.follow_weights(noisy)
+        results.follow_weights(noisy)
         shown = shown_positions(noisy)
         assert np.array_equal(shown[:2], before[:2])
         assert near(shown[2], (before[2] + after[2]) / 2)
@@ -309,7 +309,7 @@ class TestPaintBack:
         run()
         bpy.ops.object.adaptive_fairing_paint()
         noisy.vertex_groups[PAINT_GROUP].add(range(50), 0.0, "REPLACE")
-        following.follow_weights(noisy)
+        results.follow_weights(noisy)
         bpy.ops.object.mode_set(mode="OBJECT")
         other = noisy.vertex_groups.new(name="Other")
         other.add(range(50, len(before)), 1.0, "REPLACE")

@@ -15,10 +15,9 @@ from support.objects import (
 )
 from support.results import LEVELS, coordinates, near, paper, refined, run, surface
 
-from adaptive_fairing.blender.data import shown_surface
+from adaptive_fairing.blender.data import results, shown_surface
 from adaptive_fairing.blender.data.mesh_arrays import read_triangles
 from adaptive_fairing.blender.data.vertex_groups import PAINT_GROUP
-from adaptive_fairing.blender.operators import following
 from adaptive_fairing.core import LimitSurface, TriangleTopology
 from adaptive_fairing.core.surface import memory_estimate
 
@@ -184,7 +183,7 @@ class TestNothingIsLost:
         noisy.data.materials.append(red)
         bpy.ops.object.adaptive_fairing_paint()
         noisy.vertex_groups[PAINT_GROUP].add(range(40), 0.25, "REPLACE")
-        following.follow_weights(noisy)
+        results.follow_weights(noisy)
         bpy.ops.object.mode_set(mode="OBJECT")
         shown = coordinates(noisy)
         surface("CONTROL")
