@@ -53,6 +53,16 @@ def test_the_original_is_the_basis_or_what_came_before_it(obj, shapes, display):
     assert np.array_equal(display.original(), 2 * shapes[0])
 
 
+def test_a_first_knot_at_0_is_the_basis(obj, shapes):
+    path = StoredPath.through(2 * shapes[0], (0.0, *STEPS), shapes)
+    display = new_display(obj, "ABSOLUTE_KEYS")
+    display.write(path, 2.0)
+    assert display.place == 2.0
+    assert np.array_equal(display.original(), 2 * shapes[0])
+    for name, shape in zip(obj.data.shape_keys.key_blocks.keys(), shapes, strict=True):
+        assert np.array_equal(key_positions(obj, name), shape)
+
+
 def test_a_further_run_adds_to_the_way_from_the_original(display, shapes):
     original, offsets = display.so_far(shapes[2], [0.0, 0.5, 1.0, 2.0])
     assert np.array_equal(original, shapes[0])

@@ -101,6 +101,12 @@ class TestMemory:
         settings.from_original = True
         assert mesh_scale.measure(obj, settings) == before
 
+    def test_another_strength_of_a_modifier_is_another_scale(self, noisy, settings):
+        bpy.ops.object.adaptive_fairing(result="MODIFIER")
+        mesh_scale.measure(noisy, settings)
+        noisy.adaptive_fairing.strength = 0.3
+        assert mesh_scale.known_scale(noisy, settings) is None
+
     def test_a_run_leaves_its_set_up(self, obj, settings, monkeypatch):
         # No other test asks for this radius: what one has solved would be taken from there.
         bpy.ops.object.adaptive_fairing(algorithm="FAIR", radius=1.9)
