@@ -63,12 +63,13 @@ class _OffsetDisplay(Display):
     slider = "strength"
     has_weights = True
 
+    def continues(self, earlier: Display) -> bool:
+        return earlier.is_whole
+
     def continued(
         self, earlier: Display, path: StoredPath, place: float, weights: NDArray | None
     ) -> StoredPath:
         """Add the offset of the earlier result at the same fraction of the strength shown."""
-        if not earlier.is_whole:
-            return path
         parts = [1.0, *(each / place for each in path.knots)]
         original, (kept, *moves) = earlier.so_far(path.original, parts)
         if weights is None:
@@ -307,9 +308,9 @@ class KeysDisplay(Display):
     def continued(
         self, earlier: Display, path: StoredPath, place: float, weights: NDArray | None
     ) -> StoredPath:
-        """Keep the original of an earlier result whose mesh is unchanged."""
+        """Keep the original of the earlier result."""
         original = earlier.original()
-        if not earlier.goes_on or np.array_equal(original, path.original):
+        if np.array_equal(original, path.original):
             return path
         shapes = [path.original, *path.shapes]
         return StoredPath.through(original, (0.0, *path.knots), shapes)

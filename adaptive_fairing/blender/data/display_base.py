@@ -106,10 +106,14 @@ class Display:
         move = start - original
         return original, [np.float32(min(part, 1.0)) * move for part in parts]
 
+    def continues(self, earlier: Display) -> bool:
+        """Whether a result that is stored in this way continues an earlier one."""
+        return earlier.goes_on
+
     def continued(
         self, earlier: Display, path: StoredPath, place: float, weights: NDArray | None
     ) -> StoredPath:
-        """Let the path of a run go on from an earlier result, see `results.store`."""
+        """Let the path of a run continue an earlier result, see `results.store`."""
         return path
 
     def write(self, path: StoredPath, place: float) -> None:

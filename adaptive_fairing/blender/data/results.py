@@ -73,9 +73,9 @@ def store(
     from_original
         Whether the run started from the original, so that earlier ones do not count.
     """
-    display, frames = new_display(obj, way), animated_frames(obj)
-    if not from_original:
-        path = display.continued(display_of(obj), path, place, weights)
+    earlier, display, frames = display_of(obj), new_display(obj, way), animated_frames(obj)
+    if not from_original and display.continues(earlier):
+        path = display.continued(earlier, path, place, weights)
     clear(obj)
     display.write(path, place)
     if frames is not None and display.slider == "evolution":

@@ -8,7 +8,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.app.translations import pgettext_tip as tip_
 
 from ..choices import DENOISE, FAIR
-from ..data.display import display_of, leaves_keys
+from ..data.display import display_of, leaves_keys, new_display
 from ..data.mesh_arrays import is_shared
 from ..data.multires import read_level, shown_level, write_level
 from ..data.object_mode import object_mode, undoable_object_mode
@@ -180,9 +180,8 @@ class OBJECT_OT_adaptive_fairing(
 
     def _tell_what_is_dropped(self, solve, source):
         """Report that an earlier result no longer counts."""
-        display = display_of(source)
-        counts = display.is_whole if solve.is_denoise else display.goes_on
-        if source.adaptive_fairing.result and not counts:
+        earlier, display = display_of(source), new_display(source, way_of(self))
+        if source.adaptive_fairing.result and not display.continues(earlier):
             self.report(
                 {"INFO"},
                 rpt_(
