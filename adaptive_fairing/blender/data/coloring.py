@@ -138,7 +138,7 @@ def resume_view(obj: bpy.types.Object, view: str, settings: FairingSettings | No
 
     If the shape before the runs is not known, there are no colours that compare with it.
     """
-    if view and not (view in COMPARED_FIELDS and display_of(obj).original() is None):
+    if view and (view not in COMPARED_FIELDS or display_of(obj).has_original):
         color_by_field(obj, view, settings)
 
 
