@@ -59,10 +59,12 @@ class FilterBank:
         self._precision: Precision = np.float32 if is_large else np.float64
         ratio, largest = start.smooth_spacing / start.spacing, parameters().largest_weight
         self._weights = np.clip(ratio, 1 / largest, largest)
+        self._noise: FloatArray | None = None
         self._normal_weights: FloatArray | None = None
 
     def know_noise(self, noise: FloatArray) -> None:
         """Give normals less weight where the noise, (n,) in local edge lengths, is stronger."""
+        self._noise = noise
         self._normal_weights = weights_of_normals(self._pattern.topology, noise)
 
     def started(self, noisy: TriangleSurface) -> tuple[TriangleSurface, dict[Filter, FloatArray]]:
@@ -123,15 +125,13 @@ class FilterBank:
 
         None if the surface counts as round.
         """
-        weights = self._normal_weights
-        return flattened(surface, noisy.positions, self._around, weights, correlation)
+        return flattened(surface, noisy.positions, self._around, self._noise, correlation)
 
     def flat_faces(
         self, noisy: TriangleSurface, surface: TriangleSurface, correlation: NoiseCorrelation
     ) -> FlatFaces:
         """Find the flat faces of a surface, and their planes, in spite of smooth noise."""
-        weights = self._normal_weights
-        return FlatFaces(surface, noisy.positions, self._around, weights, correlation)
+        return FlatFaces(surface, noisy.positions, self._around, self._noise, correlation)
 
     def _fitted(
         self, surface: TriangleSurface, smooth: TriangleSurface, family: NormalFamily

@@ -21,7 +21,7 @@ from scipy.sparse.csgraph import connected_components
 from ..mesh.normals import dots, unit_vectors
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
 from .noise_correlation import WHITE, NoiseCorrelation
-from .normal_filter import Smoothing, smoothed_normals
+from .normal_filter import Smoothing, smoothed_normals, weights_of_normals
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
@@ -41,7 +41,7 @@ def flattened(
     surface: TriangleSurface,
     noisy: FloatArray,
     around: IntArray,
-    weights: FloatArray | None = None,
+    noise: FloatArray | None = None,
     correlation: NoiseCorrelation = WHITE,
 ) -> FloatArray | None:
     """Move the vertices of a surface's flat faces onto their planes.
@@ -54,8 +54,8 @@ def flattened(
         Noisy positions of the same vertices, to which the planes are fitted.
     around : (9, m) int
         Triangles around each one, see `triangles_around`.
-    weights : (m,), optional
-        Weight of the normal of each triangle.
+    noise : (n,), optional
+        Standard deviation in local edge lengths, where it is known.
     correlation : NoiseCorrelation
         Correlation of smooth noise; no correlation otherwise.
 
@@ -65,7 +65,7 @@ def flattened(
         Positions with flat faces; vertices on none of them do not move.  None if so few triangles
         are on flat faces that the surface counts as round.
     """
-    found = FlatFaces(surface, noisy, around, weights, correlation)
+    found = FlatFaces(surface, noisy, around, noise, correlation)
     if np.mean(found.face >= 0) < parameters().least_flat:
         return None
     return found.planes.onto(surface.positions, surface.smooth_spacing)
@@ -87,19 +87,24 @@ class FlatFaces:
         surface: TriangleSurface,
         noisy: FloatArray,
         around: IntArray,
-        weights: FloatArray | None = None,
+        noise: FloatArray | None = None,
         correlation: NoiseCorrelation = WHITE,
     ) -> None:
         tuned, topology = parameters(), surface.topology
+        if noise is None:
+            noise = np.zeros(topology.n_vertices)
         # Neighbours with smooth noise say less than as many of their own would.
         self._own_part = correlation.deviation**2 if correlation.passes else 1.0
         self._most_uneven = tuned.most_uneven_if_smooth if correlation.passes else tuned.most_uneven
         self._triangles, self._noisy = topology.triangles, noisy
         self._surface, self._spacing = surface.positions, surface.smooth_spacing
+        # Where the noise is stronger, more of it is left in the surface.
+        self._reach = tuned.face_height * np.maximum(1, noise / tuned.coarse_noise) * self._spacing
         scaled = surface.triangle_normals()
         self._areas = np.sqrt(dots(scaled, scaled))
         passes = tuned.face_passes * (1 + correlation.passes)
         smoothing = Smoothing(tuned.short_fit_angle, (passes,))
+        weights = weights_of_normals(topology, noise)
         (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing, weights)
         side = np.flatnonzero(topology.twin >= 0)
         self._beside = side // 3, topology.twin[side] // 3
@@ -178,11 +183,8 @@ class FlatFaces:
         triangle, face = outside[is_border], self.face[inside[is_border]]
         cosine = np.abs(dots(self._normals[triangle], planes.normals[face]))
         fits = cosine > np.cos(tuned.face_angle_at_border)
-        # Less noise leaves a surface that is nearer to its planes.
-        part = np.clip(planes.deviations / tuned.coarse_noise, tuned.least_face_height, 1)[face]
         for vertex in self._triangles[triangle].T:
-            height = np.abs(planes.heights(self._surface[vertex], face))
-            fits &= height < tuned.face_height * part * self._spacing[vertex]
+            fits &= np.abs(planes.heights(self._surface[vertex], face)) < self._reach[vertex]
         triangle, face, cosine = triangle[fits], face[fits], cosine[fits]
         # Of several faces the last one in this order counts.
         best = np.argsort(cosine, kind="stable")
@@ -216,8 +218,6 @@ class PlaneFits:
         Vertices with each of the faces that they belong to.
     centres, normals : (k, 3)
         A point on each plane, and its unit normal, of either sign.
-    deviations : (k,)
-        Standard deviations of the positions from their planes, in local edge lengths.
     """
 
     def __init__(
@@ -235,8 +235,7 @@ class PlaneFits:
             self._fit()
             self._residuals = self.heights(self._points, self.face) / self._spacing
             median = self._medians(np.abs(self._residuals))
-            self.deviations = MEDIAN_TO_DEVIATION * median
-            limit = tuned.plane_outlier * np.maximum(self.deviations, LEAST_DEVIATION)
+            limit = tuned.plane_outlier * np.maximum(MEDIAN_TO_DEVIATION * median, LEAST_DEVIATION)
             # Tukey's biweight.
             inside = np.clip(1 - (self._residuals / limit[self.face]) ** 2, 0, None)
             self._weights = by_noise * inside**2

@@ -75,11 +75,10 @@ class DenoiseParameters:
     most_uneven_if_smooth: float = math.radians(8)
     # Triangles that turn away from the plane by more than this are not taken.
     face_angle_at_border: float = math.radians(25)
-    # Triangles with a vertex further from the plane than this are not taken.
+    # Triangles with a vertex further from the plane than this are not taken. Where the noise is more
+    # than `coarse_noise` it is larger in proportion: on ten CAD shapes with one amplitude of 0.2 the
+    # error was 0.98 of that with the same everywhere.
     face_height: float = 0.35
-    # Noise of less than `coarse_noise` lowers this height in proportion, at most by this factor.
-    # With 1, faces that meet at 15° grow into each other where the rest is clean.
-    least_face_height: float = 0.5
     # A mesh with a smaller part of its triangles on flat faces counts as round. Seven organic
     # shapes had at most 0.12, parts with flat sides at least 0.25, one shape between them 0.15.
     least_flat: float = 0.2
