@@ -44,7 +44,7 @@ def verdict_of_width(stage: Stage, width: float) -> NoiseVerdict:
         size = _least_size(noisy, noise / deviation, counted, passes)
         # On a plane there is no shape.
         on_faces = stage.face_noise(noisy)
-        if on_faces.part >= parameters().least_on_faces:
+        if on_faces.part >= parameters().least_flat:
             size = min(size, on_faces.level)
         # The part that is subtracted for clean meshes is added first.
         level[counted] = with_clean(np.array(size))

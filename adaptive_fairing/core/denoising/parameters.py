@@ -27,12 +27,14 @@ class DenoiseParameters:
     # Least number of triangles of a flat face, of vertices of a boundary curve whose noise is
     # estimated by itself, and of spikes that count as many. By hand.
     fewest: int = 12
-    # With fewer vertices no noise is estimated, in a mesh or in its small parts together. By hand.
+    # With fewer vertices no noise is estimated, in a mesh, in its small parts together, or on a flat
+    # face. By hand.
     fewest_vertices: int = 50
     # In a rough mesh of fewer vertices noise cannot be told from shape. Smaller parts, such as eyes
     # of a head, take the verdict of the whole. A class of density has as many or more. By hand.
     fewest_to_tell: int = 300
-    # Vertices of a connected part, or of a bin of density, from which the noise is estimated.
+    # Vertices of a connected part, of a bin of density, or well inside all flat faces, from which
+    # the noise is estimated.
     # By hand; with 300 the lower of two bins gave 0.16 and 0.17 for noise of 0.2.
     own_estimate: int = 400
     # Rounds of each loop that ends when nothing changes: flat faces grow, spikes go back and
@@ -79,9 +81,10 @@ class DenoiseParameters:
     # than `coarse_noise` it is larger in proportion: on ten CAD shapes with one amplitude of 0.2 the
     # error was 0.98 of that with the same everywhere.
     face_height: float = 0.35
-    # A mesh with a smaller part of its triangles on flat faces counts as round. Seven organic
-    # shapes had at most 0.12, parts with flat sides at least 0.25, one shape between them 0.15.
-    least_flat: float = 0.2
+    # A mesh with a smaller part of its triangles on flat faces counts as round, and with a smaller
+    # part of its vertices well inside them its noise is not told there. Seven organic shapes had at
+    # most 0.12, parts with flat sides at least 0.25, one shape between them 0.15.
+    least_flat: float = 0.15
     # Fits of a plane; the second leaves outliers out. With four nothing was better.
     plane_fits: int = 2
     # Vertices that lie this many standard deviations off the plane do not count.
@@ -204,10 +207,9 @@ class DenoiseParameters:
     # Vertices go this fraction of their way along the surface. On meshes with known noise that was
     # worth 4 % of the error and 7 % of the angle with noise of 0.05, 0 and 4 % with noise of 0.2.
     sliding_fraction: float = 0.75
-    # A triangle is upright if the cosine of its angle to the surface is more than this. By hand.
-    upright_cosine: float = 0.2
-    # An upright triangle is turned over if its cosine becomes less than this. By hand.
-    turned_cosine: float = 0.1
+    # A triangle is upright if the cosine of its angle to the surface is more than this, and turned
+    # over if it becomes less. By hand.
+    upright_cosine: float = 0.1
     # Passes of averaging until noise and folds hardly disturb the normals. By hand.
     normal_passes: int = 5
 
@@ -246,13 +248,6 @@ class DenoiseParameters:
     # with the standard deviation that this leaves of white noise.
     assumed_passes: int = 8
     assumed_deviation: float = 0.19
-    # A face counts if it has this many vertices well inside. By hand.
-    fewest_on_face: int = 60
-    # Noise is told on faces if at least this many vertices, and this part of all, are well inside
-    # them, and if its level is within these limits.
-    fewest_on_faces: int = 500
-    least_on_faces: float = 0.15
-    least_level_on_faces: float = 0.05
     # Rocks and wrinkles all over four flat-sided shapes were taken for noise of levels from 0.39 to
     # 0.75. Noise of 0.3 that is alike over four edges had at most 0.32.
     most_level_on_faces: float = 0.35
@@ -346,9 +341,6 @@ class DenoiseParameters:
     likely_level: float = 0.09
     # Coarse round shapes are as even as noise, so a mesh of fewer vertices is no scan. By hand.
     fewest_of_scan: int = 4500
-    # Where the bands fit noise worse than this, the narrowest one shows the edges of the mesh and
-    # does not count. Noise alike over two edges had at most 0.05, over four edges 0.07 to 0.13.
-    least_misfit_of_edges: float = 0.06
     # Smooth noise is told on at least this many vertices. By hand.
     fewest_to_tell_smooth: int = 1500
     # Evenness of the quiet part compares the quietest `quiet_fraction` with this fraction.

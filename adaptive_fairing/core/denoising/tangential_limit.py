@@ -114,7 +114,7 @@ class Sliding:
     def _is_turned(self, positions: FloatArray, faces: NDArray[np.intp]) -> BoolArray:
         """Whether each of some triangles is turned over."""
         normal = unit_vectors(triangle_normals(positions, self._triangles[faces]))
-        is_down = dots(normal, self._upwards[faces]) < parameters().turned_cosine
+        is_down = dots(normal, self._upwards[faces]) < parameters().upright_cosine
         is_against = dots(normal, self._before[faces]) < 0
         turned: BoolArray = is_down & (self._was_upright[faces] | is_against)
         return turned

@@ -74,10 +74,10 @@ class FaceNoise(NamedTuple):
         """Whether this is smooth noise, provided that all roughness is noise."""
         tuned = parameters()
         return (
-            self.part >= tuned.least_on_faces
-            and self.n_counted >= tuned.fewest_on_faces
+            self.part >= tuned.least_flat
+            and self.n_counted >= tuned.own_estimate
             and self.correlation.passes >= FEWEST_PASSES
-            and self.level >= tuned.least_level_on_faces
+            and self.level >= tuned.clean_roughness
         )
 
     @property
@@ -106,11 +106,11 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     tuned, planes = parameters(), faces.planes
     face = np.where(is_counted, faces.of_vertices(), -1)
     counts = np.bincount(face[face >= 0], minlength=len(planes))
-    is_small = np.append(counts < tuned.fewest_on_face, True)
+    is_small = np.append(counts < tuned.fewest_vertices, True)
     face[is_small[face]] = -1
     is_inner = face >= 0
     n_inner = int(np.count_nonzero(is_inner))
-    if n_inner < tuned.fewest_on_faces:
+    if n_inner < tuned.own_estimate:
         return FaceNoise()
     frame = _within_faces(surface, face, planes.normals)
     off_plane = planes.heights(surface.positions, face)[:, None] * planes.normals[face]
@@ -119,7 +119,7 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     totals = np.bincount(face[is_inner], heights[is_inner] ** 2, len(planes))
     sizes = np.sqrt(totals / np.maximum(counts, 1))
     typical = float(np.median(sizes[face[is_inner]]))
-    if typical < tuned.least_level_on_faces:
+    if typical < tuned.clean_roughness:
         return FaceNoise(part, n_inner, typical)
     # Each face counts in its own unit: a scanner may see some of them at a grazing angle.
     relative = heights / np.maximum(sizes[face], tuned.clean_roughness**2)

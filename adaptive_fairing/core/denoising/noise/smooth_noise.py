@@ -160,9 +160,7 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
         bands.append(band_heights(frame.raised(noise), frame))
         ratios.append(typical_sizes(bands[-1][:, is_counted]))
     ratios = np.log(quiet / white_quiet * typical_sizes(white[:, is_counted]) / ratios)
-    best, level, misfit = _fit(ratios, WEIGHTS)
-    if misfit > tuned.least_misfit_of_edges:
-        best, level, _ = _fit(ratios, np.where(np.arange(N_NARROW) > 0, WEIGHTS, 0.0))
+    best, level, misfit = _fit(ratios)
     # Shape stands out: where it is quiet there is as much noise, and less of shape.
     of_noise = local_strengths(bands[best], frame, is_counted)
     is_quiet = strength[1] <= np.median(strength[1])
@@ -182,14 +180,14 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     )
 
 
-def _fit(ratios: FloatArray, weights: FloatArray) -> tuple[int, float, float]:
+def _fit(ratios: FloatArray) -> tuple[int, float, float]:
     """Index of the noise that fits best, the logarithm of its strength, and the misfit.
 
     The argument has the logarithms of the bands' strengths relative to every noise, (p, k).
     """
     narrow = ratios[:, :N_NARROW]
-    levels = np.average(narrow, axis=1, weights=weights)
-    misfits = np.square(narrow - levels[:, None]) @ weights
+    levels = np.average(narrow, axis=1, weights=WEIGHTS)
+    misfits = np.square(narrow - levels[:, None]) @ WEIGHTS
     best = int(np.argmin(misfits))
     return best, float(levels[best]), float(misfits[best])
 
