@@ -129,12 +129,12 @@ class MeshParts:
             around = triangles[counted[triangles].any(axis=1)]
             is_contour = is_voxel_contour(around, surface.positions)
             least = level if is_contour else self._least_level(surface, level, counted)
-            reason = ""
-            if not (impulsive[members].any() or is_contour):
+            is_detail = detail.fades(counted)
+            if not (is_detail or impulsive[members].any() or is_contour):
                 reason = detail.copies(counted) or detail.bends(least, counted)
-            if reason:
-                models.append(reason)
-            is_detail = detail.fades(counted) or bool(reason)
+                if reason:
+                    models.append(reason)
+                    is_detail = True
             if is_detail or np.quantile(least[counted], 1 - tuned.rough_fraction) <= clean:
                 least = np.minimum(least, clean)
             noise[counted] = least[counted]

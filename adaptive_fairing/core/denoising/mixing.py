@@ -248,7 +248,8 @@ def _planned(
         excess = found - expected - share
         keeps_detail = settings.clean == "detail"
         is_noise = excess <= (tuned.clustered_detail if keeps_detail else tuned.most_clustered)
-        clusters = bool((excess[is_noise] > tuned.clustered_detail).any())
+        # Where nothing goes, nothing is alike.
+        clusters = bool((is_noise & (found > 0) & (excess > tuned.clustered_detail)).any())
         mixtures = [each.within(is_noise) for each in mixtures]
         impulsive = np.where(parts.at_vertices(is_noise), impulsive, 0)
     counted, kept = parts.is_counted, np.ones(len(mixtures))

@@ -101,7 +101,9 @@ def test_noise_is_judged_from_the_part_alone(whole):
     expected = denoise(NOISY, FACES, weights=WEIGHTS)
     after = np.where(WEIGHTS[:, None] > 0, NOISY, whole[1].positions)
     result = denoise(after, FACES, weights=WEIGHTS)
-    assert result.noise_level == pytest.approx(expected.noise_level, rel=0.08)
+    # A median of n values is wrong by 1.167 / √n, and three vertices say as much as one value.
+    error = 1.167 * np.sqrt(3 / np.count_nonzero(WEIGHTS))
+    assert result.noise_level == pytest.approx(expected.noise_level, rel=error)
     assert roughness(result.positions) < 1.25 * roughness(expected.positions)
 
 
