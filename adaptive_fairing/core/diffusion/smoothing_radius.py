@@ -22,6 +22,7 @@ from ..mesh.solver_mesh import SolverFrame, SolverSurface, solvable_surface
 from ..mesh.topology import TriangleTopology, checked_triangles
 from ..runtime.arrays import FloatArray
 from .settings import TAU_RANGE, FairingSettings
+from .timestep_field import local_times
 
 EXTREME_FRACTION = 0.01
 """Fraction of the vertices that counts as the densest, and as the coarsest, part of a mesh."""
@@ -90,7 +91,8 @@ def radius_scale(
     Source: T(x) = τ D(x) of section 3.2 of the paper; the radius sqrt(2T) from the heat kernel.
     """
     topology, positions, scale = _in_frame(vertices, faces, settings, surface)
-    edges, radii = _edges_and_radii(topology, positions, settings)
+    density = _density(topology, positions, settings)
+    edges, radii = _edges_and_radii(topology, positions, settings, density)
     if not len(edges):
         raise InputError(
             "no edge of the mesh has a length, or no triangle an area: there is nothing to smooth"
@@ -117,9 +119,9 @@ def equivalent_uniform_tau(
     Parameters and errors as in `radius_scale`, but τ counts.
     """
     topology, positions, _ = _in_frame(vertices, faces, settings)
-    per_tau = _timestep_per_tau(topology, positions, settings)
-    tau = tau_of_run(topology, positions, settings)
-    return tau * float(per_tau[~topology.is_loose].mean())
+    density = _density(topology, positions, settings)
+    tau = tau_of_run(topology, positions, settings, density)
+    return tau * float(local_times(settings, np.ones_like(density), density)[~topology.is_loose].mean())
 
 
 def suggest_tau(scale: RadiusScale, radius: float, steps: int) -> float:
@@ -136,7 +138,10 @@ def suggest_tau(scale: RadiusScale, radius: float, steps: int) -> float:
 
 
 def tau_of_run(
-    topology: TriangleTopology, positions: FloatArray, settings: FairingSettings
+    topology: TriangleTopology,
+    positions: FloatArray,
+    settings: FairingSettings,
+    density: FloatArray,
 ) -> float:
     """Find the τ of a run: that of the settings, or the one that their radius asks for.
 
@@ -146,6 +151,8 @@ def tau_of_run(
     positions : (n, 3)
         Where the run starts, in the solver's frame.
     settings : FairingSettings
+    density : (n,)
+        d_i there.
 
     Raises
     ------
@@ -154,7 +161,7 @@ def tau_of_run(
     """
     if settings.tau is not None:
         return settings.tau
-    _, radii = _edges_and_radii(topology, positions, settings)
+    _, radii = _edges_and_radii(topology, positions, settings, density)
     if not len(radii):
         return 1.0  # no length, or no time that could move anything, whatever τ is
     tau = _tau(float(np.median(radii)), settings.radius, settings.steps)
@@ -171,14 +178,17 @@ def _tau(typical: float, radius: float, steps: int) -> float:
 
 
 def _edges_and_radii(
-    topology: TriangleTopology, positions: FloatArray, settings: FairingSettings
+    topology: TriangleTopology,
+    positions: FloatArray,
+    settings: FairingSettings,
+    density: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     """Local edges (k,), and the smoothing radius in them (k,) after a time of 1.
 
     Vertices without an edge of positive length, or without time, are left out.
     """
     edges = mesh_density(topology, positions, "edge_length", smoothing_passes=0)
-    per_tau = _timestep_per_tau(topology, positions, settings)
+    per_tau = local_times(settings, np.ones_like(density), density)
     used = np.flatnonzero((edges > 0) & (per_tau > 0))
     return edges[used], np.sqrt(2 * per_tau[used]) / edges[used]
 
@@ -199,10 +209,7 @@ def _in_frame(
     return surface.topology, frame.inward(points), frame.scale
 
 
-def _timestep_per_tau(
+def _density(
     topology: TriangleTopology, positions: FloatArray, settings: FairingSettings
 ) -> FloatArray:
-    """Local time that one unit of τ makes: d_i, or 1 for the uniform method."""
-    if settings.method == "uniform":
-        return np.ones(topology.n_vertices)
     return mesh_density(topology, positions, settings.density, settings.density_passes)

@@ -139,9 +139,9 @@ def _steps(
     limit = settings.max_deviation
     # Sizes of residuals must depend neither on where the mesh lies nor on how it is turned.
     centre = whole.start[~whole.topology.is_loose].mean(axis=0)
-    tau = tau_of_run(whole.topology, whole.start, settings)
-    times = tau * problem.weights
     at_start = initial_density(problem, settings)
+    tau = tau_of_run(whole.topology, whole.start, settings, at_start)
+    times = tau * problem.weights
     keeper = None
     if settings.keep_volume:
         keeper = VolumeKeeper(space.topology, start, is_held)

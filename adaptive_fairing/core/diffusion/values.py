@@ -134,8 +134,9 @@ def _evolution(
     """Values (n, k) of the solver's vertices after every step."""
     space, topology, points = problem.space, problem.space.topology, problem.start
     whole = problem.whole
-    times = tau_of_run(whole.topology, whole.start, settings) * problem.weights
-    density = initial_density(problem, settings)[whole.part]
+    at_start = initial_density(problem, settings)
+    times = tau_of_run(whole.topology, whole.start, settings, at_start) * problem.weights
+    density = at_start[whole.part]
     fields = scheme_fields(settings, local_times(settings, times, density))
     mass, stiffness = space.flow_matrices(points, **fields)
     matrix = mass.plus(1.0, stiffness)

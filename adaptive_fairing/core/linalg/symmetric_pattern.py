@@ -172,7 +172,9 @@ def _row_chunk(near: sparse.csr_array, two_edges: sparse.csr_array, rows: slice)
     first, n_rows = rows.start, rows.stop - rows.start
     row = np.repeat(np.arange(first, rows.stop, dtype=np.int32), np.diff(reach.indptr))
     is_upper = reach.indices >= row
-    columns = reach.indices[is_upper] - np.int32(first)
+    # A third of the time of indexing by a mask that is true for every other entry.
+    columns = np.compress(is_upper, reach.indices)
+    columns -= np.int32(first)
     starts = np.zeros(n_rows + 1, dtype=np.int32)
     np.cumsum(np.add.reduceat(is_upper, reach.indptr[:-1], dtype=np.int32), out=starts[1:])
     width = int(columns.max()) + 1
@@ -230,7 +232,7 @@ class _TabledPlaces:
             place = np.maximum(order[k], order[k:])
             place += np.minimum(base[k], base[k:])
             own = np.minimum(starts[k], starts[k:], out=out[done : done + len(place)])
-            own += np.take(self._table, place, mode="wrap")
+            own += np.take(self._table, place, mode="wrap").astype(np.int32)
             done += len(place)
 
 

@@ -94,19 +94,14 @@ class PatchSet:
     def quadrature(self, tolerance: float) -> QuadratureChoice:
         """Pick the rules that keep M and L of this mesh within a tolerance."""
         n_triangles = max(self._part_of.n_triangles, 1)
-        return quadrature_choice(tolerance, n_triangles, self._n_regular / n_triangles)
-
-    @cached_property
-    def _n_regular(self) -> int:
-        """Number of regular triangles of what decides the quadrature."""
-        whole = self._part_of
-        is_regular = whole.ring_size == np.where(whole.on_boundary, 4, 6)
-        return int(np.count_nonzero(is_regular[whole.triangles].all(axis=1)))
+        return quadrature_choice(tolerance, n_triangles, self._part_of.n_regular / n_triangles)
 
     def _segments(self, chunk: IndexArray) -> list[Segment]:
         """Sort the triangles of a chunk by class."""
         class_of = self.class_of[chunk]
-        order = np.argsort(class_of, kind="stable")
+        # Small numbers are sorted by counting, in linear time.
+        small = class_of.astype(np.min_scalar_type(len(self.classes)))
+        order = np.argsort(small, kind="stable")
         bounds = np.flatnonzero(np.diff(class_of[order], prepend=-1, append=-1))
         triangles = chunk[order]
         flat, starts = self._control_points(triangles, bounds)
@@ -147,7 +142,7 @@ class PatchSet:
                 entries = np.array(corner.own_entries, dtype=np.int32)[:, None]
                 index = position + entries
                 if not corner.is_boundary:
-                    index %= corner.ring_size
+                    index -= np.where(index < corner.ring_size, 0, np.int32(corner.ring_size))
                 flat[at + step * np.arange(len(entries))[:, None]] = topology.ring[start + index]
                 added[members] = len(entries)
             place += added * stride

@@ -12,6 +12,8 @@ outgoing boundary edge.  Both run counter-clockwise as seen from outside.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 from scipy import sparse
@@ -102,6 +104,13 @@ class TriangleTopology:
         """
         border = self.boundary_vertices
         return self.ring[self.ring_start[border]], self.ring[self.ring_start[border + 1] - 1]
+
+    @cached_property
+    def n_regular(self) -> int:
+        """Number of triangles whose vertices all have 6 neighbours, or 4 on the boundary."""
+        is_regular = self.ring_size == np.where(self.on_boundary, 4, 6)
+        a, b, c = is_regular[self.triangles].T
+        return int(np.count_nonzero(a & b & c))
 
     def adjacency(self, dtype: DTypeLike = np.int8) -> sparse.csr_array:
         """Vertex adjacency (n_vertices, n_vertices): ones, with unsorted columns in each row."""
