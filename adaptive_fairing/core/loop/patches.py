@@ -142,7 +142,7 @@ class PatchSet:
                 entries = np.array(corner.own_entries, dtype=np.int32)[:, None]
                 index = position + entries
                 if not corner.is_boundary:
-                    index -= np.where(index < corner.ring_size, 0, np.int32(corner.ring_size))
+                    index %= corner.ring_size
                 flat[at + step * np.arange(len(entries))[:, None]] = topology.ring[start + index]
                 added[members] = len(entries)
             place += added * stride
@@ -191,9 +191,10 @@ def class_groups(
         Class of each triangle, the corner at which its canonical order starts, and the codes.
     """
     names, numbers = _numbered(codes.reshape(-1))
-    a, b, c = numbers.reshape(-1, 3).T
     # Small numbers: the cube of the codes themselves could overflow.
     base = max(len(names), 1)
+    small = numbers.astype(np.min_scalar_type(base**3))
+    a, b, c = np.ascontiguousarray(small.reshape(-1, 3).T)
     keys = np.stack(
         [(a * base + b) * base + c, (b * base + c) * base + a, (c * base + a) * base + b]
     )
