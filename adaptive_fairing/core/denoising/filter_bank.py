@@ -147,7 +147,6 @@ class FilterBank:
         removed, report = conjugate_gradients(
             system,
             load.T,
-            np.zeros_like(load.T),
             is_held=self._is_loose,
             tolerance=parameters().fit_tolerance,
             max_iterations=MAX_ITERATIONS,

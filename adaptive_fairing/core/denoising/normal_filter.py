@@ -155,7 +155,8 @@ class TurningLoads:
 
     def __init__(self, surface: TriangleSurface) -> None:
         triangles, positions = surface.topology.triangles, surface.positions
-        self._n_vertices, self._corners = len(positions), triangles.T.reshape(-1)
+        self._n_vertices = len(positions)
+        self._corners = triangles.T.reshape(-1).astype(np.intp)  # once, not for every sum
         self.normals = unit_vectors(surface.triangle_normals())
         # From corner k to the next: (3 coordinates, 3 corners, m).
         self._pulls = edge_vectors(triangles, np.ascontiguousarray(positions.T))
@@ -180,7 +181,9 @@ class TurningLoads:
         change = np.einsum("dkf,fd->kf", self._pulls, turned)
         # Of edge k at its ends: what flows into corner k is what comes along edge k - 1 less
         # edge k.
-        flow = np.roll(change, 1, axis=0) - change
+        flow = np.roll(change, 1, axis=0)
+        flow -= change
+        del change  # among the largest arrays
         sums = [
             np.bincount(self._corners, (flow * m).reshape(-1), self._n_vertices) for m in middle.T
         ]

@@ -66,14 +66,14 @@ class SolveReport:
 def conjugate_gradients(
     matrix: Operator,
     right_side: FloatArray,
-    start: FloatArray,
+    start: FloatArray | None = None,
     *,
     is_held: BoolArray,
     tolerance: float,
     max_iterations: int,
     relative_to: FloatArray | None = None,
 ) -> tuple[FloatArray, SolveReport]:
-    """Solve matrix @ x = right_side with x = start on the held rows.
+    """Solve matrix @ x = right_side with x = start, or 0, on the held rows.
 
     The columns are one system with the block diagonal matrix (A, A, A), so the result does not
     depend on the choice of the coordinate axes.  A matrix in single precision is solved with in
@@ -84,6 +84,7 @@ def conjugate_gradients(
     matrix : Operator, (n, n)
         Positive definite on the rows that are not held.
     right_side, start : (n, k)
+        Without a start, which large solves have no room for, it is 0.
     is_held : (n,) bool
         Rows whose unknowns keep their start value exactly; their equations are dropped.
     tolerance : float
@@ -114,17 +115,19 @@ def conjugate_gradients(
     inverse = np.zeros_like(diagonal)
     inverse[free] = 1 / diagonal[free]
 
-    columns = np.ascontiguousarray(start.T)
+    columns = None if start is None else np.ascontiguousarray(start.T)
+    starts_at_0 = columns is None or not columns.any()
     right_columns = np.ascontiguousarray(right_side.T)
     reference = _size(right_columns if relative_to is None else relative_to.T, inverse)
     # Most solves start at 0, whose product is known.
-    residual = right_columns - matrix.product(columns) if columns.any() else right_columns.copy()
+    residual = right_columns.copy() if starts_at_0 else right_columns - matrix.product(columns)
     first_size = _size(residual, inverse)
     if matrix.is_single and not SINGLE.serves_solve(first_size, tolerance * reference):
         matrix, inverse = matrix.doubled(), inverse.astype(np.float64)
-        residual = right_columns - matrix.product(columns)
+        residual = right_columns.copy() if starts_at_0 else right_columns - matrix.product(columns)
     attainable = ATTAINABLE * np.finfo(inverse.dtype).eps
-    target = max(tolerance * reference, attainable * _size(columns, diagonal * free))
+    start_size = 0.0 if starts_at_0 else _size(columns, diagonal * free)
+    target = max(tolerance * reference, attainable * start_size)
 
     del columns, right_columns  # as large as each of the vectors of the iteration
     state = _State(residual.astype(inverse.dtype, copy=False), inverse)
@@ -160,7 +163,8 @@ def conjugate_gradients(
         residual=float(size / reference) if reference > 0 else 0.0,
         converged=bool(size <= target) or is_exhausted,
     )
-    return start + state.update.T, report
+    update = state.update.T
+    return update if start is None else start + update, report
 
 
 def _size(columns: FloatArray, weights: RealArray) -> float:

@@ -113,7 +113,6 @@ def removed_by(
         result, report = conjugate_gradients(
             system,
             COMMON_TIME * bent.T,
-            np.zeros_like(bent.T),
             is_held=is_loose,
             tolerance=residual,
             max_iterations=MAX_ITERATIONS,
