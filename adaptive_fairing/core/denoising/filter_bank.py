@@ -141,17 +141,15 @@ class FilterBank:
         The step X - (M + t L)⁻¹ t b, with b = ∫ (∇x - R ∇x) · ∇φ, turns the tangents of every
         triangle as far as its normal was turned.
         """
-        # Both are made apart, so that what they are made of is free while the system is solved.
-        system, load = self._fit_system(surface, smooth), self._fit_loads(surface, family)
-        # One system for all fits: they differ in the right sides alone.
+        # One system for all fits: they differ in the right sides alone.  Both are made apart and
+        # have no names here, so that all is free that the solve does not need.
         removed, report = conjugate_gradients(
-            system,
-            load.T,
+            self._fit_system(surface, smooth),
+            self._fit_loads(surface, family).T,
             is_held=self._is_loose,
             tolerance=parameters().fit_tolerance,
             max_iterations=MAX_ITERATIONS,
         )
-        del system, load
         self._on_solve(report)
         for each in np.split(removed, len(family.filters), axis=1):
             yield surface.positions - each

@@ -129,7 +129,8 @@ def conjugate_gradients(
     start_size = 0.0 if starts_at_0 else _size(columns, diagonal * free)
     target = max(tolerance * reference, attainable * start_size)
 
-    del columns, right_columns  # as large as each of the vectors of the iteration
+    # The caller may not need the right side any more, either.
+    del columns, right_columns, right_side  # as large as each of the vectors of the iteration
     state = _State(residual.astype(inverse.dtype, copy=False), inverse)
     square = state.square()
     # pᵀDp with the diagonal D: the size of the terms that may cancel in pᵀAp.
