@@ -22,7 +22,8 @@ if TYPE_CHECKING:
     from ...core import DenoiseProgress
     from ..jobs.solve import Solve
 
-TIMER_SECONDS = 0.1
+# A run under the brush takes about as long as the looks of a usual timer are apart.
+TIMER_SECONDS, SHOWN_SECONDS = 0.02, 0.1
 QUIT_SECONDS = 5.0
 FIRST_PHASE_SECONDS = 3.0
 """Guessed duration for a mesh of 200 000 triangles, so that the bar moves at once."""
@@ -42,12 +43,15 @@ class Progress:
         Number of steps that the main thread has seen; `denoise` counts as one.
     last_news, step_seconds
         Time when the last step was seen, and its duration, in seconds.
+    last_shown
+        Time when the progress was last shown.
     """
 
     solves: list[Solve]
     worker: Worker | None
     n_known: int = 0
     last_news: float = field(default_factory=time.perf_counter)
+    last_shown: float = 0.0
     step_seconds: float = 0.0
     _phase: DenoiseProgress | tuple[()] = ()
     _phase_began: float = 0.0
@@ -106,7 +110,7 @@ class Progress:
         usual = FIRST_PHASE_SECONDS
         if done > 0:
             usual = (self._phase_began - self.last_news) * (at_end - done) / done
-        passed = (now - self._phase_began) / max(usual, TIMER_SECONDS)
+        passed = (now - self._phase_began) / max(usual, SHOWN_SECONDS)
         return done + (at_end - done) * (1 - math.exp(-passed))
 
     def _phase_text(self, news: DenoiseProgress) -> str:
@@ -233,7 +237,8 @@ class ModalRun:
         for _ in news:
             current.step_done()
         if not is_over:
-            _show_progress(context)
+            if time.perf_counter() - current.last_shown >= SHOWN_SECONDS:
+                _show_progress(context)
             return {"PASS_THROUGH"}
         is_stopped = current.worker.is_stopping
         self._leave(context)
@@ -283,6 +288,7 @@ def redraw_panels(context: bpy.types.Context) -> None:
 
 def _show_progress(context: bpy.types.Context) -> None:
     current = progress()
+    current.last_shown = time.perf_counter()
     is_denoise = current.solve.is_denoise
     if current.worker.is_stopping:
         hint = rpt_("stopping") if is_denoise else rpt_("stopping after this step")
