@@ -8,10 +8,17 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from driver import Scenario, Stage
+from driver import REACTION, Scenario, Stage
 from mathutils import Vector
 from meshes import add_noisy, largest_gap, vertex_positions
-from steps import finished_part, open_panel, press_fairing, run_to_the_end, take_brush
+from steps import (
+    add_in_view,
+    finished_part,
+    open_panel,
+    press_fairing,
+    run_to_the_end,
+    take_brush,
+)
 
 
 def walk(stage: Stage) -> Scenario:
@@ -178,16 +185,40 @@ def manual(stage: Stage) -> Scenario:
         bpy.ops.object.adaptive_fairing_compare(algorithm="FAIR", tau=0.016)
     yield 1.0
     yield from stage.picture("comparison")
+    yield from press_under_the_brush(stage)
+    yield from stage.picture("brush")
     parts = {
         "modifier": "1260x655+340+81",
         "statistics": "982x720+340+81",
         "density": "982x820+340+81",
         "comparison": "660x430+225+285",
+        "brush": "660x430+225+285",
     }
     for name in stage.pictures:
         path = stage.directory / f"{name}.png"
-        part = ["-crop", parts.get(name, "982x655+340+81"), "+repage", "-resize", "748x"]
+        width = "374x" if name == "brush" else "748x"  # noise does not compress
+        part = ["-crop", parts.get(name, "982x655+340+81"), "+repage", "-resize", width]
         part += ["+dither", "-colors", "160"]  # a third of the size
         subprocess.run(
             ["convert", path, *part, f"PNG8:{path.with_name(f'manual-{name}.png')}"], check=True
         )
+
+
+def press_under_the_brush(stage: Stage) -> Scenario:
+    """Press Alt N in four places of a noisy ball in Sculpt Mode."""
+    obj = add_in_view(stage, 0.004, 7)
+    with stage.context():
+        bpy.ops.object.mode_set(mode="SCULPT")
+    tools = bpy.context.tool_settings
+    shared = getattr(tools, "unified_paint_settings", None) or tools.sculpt.unified_paint_settings
+    shared.use_unified_size, shared.size = True, 50
+    x, y = stage.middle("WINDOW")
+    for across, up in ((0, 0), (130, 30), (-130, -30), (20, 130)):
+        before = vertex_positions(obj)
+        stage.point(x + across, y + up)
+        yield REACTION
+        stage.press("alt+n")
+        yield stage.until(
+            lambda old=before: (vertex_positions(obj) != old).any(), 60, "result under the brush"
+        )
+        yield 0.5
