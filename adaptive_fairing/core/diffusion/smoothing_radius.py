@@ -121,7 +121,8 @@ def equivalent_uniform_tau(
     topology, positions, _ = _in_frame(vertices, faces, settings)
     density = _density(topology, positions, settings)
     tau = tau_of_run(topology, positions, settings, density)
-    return tau * float(local_times(settings, np.ones_like(density), density)[~topology.is_loose].mean())
+    per_tau = local_times(settings, np.ones_like(density), density)
+    return tau * float(per_tau[~topology.is_loose].mean())
 
 
 def suggest_tau(scale: RadiusScale, radius: float, steps: int) -> float:

@@ -115,18 +115,19 @@ def conjugate_gradients(
     inverse = np.zeros_like(diagonal)
     inverse[free] = 1 / diagonal[free]
 
-    columns = None if start is None else np.ascontiguousarray(start.T)
-    starts_at_0 = columns is None or not columns.any()
+    # Most solves start at 0, whose product is known.
+    columns = None if start is None or not start.any() else np.ascontiguousarray(start.T)
     right_columns = np.ascontiguousarray(right_side.T)
     reference = _size(right_columns if relative_to is None else relative_to.T, inverse)
-    # Most solves start at 0, whose product is known.
-    residual = right_columns.copy() if starts_at_0 else right_columns - matrix.product(columns)
+    residual = right_columns.copy() if columns is None else right_columns - matrix.product(columns)
     first_size = _size(residual, inverse)
     if matrix.is_single and not SINGLE.serves_solve(first_size, tolerance * reference):
         matrix, inverse = matrix.doubled(), inverse.astype(np.float64)
-        residual = right_columns.copy() if starts_at_0 else right_columns - matrix.product(columns)
+        residual = (
+            right_columns.copy() if columns is None else right_columns - matrix.product(columns)
+        )
     attainable = ATTAINABLE * np.finfo(inverse.dtype).eps
-    start_size = 0.0 if starts_at_0 else _size(columns, diagonal * free)
+    start_size = 0.0 if columns is None else _size(columns, diagonal * free)
     target = max(tolerance * reference, attainable * start_size)
 
     # The caller may not need the right side any more, either.

@@ -1,5 +1,7 @@
 """Linear systems that cannot be solved: detected and reported with iteration and residual."""
 
+import weakref
+
 import numpy as np
 import pytest
 from scipy import sparse
@@ -20,7 +22,7 @@ def solve(matrix, right_side, start=None, held=(), tolerance=1e-10, max_iteratio
     return conjugate_gradients(
         SymmetricMatrix.from_upper(SymmetricPattern(every_pair), upper),
         right_side,
-        np.zeros_like(right_side) if start is None else np.asarray(start, float).reshape(n, -1),
+        None if start is None else np.asarray(start, float).reshape(n, -1),
         is_held=is_held,
         tolerance=tolerance,
         max_iterations=max_iterations,
@@ -53,6 +55,42 @@ def test_entries_that_are_no_numbers(value, place):
         solve(matrix, [1, 1])
     with pytest.raises(SolverError, match="not finite numbers"):
         solve(np.eye(2), [value, 1])
+
+
+def test_without_a_start_it_is_0():
+    matrix = np.diag(np.arange(1.0, 20)) + 0.5
+    found = [solve(matrix, np.ones(19), start=start)[0] for start in (None, np.zeros(19))]
+    np.testing.assert_array_equal(*found)
+
+
+def test_a_right_side_that_nobody_else_needs_is_freed_for_the_solve():
+    right_sides = [np.ones((4, 1))]
+    known, is_kept = weakref.ref(right_sides[0]), []
+
+    class Twice:
+        """The matrix 2 I, which notes whether the right side is still there."""
+
+        is_single = False
+
+        def diagonal(self):
+            return np.full(4, 2.0)
+
+        def is_finite(self):
+            return True
+
+        def product(self, columns):
+            is_kept.append(known() is not None)
+            return 2 * columns
+
+    x, _ = conjugate_gradients(
+        Twice(),
+        right_sides.pop(),
+        is_held=np.zeros(4, dtype=bool),
+        tolerance=1e-9,
+        max_iterations=9,
+    )
+    np.testing.assert_allclose(x, 0.5)
+    assert is_kept == [False]
 
 
 def test_too_few_iterations_are_reported():
