@@ -146,6 +146,11 @@ def read_mesh_coordinates(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
 
 def read_triangles(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
     """Read Blender's own triangulation of the polygons, (m, 3); it never adds a vertex."""
+    if 0 < len(mesh.loops) == 3 * len(mesh.polygons):
+        # There is nothing to cut, and Blender copies an attribute a hundred times as fast.
+        corners = np.empty(len(mesh.loops), dtype=np.int32)
+        mesh.attributes[".corner_vert"].data.foreach_get("value", corners)
+        return corners.reshape(-1, 3)
     mesh.calc_loop_triangles()
     buffer = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
     mesh.loop_triangles.foreach_get("vertices", buffer)
