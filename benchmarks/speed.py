@@ -47,7 +47,7 @@ BLENDER = "Blender Laplacian Smooth"
 MODULES = {"Blender": "bpy", "libigl": "igl", "MeshLab": "pymeshlab"}
 """Python module that a program needs, by the first word of its name."""
 
-SETUP_TO_STEP, SETUP_GOAL = "set-up and last measuring / step", 1.5
+SETUP_TO_STEP, SETUP_GOAL = "set-up and last measuring / step", 2.0
 
 FOUR = "four steps from scratch"
 
