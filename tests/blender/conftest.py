@@ -1,4 +1,4 @@
-"""Tests with Blender as a Python module: every test starts and ends with an empty scene."""
+"""Tests with Blender as a Python module: every test starts with an empty scene."""
 
 import importlib.util
 
@@ -17,8 +17,6 @@ def _empty_scene():
     empty_scene()
     # Its order of the vertices would decide the last bits of what other tests compare.
     fair.preparations.clear()
-    yield
-    empty_scene()
 
 
 @pytest.fixture(scope="session")

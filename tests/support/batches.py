@@ -11,12 +11,19 @@ from pathlib import Path
 from adaptive_fairing.batch.plan import RECORDS
 from adaptive_fairing.cli import main as cli
 
+from .warm_worker import worker_command
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
 def batch(*arguments, algorithm="denoise"):
-    """Run a batch; give its status."""
-    return cli.main([algorithm, *(str(argument) for argument in arguments)])
+    """Run a batch, in a worker process that is there already unless --jobs asks for others.
+
+    Returns its status.
+    """
+    given = [algorithm, *map(str, arguments)]
+    starts_workers = any(argument.startswith("--jobs") for argument in given)
+    return cli.main(given, worker_command=None if starts_workers else worker_command())
 
 
 def command(*arguments, algorithm="denoise"):

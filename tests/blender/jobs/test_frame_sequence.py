@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from support.batches import summary
+from support.batches import batch, summary
 from support.meshes import graded_sphere, random_closed
 from support.objects import add_object, keyframe_motion, shown_positions, world_positions
 
@@ -22,7 +22,6 @@ from adaptive_fairing.blender.files.mesh_files import (
 )
 from adaptive_fairing.blender.jobs.frames import evaluated_mesh, object_at_frame
 from adaptive_fairing.blender.jobs.keyed_object import write_frame_keys
-from adaptive_fairing.cli import main as cli
 from adaptive_fairing.core import FairingError, FairingSettings, fair
 
 THOROUGH = pytest.mark.thorough
@@ -36,7 +35,7 @@ SETTINGS = ("--steps", 2, "--density", "area")
 
 
 def run(*arguments, algorithm="denoise"):
-    return cli.main([algorithm, *(str(argument) for argument in arguments), "--quiet"])
+    return batch(*arguments, "--quiet", algorithm=algorithm)
 
 
 def read_ply(path):

@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
+from support.batches import batch
 from support.meshes import bumpy_disc, random_closed
 from support.objects import add_object, key_positions, write_ply
 
@@ -16,7 +17,7 @@ PAPER = ("--steps", "2", "--no-denoised", "--quiet")
 
 
 def run(*arguments):
-    assert cli.main(["fair", *map(str, arguments), *PAPER]) == 0
+    assert batch(*arguments, *PAPER, algorithm="fair") == 0
 
 
 @pytest.fixture

@@ -5,12 +5,12 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from support.batches import batch
 from support.meshes import graded_sphere, random_closed
 from support.objects import add_object, keyframe_motion, world_positions
 
 from adaptive_fairing.blender.files.mesh_files import save_blend
 from adaptive_fairing.blender.jobs.frames import read_frames
-from adaptive_fairing.cli import main as cli
 from adaptive_fairing.core import FairingSettings, InputError, fair
 
 pytestmark = pytest.mark.usefixtures("addon")
@@ -52,7 +52,7 @@ def test_every_frame_is_that_of_the_command_line(bean, tmp_path):
         by_operator.append(world_positions(result))
     arguments = ["--frames", "3-5", "--steps", "2", "--same-strength", "--quiet"]
     out = tmp_path / "all.blend"
-    assert cli.main(["fair", str(tmp_path / "bean.blend"), *arguments, "-o", str(out)]) == 0
+    assert batch(tmp_path / "bean.blend", *arguments, "-o", out, algorithm="fair") == 0
     bpy.ops.wm.open_mainfile(filepath=str(out))
     for frame, shape in zip(FRAMES, by_operator, strict=True):
         bpy.context.scene.frame_set(frame)
