@@ -1,6 +1,7 @@
 """Bad meshes and bad ends on the command line: notes, refusals, and an old file that survives."""
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -15,6 +16,8 @@ from support.objects import add_object
 from adaptive_fairing.blender.data.mesh_arrays import read_positions, read_triangles
 from adaptive_fairing.blender.files.mesh_files import export_mesh, import_mesh
 from adaptive_fairing.cli import main as cli
+from adaptive_fairing.core.diffusion import steps
+from adaptive_fairing.files import atomic_files
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -89,38 +92,62 @@ def die(*arguments, **options):
 
 cli.parse(["fair", "x.ply"])
 import adaptive_fairing.blender.jobs.file_job
-import {module} as module
-module.{function} = die
+os.replace = die
 cli.main(sys.argv[1:])
 """
 
 
+def fair_once(given, out):
+    """Arguments of a run of one step."""
+    return ["fair", str(given), "-o", str(out), "--steps", "1", "--quiet"]
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGKILL")
 @pytest.mark.parametrize("suffix", [".blend", ".ply", ".obj"])
-@pytest.mark.parametrize(
-    ("module", "function"),
-    [
-        ("adaptive_fairing.core.diffusion.steps", "conjugate_gradients"),
-        ("adaptive_fairing.files.atomic_files", "_require_whole"),
-        ("os", "replace"),
-    ],
-    ids=["solving", "written", "renaming"],
-)
-def test_a_killed_run_leaves_the_old_file_whole(make, tmp_path, suffix, module, function):
+def test_a_killed_run_leaves_the_old_file_whole(make, tmp_path, suffix):
     given = make(*icosphere(2))
     out = tmp_path / f"out{suffix}"
     out.write_bytes(b"old" * 1000)
-    arguments = ["fair", str(given), "-o", str(out), "--steps", "1", "--quiet"]
-    code = KILLED.format(root=str(ROOT), module=module, function=function)
     result = subprocess.run(
-        [sys.executable, "-c", code, *arguments],
+        [sys.executable, "-c", KILLED.format(root=str(ROOT)), *fair_once(given, out)],
         capture_output=True,
         check=False,
     )
     assert result.returncode == -9
-    assert out.read_bytes() == b"old" * 1000
-    # What is left over is hidden, and no later run stumbles over it.
-    left = [path.name for path in tmp_path.iterdir() if path.name not in (out.name, "given")]
+    assert_old_and_hidden(tmp_path, out)
+    # No later run stumbles over what is left.
+    assert cli.main(fair_once(given, out)) == 0
+    assert out.read_bytes() != b"old" * 1000
+
+
+def assert_old_and_hidden(folder, out):
+    """Require that the file is the old one, and that what else was written is hidden."""
+    assert (folder / out.name).read_bytes() == b"old" * 1000
+    left = [path.name for path in folder.iterdir() if path.name not in (out.name, "given")]
     assert all(name.startswith(".out.") for name in left)
-    assert cli.main(arguments) == 0
+
+
+@pytest.mark.parametrize("suffix", [".blend", ".ply", ".obj"])
+def test_others_see_the_old_file_while_a_run_works(make, tmp_path, monkeypatch, suffix):
+    """What they see at a moment is what a run that is killed then would leave."""
+    given = make(*icosphere(2))
+    out = tmp_path / f"out{suffix}"
+    out.write_bytes(b"old" * 1000)
+    seen = []
+
+    def seen_at(module, name):
+        function = getattr(module, name)
+
+        def look_and_go_on(*arguments, **options):
+            assert_old_and_hidden(tmp_path, out)
+            seen.append(name)
+            return function(*arguments, **options)
+
+        monkeypatch.setattr(module, name, look_and_go_on)
+
+    seen_at(steps, "conjugate_gradients")
+    seen_at(atomic_files, "_require_whole")
+    seen_at(os, "replace")
+    assert cli.main(fair_once(given, out)) == 0
+    assert sorted(set(seen)) == ["_require_whole", "conjugate_gradients", "replace"]
     assert out.read_bytes() != b"old" * 1000
