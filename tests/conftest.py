@@ -9,7 +9,6 @@ package is imported here, before pytest imports any test module, to settle the n
 import atexit
 import os
 import sys
-import tempfile
 from pathlib import Path
 
 import pytest
@@ -38,12 +37,11 @@ def leave() -> None:
 
 atexit.register(leave)  # before bpy registers its own cleaning up, so it is called after that
 
-# Tests start hundreds of processes. Where no bytecode is to be written beside the sources, each
-# would compile the package anew, for a quarter of its time; so they share a folder of their own.
+# Tests start many processes. Where no bytecode is to be written beside the sources, each would
+# compile the package anew, for a quarter of its time; so they share a folder of pytest's cache.
 if os.environ.pop("PYTHONDONTWRITEBYTECODE", ""):
-    bytecode = tempfile.TemporaryDirectory(prefix="bytecode-", ignore_cleanup_errors=True)
-    atexit.register(bytecode.cleanup)
-    os.environ.setdefault("PYTHONPYCACHEPREFIX", bytecode.name)
+    os.environ.setdefault("PYTHONPYCACHEPREFIX", str(TESTS.parent / ".pytest_cache" / "bytecode"))
+    sys.dont_write_bytecode, sys.pycache_prefix = False, os.environ["PYTHONPYCACHEPREFIX"]
 
 
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
