@@ -3,6 +3,7 @@
 import bpy
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 from support.meshes import noisy_ball
 from support.objects import add_object, shown_positions
 
@@ -56,8 +57,8 @@ def written(kind, folder):
 
 def same_points(found, expected):
     """Largest distance from a point of one set to the nearest of the other, both ways."""
-    distance = np.linalg.norm(found[:, None] - expected[None], axis=2)
-    return max(distance.min(axis=0).max(), distance.min(axis=1).max())
+    pairs = ((found, expected), (expected, found))
+    return max(cKDTree(one).query(other)[0].max() for one, other in pairs)
 
 
 @pytest.mark.parametrize("kind", EXPORTERS)

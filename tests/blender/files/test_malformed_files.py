@@ -63,9 +63,9 @@ def test_a_header_that_lies_does_not_kill_blender(tmp_path, count):
         import_mesh(write_raw(tmp_path, "ply as text", *icosphere(1), n_vertices=count))
 
 
-@pytest.mark.parametrize("kind", ["obj", "ply", "ply as text", "stl"])
-def test_of_repeated_faces_the_first_is_kept_in_its_place(tmp_path, kind):
-    """So many that Blender removes them in threads, in an order left to chance."""
+@pytest.fixture(scope="module")
+def repeated():
+    """Give a mesh with repeated faces, and its faces without them: (vertices, faces, expected)."""
     vertices, faces = icosphere(6)
     rng = np.random.default_rng(1)
     again = rng.integers(0, len(faces), len(faces) // 8)
@@ -73,7 +73,13 @@ def test_of_repeated_faces_the_first_is_kept_in_its_place(tmp_path, kind):
     # The other way round, so that it shows which one was kept.
     given = np.vstack([faces, faces[again][:, ::-1]])[order]
     _, first = np.unique(np.sort(given, axis=1), axis=0, return_index=True)
-    expected = given[np.sort(first)]
+    return vertices, given, given[np.sort(first)]
+
+
+@pytest.mark.parametrize("kind", ["obj", "ply", "ply as text", "stl"])
+def test_of_repeated_faces_the_first_is_kept_in_its_place(repeated, tmp_path, kind):
+    """So many that Blender removes them in threads, in an order left to chance."""
+    vertices, given, expected = repeated
     path = write_raw(tmp_path, kind, vertices, given)
     for _ in range(2):
         mesh = import_mesh(path, keep_axes=True).data

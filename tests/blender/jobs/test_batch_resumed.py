@@ -12,9 +12,10 @@ import pytest
 from support.batches import batch, command, outputs, summary
 from support.meshes import icosphere, random_closed
 from support.objects import add_object
+from support.raw_files import ply_bytes
 
 from adaptive_fairing.batch.plan import RECORDS
-from adaptive_fairing.blender.files.mesh_files import empty_scene, export_mesh
+from adaptive_fairing.blender.files.mesh_files import export_mesh
 
 
 @pytest.fixture(scope="module")
@@ -148,9 +149,8 @@ def test_a_killed_worker_costs_only_its_mesh(tmp_path):
 
     given = tmp_path / "given"
     given.mkdir()
-    export_mesh(add_object(*icosphere(6)), given / "a_large.ply", alone=True)
-    empty_scene()
-    export_mesh(add_object(*random_closed(1)), given / "b_small.ply", alone=True)
+    (given / "a_large.ply").write_bytes(ply_bytes(*icosphere(6)))
+    (given / "b_small.ply").write_bytes(ply_bytes(*random_closed(1)))
     process = command(given, "--out-dir", tmp_path / "out", "--report", tmp_path / "r.json")
     workers = []
     while not workers:
