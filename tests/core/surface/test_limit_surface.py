@@ -121,29 +121,44 @@ def test_normals_are_those_of_ever_smaller_triangles(name):
     topology = TriangleTopology(mesh[1], len(mesh[0]))
     has_plane = ~topology.on_boundary | (topology.ring_size <= 6)
     assert np.count_nonzero(has_plane) > 10
-    normals = surface_of(mesh).normals
-    for v in np.flatnonzero(has_plane):
-        # Beside a single triangle of the boundary everything flattens twice as fast as it shrinks.
-        levels = 20 if topology.ring_size[v] == 2 else 60
-        errors = np.abs(smallest_normals(mesh, v, levels) - normals[v])
-        assert errors.max() < 0.01, (v, topology.ring_size[v], errors.max())
+    # Beside a single triangle of the boundary everything flattens twice as fast as it shrinks.
+    is_single = topology.ring_size == 2
+    for levels, chosen in ((20, has_plane & is_single), (60, has_plane & ~is_single)):
+        centres = np.flatnonzero(chosen)
+        if not len(centres):  # of a closed surface
+            continue
+        normals, centre_of = smallest_normals(mesh, centres, levels)
+        errors = np.abs(normals - surface_of(mesh).normals[centres][centre_of]).max(axis=1)
+        assert np.array_equal(np.unique(centre_of), np.arange(len(centres)))
+        assert (errors < 0.01).all(), (centres[centre_of], errors)
 
 
-def smallest_normals(mesh, v, levels):
-    """Return the unit normals of the triangles at a vertex after local subdivision."""
+def smallest_normals(mesh, centres, levels):
+    """Subdivide around each of some vertices; all of them at once, as pieces of one mesh.
+
+    Returns the unit normals of the triangles at the centres, and which centre each belongs to.
+    """
     vertices, faces = mesh
+    n = len(vertices)
+    piece = np.repeat(np.arange(len(centres)), n)
+    vertices = np.tile(vertices, (len(centres), 1))
+    faces = (faces + n * np.arange(len(centres))[:, None, None]).reshape(-1, 3)
+    centres = centres + n * np.arange(len(centres))
     for _ in range(levels):
-        ring = np.unique(faces[(faces == v).any(axis=1)])
-        faces = faces[np.isin(faces, ring).any(axis=1)]
-        used, renumbered = np.unique(faces, return_inverse=True)
-        faces, place = renumbered.reshape(-1, 3), int(np.flatnonzero(used == v)[0])
-        vertices = vertices[used] - vertices[v]
-        vertices, v = vertices / np.abs(vertices).max(), place
+        is_near = np.zeros(len(vertices), dtype=bool)
+        is_near[faces[np.isin(faces, centres).any(axis=1)]] = True
+        used, renumbered = np.unique(faces[is_near[faces].any(axis=1)], return_inverse=True)
+        vertices, piece = vertices[used] - vertices[centres[piece[used]]], piece[used]
+        faces, centres = renumbered.reshape(-1, 3), np.searchsorted(used, centres)
+        size = np.zeros(len(centres))
+        np.maximum.at(size, piece, np.abs(vertices).max(axis=1))
         matrix, faces = subdivision_matrix(faces, len(vertices))
-        vertices = matrix @ vertices
-    a, b, c = np.moveaxis(vertices[faces[(faces == v).any(axis=1)]], 1, 0)
+        vertices = matrix @ (vertices / size[piece, None])
+        piece = piece[matrix.indices[matrix.indptr[:-1]]]
+    at_centre = faces[np.isin(faces, centres).any(axis=1)]
+    a, b, c = np.moveaxis(vertices[at_centre], 1, 0)
     normals = np.cross(b - a, c - a)
-    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals / np.linalg.norm(normals, axis=1, keepdims=True), piece[at_centre[:, 0]]
 
 
 def test_other_positions_share_the_matrices():
