@@ -84,6 +84,7 @@ def test_a_process_in_the_middle_of_a_computation_is_killed_at_an_interrupt(tmp_
     ready = tmp_path / "ready"
     process = subprocess.Popen([sys.executable, "-c", STUBBORN, ready], cwd=ROOT)
     while not ready.exists():
+        assert process.poll() is None
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     assert process.wait() == 130
@@ -140,6 +141,7 @@ def test_an_interrupt_while_the_second_interpreter_starts_is_at_most_one_line(tm
         start_new_session=True,
     )
     while not ready.exists():
+        assert process.poll() is None
         time.sleep(0.01)
     os.killpg(process.pid, signal.SIGINT)
     _, err = process.communicate()

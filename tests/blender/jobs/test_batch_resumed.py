@@ -124,6 +124,7 @@ def test_a_killed_batch_leaves_whole_outputs_and_goes_on_where_it_was(
     options = ("--out-dir", out)
     process = command(given, *options, "--jobs", 2)
     while not any(out.glob("*.ply")):
+        assert process.poll() is None
         time.sleep(0.01)
     process.kill()
     process.communicate()
@@ -193,6 +194,7 @@ def test_ctrl_c_says_how_to_go_on(five_meshes, tmp_path):
             shutil.copy(path, given / f"{path.stem}_{copy}.ply")
     process = command(given, "--out-dir", tmp_path / "out")
     while not any(tmp_path.glob("out/*.ply")):
+        assert process.poll() is None
         time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     _, err = process.communicate()
