@@ -29,6 +29,7 @@ from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
+from .own_numbers import LINE_NOISE, SEEDS
 
 # Passes of averaging that bound the bands, from narrow to wide.  Evenness is that of the first
 # three; the last one tells whether waves go on growing.
@@ -146,21 +147,26 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     """
     tuned, frame, own = parameters(), surface.frame, surface.fading.white
     n_counted = int(np.count_nonzero(is_counted))
-    heights, white = (band_heights(each, frame) for each in (surface.positions, frame.raised(own)))
+    heights = band_heights(surface.positions, frame)
     strength = local_strengths(heights, frame, is_counted)
     quiet, evenness = quiet_part(strength)
-    white_quiet, white_evenness = quiet_part(local_strengths(white, frame, is_counted))
+    unit, white_evenness = _of_white_noise(own, frame, is_counted)
     even = float((evenness / white_evenness)[:N_NARROW].min())
     if even < tuned.least_evenness:
         return SmoothNoise(even, n_counted=n_counted)
-    deviations, ratios, bands = [], [], []
-    for passes in PASSES:
-        noise = frame.spread(own * frame.spacing, passes) / frame.spacing
-        deviations.append(float(np.std(noise[is_counted])))
-        bands.append(band_heights(frame.raised(noise), frame))
-        ratios.append(typical_sizes(bands[-1][:, is_counted]))
-    ratios = np.log(quiet / white_quiet * typical_sizes(white[:, is_counted]) / ratios)
-    best, level, misfit = _fit(ratios)
+    found = [_averaged(own, passes, frame, is_counted) for passes in PASSES]
+    deviations, bands, sizes = zip(*found, strict=True)
+    ratios = np.log(quiet / unit / sizes)
+    best, level, misfit = _fit(ratios, WEIGHTS)
+    if misfit > tuned.least_misfit_of_edges:
+        best, level, _ = _fit(ratios, np.where(np.arange(N_NARROW) > 0, WEIGHTS, 0.0))
+    # The widest band of one random noise is 4 % stronger or weaker than that of the next.
+    excesses = [ratios[best, N_NARROW] - level]
+    for use in (LINE_NOISE, SEEDS):
+        other = surface.own.noise(use)
+        _, _, size = _averaged(other, PASSES[best], frame, is_counted)
+        ratio = np.log(quiet / _of_white_noise(other, frame, is_counted)[0] / size)
+        excesses.append(ratio[N_NARROW] - np.average(ratio[:N_NARROW], weights=WEIGHTS))
     # Shape stands out: where it is quiet there is as much noise, and less of shape.
     of_noise = local_strengths(bands[best], frame, is_counted)
     is_quiet = strength[1] <= np.median(strength[1])
@@ -172,7 +178,7 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
         # The level is that of the noise itself, not what second differences see of it.
         NoiseCorrelation(seen=deviations[best], deviation=deviations[best], passes=PASSES[best]),
         misfit,
-        excess=float(ratios[best, N_NARROW] - level),
+        excess=float(np.mean(excesses)),
         quiet_evenness=float((_quiet_evenness(strength) / _quiet_evenness(of_noise)).min()),
         outliers=float(np.quantile(np.abs(relative), TAIL, axis=1).max()) / NORMAL_TAIL,
         lean=float(np.abs(np.tanh(NORMAL_MEDIAN * relative).mean(axis=1)).max()),
@@ -180,14 +186,35 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     )
 
 
-def _fit(ratios: FloatArray) -> tuple[int, float, float]:
+def _of_white_noise(
+    white: FloatArray, frame: TriangleSurface, is_counted: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Strength of the bands of white noise (n,) in its quiet part, over that of all, and evenness.
+
+    (k,) each.
+    """
+    heights = band_heights(frame.raised(white), frame)
+    quiet, evenness = quiet_part(local_strengths(heights, frame, is_counted))
+    return quiet / typical_sizes(heights[:, is_counted]), evenness
+
+
+def _averaged(
+    white: FloatArray, passes: int, frame: TriangleSurface, is_counted: BoolArray
+) -> tuple[float, FloatArray, FloatArray]:
+    """Average white noise (n,): its standard deviation, its bands (k, n) and their sizes (k,)."""
+    noise = frame.spread(white * frame.spacing, passes) / frame.spacing
+    bands = band_heights(frame.raised(noise), frame)
+    return float(np.std(noise[is_counted])), bands, typical_sizes(bands[:, is_counted])
+
+
+def _fit(ratios: FloatArray, weights: FloatArray) -> tuple[int, float, float]:
     """Index of the noise that fits best, the logarithm of its strength, and the misfit.
 
     The argument has the logarithms of the bands' strengths relative to every noise, (p, k).
     """
     narrow = ratios[:, :N_NARROW]
-    levels = np.average(narrow, axis=1, weights=WEIGHTS)
-    misfits = np.square(narrow - levels[:, None]) @ WEIGHTS
+    levels = np.average(narrow, axis=1, weights=weights)
+    misfits = np.square(narrow - levels[:, None]) @ weights
     best = int(np.argmin(misfits))
     return best, float(levels[best]), float(misfits[best])
 
