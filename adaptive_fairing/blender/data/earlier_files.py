@@ -2,7 +2,8 @@
 
 Some are brought to this state when they are opened. Names of our attributes begin with a dot now,
 like Blender's own, so that exporters skip them; earlier they did not. What a mesh shows is noted on
-the mesh now; earlier it was noted on the object.
+the mesh now; earlier it was noted on the object. *Before* leaves the slider in its place now;
+earlier the slider went to 0, and its place was held.
 
 Even earlier, every result was shape keys with a record of `steps`. They become a result when the
 user asks for it.
@@ -14,9 +15,9 @@ import bpy
 import numpy as np
 
 from .coloring import DENSITY
-from .display import KeysDisplay, LiveDisplay
+from .display import KeysDisplay, LiveDisplay, display_of
 from .mesh_arrays import checksum, is_shared, read_key, read_mesh_coordinates
-from .results import MEASURES, is_of_strengths
+from .results import MEASURES, is_of_strengths, show_at
 from .shape_keys import animated_frames, has_step_keys, remove_fairing_keys, shown_step
 from .stored_path import StoredPath
 
@@ -27,14 +28,23 @@ def adopt() -> None:
     """Bring the open file to the present state."""
     _hide_attributes()
     for obj in bpy.data.objects:
-        record = obj.adaptive_fairing
-        if record.checksum and obj.type == "MESH" and obj.data.is_editable:
-            shown = obj.data.adaptive_fairing
-            shown.checksum, shown.strength = record.checksum, record.stored_strength
-            if record.control is not None:
-                coordinates = read_mesh_coordinates(record.control)
-                record.control.adaptive_fairing.checksum = checksum(coordinates)
-            record.checksum = ""
+        if obj.type == "MESH" and obj.data.is_editable:
+            _adopt_record(obj)
+
+
+def _adopt_record(obj: bpy.types.Object) -> None:
+    record, shown, display = obj.adaptive_fairing, obj.data.adaptive_fairing, display_of(obj)
+    if record.checksum and display.has_weights:  # shape keys after strengths left it there
+        shown.checksum, shown.strength = record.checksum, record.stored_strength
+        if record.control is not None:
+            coordinates = read_mesh_coordinates(record.control)
+            record.control.adaptive_fairing.checksum = checksum(coordinates)
+    if record.refined_print:
+        record.refined_fingerprint = record.refined_print
+    if record.held >= 0 and not obj.data.is_editmode:
+        show_at(obj, record.held * display.unit)
+    for name in ("checksum", "refined_print", "held"):
+        record.property_unset(name)
 
 
 def _hide_attributes() -> None:

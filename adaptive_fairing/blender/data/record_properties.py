@@ -112,6 +112,8 @@ class FairingRecord(bpy.types.PropertyGroup):
     refined_fingerprint: StringProperty(description="Of the refined mesh as it was made")
     checksum: StringProperty(description="In earlier files, see `earlier_files`")
     stored_strength: FloatProperty(description="In earlier files, see `earlier_files`")
+    refined_print: StringProperty(description="In earlier files, see `earlier_files`")
+    held: FloatProperty(default=-1.0, description="In earlier files, see `earlier_files`")
     steps: CollectionProperty(
         type=FairingShapeMeasures, description="In earlier files, see `earlier_files`"
     )

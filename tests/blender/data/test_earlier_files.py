@@ -9,7 +9,7 @@ from support.objects import add_object, shown_positions
 
 from adaptive_fairing.blender.data import earlier_files, results
 from adaptive_fairing.blender.data.display import display_of
-from adaptive_fairing.blender.data.mesh_arrays import read_mesh_coordinates
+from adaptive_fairing.blender.data.mesh_arrays import checksum, read_mesh_coordinates
 from adaptive_fairing.blender.data.results import result_measures
 from adaptive_fairing.blender.data.shape_keys import (
     animate_evolution,
@@ -26,6 +26,7 @@ def make_earlier(obj):
     """Note on the object what the mesh shows, and name the attributes without a dot."""
     record, shown = obj.adaptive_fairing, obj.data.adaptive_fairing
     record.checksum, record.stored_strength = shown.checksum, shown.strength
+    record.refined_print, record.refined_fingerprint = record.refined_fingerprint, ""
     for mesh in {obj.data, record.control} - {None}:
         mesh.property_unset("adaptive_fairing")
         for name in stored_names(mesh):
@@ -51,8 +52,42 @@ def test_strength_and_discard_work_as_if_nothing_had_been(surface):
     for strength, positions in shown.items():
         obj.adaptive_fairing.strength = strength
         np.testing.assert_array_equal(shown_positions(obj), positions)
-    results.discard(obj)
+    assert results.discard(obj) is None  # no refined mesh that somebody has changed
     np.testing.assert_array_equal(read_mesh_coordinates(obj.data), start)
+
+
+def test_a_refined_mesh_with_steps_is_not_taken_for_changed():
+    """Of strengths before the steps the record has kept the checksum of the coordinates."""
+    obj = add_object(*icosphere(1))
+    start = read_mesh_coordinates(obj.data)
+    results.store(obj, StoredPath.through(start, [1.0], [0.8 * start]), 1.0, "ABSOLUTE_KEYS")
+    with results.on_control(obj):
+        obj.adaptive_fairing.surface = "REFINED_1"
+    make_earlier(obj)
+    obj.adaptive_fairing.checksum = checksum(start)
+    earlier_files.adopt()
+    assert display_of(obj).is_refined
+    assert results.discard(obj) is None
+
+
+@pytest.mark.parametrize("way", ["LIVE", "MODIFIER", "ABSOLUTE_KEYS"])
+def test_before_ends_where_the_slider_was_held(way):
+    obj = add_object(*icosphere(1))
+    start = read_mesh_coordinates(obj.data)
+    path = StoredPath.through(start, [1.0, 2.0], [0.8 * start, 0.6 * start])
+    results.store(obj, path, 1.0, way)
+    record, shown = obj.adaptive_fairing, shown_positions(obj)
+    slider = display_of(obj).slider
+    held = getattr(record, slider)
+    setattr(record, slider, 0.0)
+    make_earlier(obj)
+    record.held = held
+    earlier_files.adopt()
+    assert getattr(record, slider) == held
+    np.testing.assert_array_equal(shown_positions(obj), shown)
+    setattr(record, slider, 0.0)
+    earlier_files.adopt()  # when the file is opened again, all of this is done
+    assert getattr(record, slider) == 0
 
 
 STRENGTHS = (0.0, 0.5, 1.0, 2.0)
