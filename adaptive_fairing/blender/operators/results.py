@@ -20,7 +20,7 @@ from ..data.results import (
     show_before,
     show_split,
 )
-from ..data.sculpt_undo import keep_before
+from ..data.sculpt_undo import keep_before, note_state
 from ..requirements import scipy_problem
 from .polls import busy_refusal, is_allowed, linked_refusal, no_active_mesh_refusal
 from .questions import Asking
@@ -199,15 +199,14 @@ class OBJECT_OT_adaptive_fairing_before(_OnResult, bpy.types.Operator):
     _key: str | None = None
 
     def execute(self, context):
-        keep_before(context.active_object)
-        obj = context.active_object
-        show_before(obj, not obj.adaptive_fairing.is_before)
+        self._toggle(context.active_object)
+        note_state(context.active_object)
         return {"FINISHED"}
 
     def invoke(self, context, event):
-        self.execute(context)
         if event.value != "PRESS" or event.type == "LEFTMOUSE":
-            return {"FINISHED"}
+            return self.execute(context)
+        self._toggle(context.active_object)
         self._key = event.type
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
@@ -220,6 +219,11 @@ class OBJECT_OT_adaptive_fairing_before(_OnResult, bpy.types.Operator):
 
     def cancel(self, context):
         show_before(context.active_object, False)
+
+    @staticmethod
+    def _toggle(obj):
+        keep_before(obj)
+        show_before(obj, not obj.adaptive_fairing.is_before)
 
 
 class OBJECT_OT_adaptive_fairing_split(_OnResult, bpy.types.Operator):

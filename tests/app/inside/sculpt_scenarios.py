@@ -82,16 +82,17 @@ def sculpt_history(stage: Stage) -> Scenario:
     yield from stage.enter_value(x, y, 0.5)
     yield 1.0
     seen["forward"].append(look())
-    yield from stage.drag(x, y, -60, pause=0.6)
+    yield from stage.drag(x, y, -30, pause=0.6)
     yield 1.0
     seen["forward"].append(look())
-    yield from stage.click_button("adaptive_fairing_before(", 0.2)
-    yield 1.0
-    seen["forward"].append(look())
-    yield from stage.picture("sculpt-history")
+    for name in ("sculpt-history", "sculpt-history-after"):
+        yield from stage.click_button("adaptive_fairing_before(", 0.2)
+        yield 1.0
+        seen["forward"].append(look())
+        yield from stage.picture(name)
     for keys, name in (("ctrl+z", "back"), ("shift+ctrl+z", "again")):
         seen[name] = []
-        for _ in range(5):
+        for _ in range(6):
             yield from stage.press_in_view(keys)
             yield 0.5
             seen[name].append(look())
