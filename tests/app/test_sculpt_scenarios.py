@@ -30,6 +30,8 @@ def test_painting_back_shows_the_surface_and_a_key_swaps_the_weights(app):
     before, painting, after = seen["opacities"]
     assert painting < 0.5 < before == after
     assert seen["weights"] == [0.0, 1.0, 0.0]
+    assert seen["typed"] == ["WEIGHT_PAINT", 0.5, False]
+    assert seen["undone"] == ["WEIGHT_PAINT", 1.0, True], "the slider is a step of the history"
     assert seen["mask back"] == [False, True], "only with a mask"
 
 

@@ -1,9 +1,9 @@
-"""Undo steps for changes in Sculpt Mode other than strokes, and for sliders in Edit Mode.
+"""Undo steps for changes in Sculpt Mode other than strokes, and for sliders outside Object Mode.
 
 Blender stores strokes as differences, from which it cannot undo another kind of change. So a whole
 state is stored just before the change, unless the last stored state is this one. For a slider of an
-object Blender stores no step at all in these modes, so the state after it is stored as well, once
-the slider is let go.
+object Blender stores no step at all while it is edited, sculpted or painted, so the state after it
+is stored as well, once the slider is let go.
 """
 
 from __future__ import annotations
@@ -17,6 +17,9 @@ from .shape_keys import keys_checksum
 
 _SCULPTED = ("position", ".sculpt_mask", ".sculpt_face_set", ".hide_vert", ".hide_poly")
 """Attributes that strokes change, besides colours."""
+
+_WITHOUT_STEPS = ("EDIT", "SCULPT", "VERTEX_PAINT", "WEIGHT_PAINT")
+"""Modes in which Blender stores no step for a slider. In Texture Paint it stores images alone."""
 
 _stored: set[int] = set()  # checksums of the whole states that Blender has stored
 
@@ -35,7 +38,7 @@ def note_state(obj: bpy.types.Object | None) -> None:
 
 def keep_slide(obj: bpy.types.Object) -> None:
     """Call before every change by a slider, so that all changes until it is let go are one step."""
-    if obj.mode in ("SCULPT", "EDIT") and not bpy.app.background and not is_sliding():
+    if obj.mode in _WITHOUT_STEPS and not bpy.app.background and not is_sliding():
         keep_before(obj)
         bpy.app.timers.register(_wait)  # an operator must not start while a field is left
 

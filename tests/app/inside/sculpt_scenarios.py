@@ -116,6 +116,21 @@ def painting(stage: Stage) -> Scenario:
         yield from stage.press_in_view("x")
         seen["weights"].append(next(weights))
         yield from stage.picture(f"painting-{len(seen['weights'])}")
+    denoised = vertex_positions(obj)
+    x, y = yield from find_strength(stage)
+    yield from stage.enter_value(x, y, 0.5)
+    yield 1.0
+
+    def state() -> list:
+        now = bpy.context.view_layer.objects.active
+        is_denoised = bool(np.array_equal(vertex_positions(now), denoised))
+        return [now.mode, now.adaptive_fairing.strength, is_denoised]
+
+    seen["typed"] = state()
+    yield from stage.press_in_view("ctrl+z")
+    yield 1.0
+    seen["undone"] = state()
+    obj = bpy.context.view_layer.objects.active
     with stage.context():
         bpy.ops.object.mode_set(mode="SCULPT")
         yield 1.0
