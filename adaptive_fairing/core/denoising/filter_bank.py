@@ -25,7 +25,7 @@ from ..runtime.precision import SINGLE, Precision
 from .filter_rounds import Filter, FlatFamily, NormalFamily, Round, mesh_family
 from .flat_faces import FlatFaces, flattened
 from .lifted_metric import LiftedMetric, boundary_flux, linear_elements
-from .noise_correlation import WHITE, NoiseCorrelation
+from .noise_correlation import NoiseCorrelation
 from .normal_filter import (
     TurningLoads,
     smoothed_normals,
@@ -110,8 +110,9 @@ class FilterBank:
             elif isinstance(family, NormalFamily):
                 results = self._fitted(noisy if family.is_of_noisy else surface, surface, family)
             else:
+                flux_fraction = parameters().boundary_flux_fraction
                 results = self._diffused(
-                    noisy, surface, family.metric, family.diffusions, parameters().boundary_flux_fraction
+                    noisy, surface, family.metric, family.diffusions, flux_fraction
                 )
             yield from zip(family.filters, results, strict=True)
 

@@ -27,8 +27,8 @@ class DenoiseParameters:
     # Least number of triangles of a flat face, of vertices of a boundary curve whose noise is
     # estimated by itself, and of spikes that count as many. By hand.
     fewest: int = 12
-    # With fewer vertices no noise is estimated, in a mesh, in its small parts together, or on a flat
-    # face. By hand.
+    # With fewer vertices no noise is estimated, in a mesh, in its small parts together, or on one
+    # flat face. By hand.
     fewest_vertices: int = 50
     # In a rough mesh of fewer vertices noise cannot be told from shape. Smaller parts, such as eyes
     # of a head, take the verdict of the whole. A class of density has as many or more. By hand.
@@ -77,9 +77,9 @@ class DenoiseParameters:
     most_uneven_if_smooth: float = math.radians(8)
     # Triangles that turn away from the plane by more than this are not taken.
     face_angle_at_border: float = math.radians(25)
-    # Triangles with a vertex further from the plane than this are not taken. Where the noise is more
-    # than `coarse_noise` it is larger in proportion: on ten CAD shapes with one amplitude of 0.2 the
-    # error was 0.98 of that with the same everywhere.
+    # Triangles with a vertex further from the plane than this are not taken. Where the noise is
+    # more than `coarse_noise` it is larger in proportion: on ten CAD shapes with one amplitude of
+    # 0.2 the error was 0.98 of that with the same everywhere.
     face_height: float = 0.35
     # A mesh with a smaller part of its triangles on flat faces counts as round, and with a smaller
     # part of its vertices well inside them its noise is not told there. Seven organic shapes had at
