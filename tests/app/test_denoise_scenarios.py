@@ -134,6 +134,12 @@ def test_a_check_changes_nothing_and_shows_what_it_finds(app):
     assert len({each["checksum"] for each in pictures}) == 3
 
 
+def test_a_noise_size_that_was_given_is_shown_in_the_view(app):
+    pictures = app.play("split_line")["pictures"]
+    views = [pictures[f"ring-{name}"]["WINDOW"] for name in ("before", "given", "automatic")]
+    assert views[0]["checksum"] == views[2]["checksum"] != views[1]["checksum"]
+
+
 def test_the_line_of_a_split_can_be_seen_and_dragged(app):
     seen = app.play("split_line")
     assert seen["half"] == pytest.approx(0.5, abs=0.1)

@@ -80,6 +80,11 @@ def measure(obj: bpy.types.Object, properties: Settings) -> RadiusScale | str:
     return scale
 
 
+def noise_length(obj: bpy.types.Object, properties: Settings, scale: RadiusScale) -> float:
+    """Size of the noise, which is given in edges, as a length in the world."""
+    return properties.width * scale.edge_typical * obj.matrix_world.median_scale
+
+
 def measure_soon(obj: bpy.types.Object, properties: Settings) -> bool:
     """Schedule the measurement of a mesh after drawing, unless it is too large or in Edit Mode.
 
@@ -105,7 +110,7 @@ def _measure_wanted() -> None:
         if _key(obj, scene.adaptive_fairing) == key:
             measure(obj, scene.adaptive_fairing)
     _wanted.clear()
-    redraw_panels(bpy.context)
+    redraw_panels(bpy.context, "WINDOW")  # a length is also shown in the view
 
 
 def _key(obj: bpy.types.Object, properties: Settings) -> Key:

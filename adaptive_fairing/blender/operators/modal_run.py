@@ -276,13 +276,13 @@ class ModalRun:
         redraw_panels(context)
 
 
-def redraw_panels(context: bpy.types.Context) -> None:
-    """Redraw the sidebars of all 3D views."""
+def redraw_panels(context: bpy.types.Context, *others: str) -> None:
+    """Redraw the sidebars of all 3D views, and their regions of other types."""
     for window in context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
                 for region in area.regions:
-                    if region.type == "UI":
+                    if region.type in ("UI", *others):
                         region.tag_redraw()
 
 

@@ -110,8 +110,8 @@ def _draw_length(context, layout, settings) -> None:
     """Draw the size of the noise, which is given in edges, as a length on the active mesh."""
     scale = _scale(context, settings)
     if scale is not None and not isinstance(scale, str):
-        obj, units = context.active_object, context.scene.unit_settings
-        length = settings.width * scale.edge_typical * obj.matrix_world.median_scale
+        units = context.scene.unit_settings
+        length = mesh_scale.noise_length(context.active_object, settings, scale)
         shown = bpy.utils.units.to_string(units.system, "LENGTH", length * units.scale_length)
         column = layout.column()
         column.alignment = "RIGHT"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import bpy
 from bpy_extras.view3d_utils import location_3d_to_region_2d, region_2d_to_location_3d
@@ -11,9 +11,7 @@ from mathutils.geometry import intersect_point_line
 
 from ..data.results import show_split
 from ..operators.results import result_refusal
-
-if TYPE_CHECKING:
-    from gpu.types import GPUBatch
+from .view_lines import draw_line, sight
 
 OVERHANG = 0.1
 """Overhang of the line beyond the object's box at either end, as a fraction of its length."""
@@ -80,19 +78,11 @@ class VIEW3D_GT_adaptive_fairing_split(bpy.types.Gizmo):
         self.use_draw_modal = True
 
     def draw(self, context):
-        import gpu  # there is none without a window
-
         ends = _ends(context)
         if ends is None:
             return
-        scale = context.preferences.system.ui_scale
-        shader = gpu.shader.from_builtin("POLYLINE_UNIFORM_COLOR")
-        shader.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
-        shader.uniform_float("lineWidth", (1 + self.is_highlight) * WIDTH * scale)
-        shader.uniform_float("color", (1.0, 1.0, 1.0, 0.9 if self.is_highlight else 0.6))
-        gpu.state.blend_set("ALPHA")
-        _batch(shader, ends).draw(shader)
-        gpu.state.blend_set("NONE")
+        opacity, width = (0.9, 2 * WIDTH) if self.is_highlight else (0.6, WIDTH)
+        draw_line(context, ends, width, (1.0, 1.0, 1.0, opacity))
 
     def test_select(self, context, location):
         ends = _ends(context)
@@ -106,13 +96,13 @@ class VIEW3D_GT_adaptive_fairing_split(bpy.types.Gizmo):
     def invoke(self, context, event):
         plane = SplitPlane.of(context.active_object)
         self._plane, self._began = plane, _in_depth(context, event, plane.point)
-        self._along = plane.along(_sight(context, plane.point))
+        self._along = plane.along(sight(context, plane.point))
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event, _tweak):
         way = _in_depth(context, event, self._plane.point) - self._began
         plane = self._plane.moved(way)
-        split_at(context.active_object, plane.turned(self._along, _sight(context, plane.point)))
+        split_at(context.active_object, plane.turned(self._along, sight(context, plane.point)))
         context.area.tag_redraw()
         return {"RUNNING_MODAL"}
 
@@ -148,18 +138,10 @@ def split_at(obj: bpy.types.Object, plane: SplitPlane) -> None:
     show_split(obj, normal, matrix.inverted_safe() @ plane.point)
 
 
-def _sight(context: bpy.types.Context, point: Vector) -> Vector:
-    """Direction in which a point is seen."""
-    view = context.region_data
-    if view.is_perspective:
-        return point - view.view_matrix.inverted().translation
-    return view.view_rotation @ Vector((0.0, 0.0, -1.0))
-
-
 def _ends(context: bpy.types.Context) -> tuple[Vector, Vector] | None:
     """Find the ends of the line in pixels of the region; None if it cannot be seen."""
     plane = SplitPlane.of(context.active_object)
-    line = plane.line(_sight(context, plane.point))
+    line = plane.line(sight(context, plane.point))
     if line is None:
         return None
     ends = [location_3d_to_region_2d(context.region, context.region_data, end) for end in line]
@@ -170,12 +152,6 @@ def _in_depth(context: bpy.types.Context, event: bpy.types.Event, point: Vector)
     """Position of the pointer in the world, at the depth of a point."""
     pointer = event.mouse_region_x, event.mouse_region_y
     return region_2d_to_location_3d(context.region, context.region_data, pointer, point)
-
-
-def _batch(shader, ends: tuple[Vector, Vector]) -> GPUBatch:
-    from gpu_extras.batch import batch_for_shader
-
-    return batch_for_shader(shader, "LINES", {"pos": [(*end, 0.0) for end in ends]})
 
 
 register, unregister = bpy.utils.register_classes_factory(

@@ -253,13 +253,21 @@ def check(stage: Stage) -> Scenario:
 
 
 def split_line(stage: Stage) -> Scenario:
-    """The line of a split: where it is drawn, dragged to the right and back by Ctrl Z."""
+    """The line of a split: where it is drawn, dragged to the right and back by Ctrl Z.
+
+    Before it the ring of a Noise Size.
+    """
     seen = stage.results
     obj = add_in_view(stage, 0.02, 5)
     noisy = vertex_positions(obj)
+    yield from stage.open_sidebar("Fairing")
+    yield from stage.picture("ring-before")
+    for name, size in (("given", 3.0), ("automatic", 0.0)):
+        bpy.context.scene.adaptive_fairing.width = size
+        yield 1.0  # the mesh is measured after the panel was drawn
+        yield from stage.picture(f"ring-{name}")
     with stage.context():
         bpy.ops.object.adaptive_fairing()
-    yield from stage.open_sidebar("Fairing")
     yield from stage.picture("split-before")
     yield from stage.click_button("adaptive_fairing_split(")
 
