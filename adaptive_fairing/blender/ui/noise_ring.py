@@ -23,7 +23,7 @@ from .view_lines import draw_line, sight
 
 N_POINTS = 64
 
-STROKES = ((3.5, (0.0, 0.0, 0.0, 1.0)), (1.5, (1.0, 1.0, 1.0, 1.0)))
+STROKES = ((5.0, (0.0, 0.0, 0.0, 1.0)), (2.0, (1.0, 1.0, 1.0, 1.0)))
 """Widths in pixels at the interface's scale 1, and colours: an outline seen on any mesh."""
 
 
