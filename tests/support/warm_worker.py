@@ -49,6 +49,9 @@ def _started():
 
 
 def _serve():
+    # Blender 5.2 prints when it is imported, and nobody reads what it prints later.
+    told = os.fdopen(os.dup(1), "w")
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
     from adaptive_fairing.blender.jobs import batch_worker
     from adaptive_fairing.cli import main as cli
 
@@ -61,9 +64,8 @@ def _serve():
 
     batch_worker.os = Stays
     listener = socket.create_server(("127.0.0.1", 0))
-    sys.stdout.write(f"{listener.getsockname()[1]}\n")
-    sys.stdout.flush()
-    os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # nobody reads what Blender prints
+    told.write(f"{listener.getsockname()[1]}\n")
+    told.close()
     threading.Thread(target=_follow_parent, daemon=True).start()
     while True:
         batch, _ = listener.accept()
