@@ -11,7 +11,7 @@ from ..runtime.arrays import FloatArray
 from .mesh_parts import NoiseFound
 from .noise.contrast import hinges
 from .noise.face_noise import FaceNoise
-from .noise.level import beyond_clean
+from .noise.level import beyond_clean, with_clean
 from .noise.own_numbers import WHITE_NOISE
 from .noise.smooth_noise import SmoothNoise, smooth_noise
 from .noise.spikes import left_of_spikes
@@ -159,7 +159,10 @@ def _without_spikes(
     reach = np.maximum(after.level, np.where(had_spikes, found.roughness, 0))
     moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
     noise, more = left_of_spikes(calm.noisy, moved, after.level, parts.is_counted, parts.may_move)
-    level = np.sqrt(np.square(after.level) + np.where(had_spikes & parts.is_counted, more, 0))
+    # What spikes leave is known: none of it is the roughness of a clean mesh.
+    left = np.where(had_spikes & parts.is_counted, more, 0)
+    beyond = np.sqrt(np.square(beyond_clean(after.level)) + left)
+    level = np.where(left > 0, with_clean(beyond), after.level)
     reach = np.maximum(level, reach)
     return NoiseVerdict(calm, level, None, impulsive, reach, (IMPULSIVE,), spiky=noise)
 
