@@ -8,6 +8,7 @@ import signal
 import sys
 import time
 
+import psutil
 import pytest
 from support.batches import batch, command, outputs, summary
 from support.meshes import icosphere, random_closed
@@ -126,9 +127,11 @@ def test_a_killed_batch_leaves_whole_outputs_and_goes_on_where_it_was(
     while not any(out.glob("*.ply")):
         assert process.poll() is None
         time.sleep(0.01)
+    workers = psutil.Process(process.pid).children(recursive=True)
     process.kill()
     process.communicate()
-    time.sleep(1)  # the workers notice and leave
+    _, alive = psutil.wait_procs(workers, timeout=60)
+    assert not alive, "the workers notice and leave"
     left = outputs(out)
     assert 0 < len([name for name in left if not name.startswith(".")]) < 20
     # Records that are whole: the kill may have left a hidden draft of one more.
@@ -146,8 +149,6 @@ def test_a_killed_batch_leaves_whole_outputs_and_goes_on_where_it_was(
 @pytest.mark.skipif(sys.platform == "win32", reason="processes cannot be killed like that")
 def test_a_killed_worker_costs_only_its_mesh(tmp_path):
     """One mesh takes long enough to be hit; the one after it is done by another process."""
-    import psutil
-
     given = tmp_path / "given"
     given.mkdir()
     (given / "a_large.ply").write_bytes(ply_bytes(*icosphere(6)))
@@ -167,8 +168,6 @@ def test_a_killed_worker_costs_only_its_mesh(tmp_path):
 
 def command_line(process):
     """Arguments of a process; none if it has ended meanwhile."""
-    import psutil
-
     try:
         return process.cmdline()
     except psutil.Error:
