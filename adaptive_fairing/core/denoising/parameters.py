@@ -342,8 +342,7 @@ class DenoiseParameters:
     # Coarse round shapes are as even as noise, so a mesh of fewer vertices is no scan. By hand.
     fewest_of_scan: int = 4500
     # Where the bands fit noise worse than this, the narrowest one shows the edges of the mesh and
-    # does not count. Noise alike over two edges had at most 0.05, over four edges 0.07 to 0.13. No
-    # noisy shape misses it, but a clean mesh of craters was taken for noise without it.
+    # does not count. Noise alike over two edges had at most 0.05, over four edges 0.07 to 0.13.
     least_misfit_of_edges: float = 0.06
     # Smooth noise is told on at least this many vertices. By hand.
     fewest_to_tell_smooth: int = 1500
