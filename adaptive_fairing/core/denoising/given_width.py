@@ -36,7 +36,7 @@ def verdict_of_width(stage: Stage, width: float) -> NoiseVerdict:
     """
     noisy, counted = stage.noisy, stage.parts.is_counted
     frame, passes = noisy.frame, passes_of_width(width)
-    noise = frame.spread(noisy.fading.white * frame.spacing, passes) / frame.spacing
+    noise = NoiseCorrelation(passes=passes).applied(noisy.fading.white, frame)
     level = np.zeros(len(counted))
     deviation = 1.0
     if counted.any():

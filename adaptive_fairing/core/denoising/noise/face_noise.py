@@ -157,7 +157,7 @@ def _explained(
     found = np.log(np.maximum(typical_sizes(bands[:, is_inner]), 1e-12))
     best = WHITE, bands, np.inf
     for passes in PASSES:
-        noise = frame.spread(surface.fading.white * frame.spacing, passes) / frame.spacing
+        noise = NoiseCorrelation(passes=passes).applied(surface.fading.white, frame)
         deviation = float(np.std(noise[is_inner]))
         of_noise = band_heights(frame.raised(noise / deviation), frame)
         differences = found - np.log(typical_sizes(of_noise[:, is_inner]))

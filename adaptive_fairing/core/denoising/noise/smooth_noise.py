@@ -157,16 +157,18 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     found = [_averaged(own, passes, frame, is_counted) for passes in PASSES]
     deviations, bands, sizes = zip(*found, strict=True)
     ratios = np.log(quiet / unit / sizes)
-    best, level, misfit = _fit(ratios, WEIGHTS)
+    weights = WEIGHTS
+    best, level, misfit = _fit(ratios, weights)
     if misfit > tuned.least_misfit_of_edges:
-        best, level, _ = _fit(ratios, np.where(np.arange(N_NARROW) > 0, WEIGHTS, 0.0))
+        weights = np.where(np.arange(N_NARROW) > 0, WEIGHTS, 0.0)
+        best, level, _ = _fit(ratios, weights)
     # The widest band of one random noise is 4 % stronger or weaker than that of the next.
     excesses = [ratios[best, N_NARROW] - level]
     for use in (LINE_NOISE, SEEDS):
         other = surface.own.noise(use)
         _, _, size = _averaged(other, PASSES[best], frame, is_counted)
         ratio = np.log(quiet / _of_white_noise(other, frame, is_counted)[0] / size)
-        excesses.append(ratio[N_NARROW] - np.average(ratio[:N_NARROW], weights=WEIGHTS))
+        excesses.append(ratio[N_NARROW] - np.average(ratio[:N_NARROW], weights=weights))
     # Shape stands out: where it is quiet there is as much noise, and less of shape.
     of_noise = local_strengths(bands[best], frame, is_counted)
     is_quiet = strength[1] <= np.median(strength[1])
@@ -189,10 +191,7 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
 def _of_white_noise(
     white: FloatArray, frame: TriangleSurface, is_counted: BoolArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Strength of the bands of white noise (n,) in its quiet part, over that of all, and evenness.
-
-    (k,) each.
-    """
+    """Strength (k,) of the bands of white noise (n,) where it is quiet, over all, and evenness."""
     heights = band_heights(frame.raised(white), frame)
     quiet, evenness = quiet_part(local_strengths(heights, frame, is_counted))
     return quiet / typical_sizes(heights[:, is_counted]), evenness
@@ -202,7 +201,7 @@ def _averaged(
     white: FloatArray, passes: int, frame: TriangleSurface, is_counted: BoolArray
 ) -> tuple[float, FloatArray, FloatArray]:
     """Average white noise (n,): its standard deviation, its bands (k, n) and their sizes (k,)."""
-    noise = frame.spread(white * frame.spacing, passes) / frame.spacing
+    noise = NoiseCorrelation(passes=passes).applied(white, frame)
     bands = band_heights(frame.raised(noise), frame)
     return float(np.std(noise[is_counted])), bands, typical_sizes(bands[:, is_counted])
 
