@@ -19,7 +19,7 @@ from scipy.special import binom
 
 from ..mesh.normals import dots, unit_vectors
 from ..runtime.arrays import FloatArray
-from .noise.level import NORMAL_MEDIAN, beyond_clean
+from .noise.level import NORMAL_MEDIAN
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
@@ -66,7 +66,7 @@ class BoundaryCurves:
         strength : float
             Factor of the noise.
         """
-        noise = self._beside_curves(beyond_clean(strength * self._noise))
+        noise = strength * self._beside_curves(self._noise)
         noise[~filtered.any(axis=1)] = 0
         sideways = unit_vectors(
             np.cross(normals, self._points[self._next] - self._points[self._previous])

@@ -14,7 +14,6 @@ from ..problem.diagnosis import MeshProblems, find_problems
 from ..problem.mesh_counts import MeshCounts, mesh_counts
 from ..problem.prepared_mesh import PreparedMesh
 from .given_width import verdict_of_width
-from .noise.level import beyond_clean
 from .noise_verdict import noise_verdict
 from .progress import DenoiseProgress, ProgressReport
 from .settings import DenoiseSettings
@@ -90,14 +89,11 @@ def examine(
     ratio = 1.0 if level is None else level.ratio
     stage = Stage(topology, positions, is_still, on_solve)
     verdict = (
-        noise_verdict(stage, settings.strength, settings.clean)
+        noise_verdict(stage, settings.clean)
         if width is None
         else verdict_of_width(stage, width / ratio)
     )
-    noise = verdict.level if level is None else beyond_clean(verdict.level)
-    is_clean = not (verdict.impulsive.any() or beyond_clean(settings.strength * noise).any())
-    if not is_clean:
-        noise = verdict.whole(noise)
+    noise = verdict.whole(verdict.level) if verdict.level.any() else verdict.level
     found, spacing = noise > 0, verdict.stage.frame.spacing
     size, length = (
         float(np.median(each[found])) if found.any() else 0.0 for each in (noise, noise * spacing)
@@ -105,7 +101,7 @@ def examine(
     return Examination(
         noise_level=ratio * size,
         noise_length=length / frame.scale,
-        is_clean=is_clean,
+        is_clean=not (verdict.impulsive.any() or noise.any()),
         notes=verdict.notes,
         counts=mesh_counts(mesh.triangles),
         problems=find_problems(mesh.points, mesh.triangles, surface),

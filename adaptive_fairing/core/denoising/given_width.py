@@ -15,7 +15,6 @@ import numpy as np
 
 from ..runtime.arrays import BoolArray, FloatArray
 from .noise.contrast import hinges
-from .noise.level import with_clean
 from .noise.noisy_surface import NoisySurface
 from .noise.smooth_noise import band_height
 from .noise_correlation import NoiseCorrelation
@@ -46,8 +45,7 @@ def verdict_of_width(stage: Stage, width: float) -> NoiseVerdict:
         on_faces = stage.face_noise(noisy)
         if on_faces.part >= parameters().least_flat:
             size = min(size, on_faces.level)
-        # The part that is subtracted for clean meshes is added first.
-        level[counted] = with_clean(np.array(size))
+        level[counted] = size
     correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
     return NoiseVerdict(stage, level, correlation, np.zeros(len(counted)), level, ())
 

@@ -11,7 +11,7 @@ from scipy.sparse import csgraph
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
 from .mixture import Mixture, least_risk_coefficients
 from .noise.clean_detail import CleanDetail
-from .noise.level import beyond_clean, noise_model, scan_level, with_clean
+from .noise.level import noise_model, scan_level
 from .noise.noisy_surface import NoisySurface
 from .noise.repeats import is_voxel_contour
 from .noise.spikes import impulsive_certainty
@@ -25,7 +25,7 @@ class NoiseFound(NamedTuple):
     Attributes
     ----------
     level : (n,)
-        Standard deviation in local edge lengths; 0 where it was not judged.
+        Standard deviation in local edge lengths; 0 where there is none, or none was judged.
     impulsive : (n,)
         Certainty that the noise is that of single vertices, 0 to 1.
     roughness : (n,)
@@ -80,16 +80,12 @@ class MeshParts:
             classes = density_classes(size[some], self.is_counted[some])
             self._part[some], self._weights[: len(classes), some] = part, classes
 
-    def noise(
-        self, surface: NoisySurface, strength: float, *, keeps_clean: bool = True
-    ) -> NoiseFound:
+    def noise(self, surface: NoisySurface, *, keeps_clean: bool = True) -> NoiseFound:
         """Estimate the noise, and note if there is nothing to do.
 
         Parameters
         ----------
         surface : NoisySurface
-        strength : float
-            Factor of the noise, used only for the note.
         keeps_clean : bool
             Whether a part that looks clean has no noise; otherwise all roughness is noise.
         """
@@ -113,63 +109,64 @@ class MeshParts:
             # As in a mesh of so few vertices nothing can be judged: specks do not change.
             if np.count_nonzero(counted) < tuned.fewest_vertices:
                 continue
-            level[counted] = self._rough_level(surface, counted)
+            level[counted], rough_noise = self._by_roughness(surface, counted)
             if np.median(level[counted]) <= clean:
-                noise[counted] = np.minimum(level[counted], clean)
                 continue
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
             if not surface.fading.fades(counted):
                 certainty = impulsive_certainty(surface, level, counted)
                 impulsive[members] = certainty * self.may_move[members]
             if not keeps_clean:
-                # The part that is subtracted for clean meshes is added first.
-                noise[counted] = with_clean(level[counted])
+                noise[counted] = level[counted]
                 continue
             triangles = surface.topology.triangles
             around = triangles[counted[triangles].any(axis=1)]
             is_contour = is_voxel_contour(around, surface.positions)
-            least = level if is_contour else self._least_level(surface, level, counted)
+            by_hinges = None if is_contour else self._by_hinges(surface, level, counted)
+            least, least_noise = by_hinges or (level[counted], rough_noise)
             is_detail = detail.fades(counted)
             if not (is_detail or impulsive[members].any() or is_contour):
-                reason = detail.copies(counted) or detail.bends(least, counted)
+                reason = detail.copies(counted) or detail.bends(float(np.median(least)), counted)
                 if reason:
                     models.append(reason)
                     is_detail = True
-            if is_detail or np.quantile(least[counted], 1 - tuned.rough_fraction) <= clean:
-                least = np.minimum(least, clean)
-            noise[counted] = least[counted]
-        if impulsive.any() or beyond_clean(strength * noise).any():
+            if not (is_detail or np.quantile(least, 1 - tuned.rough_fraction) <= clean):
+                noise[counted] = least_noise
+        if impulsive.any() or noise.any():
             if n_counted < tuned.fewest_to_tell and keeps_clean:
                 return NoiseFound(0 * noise, 0 * noise, level, (too_few,))
             return NoiseFound(noise, impulsive, level)
         note = self.why_nothing(level, models)
         return NoiseFound(noise, impulsive, level, (note,))
 
-    def _rough_level(self, surface: NoisySurface, counted: BoolArray) -> FloatArray:
-        """Noise (c,) of some vertices, (n,) bool, by their roughness."""
-        frame = surface.frame
-        level: FloatArray = noise_model(surface.roughness, counted).level(frame.spacing[counted])
+    def _by_roughness(
+        self, surface: NoisySurface, counted: BoolArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Level and noise (c,) of some vertices, (n,) bool, by their roughness."""
+        spacing, model = surface.frame.spacing[counted], noise_model(surface.roughness, counted)
+        level = model.level(spacing)
         if np.median(level) > parameters().clean_roughness and surface.cosines is not None:
-            level = scan_level(surface.roughness, frame, counted, surface.cosines)[counted]
-        return level
+            rough, frame, cosines = surface.roughness, surface.frame, surface.cosines
+            level = scan_level(rough, frame, counted, cosines)[counted]
+            return level, level
+        return level, model.noise(spacing)
 
-    def _least_level(
+    def _by_hinges(
         self, surface: NoisySurface, level: FloatArray, counted: BoolArray
-    ) -> FloatArray:
-        """Noise (n,) that all contrasts of some vertices, (n,) bool, allow.
+    ) -> tuple[FloatArray, FloatArray] | None:
+        """Level and noise (c,) of some vertices, (n,) bool, if the hinges allow less than `level`.
 
-        It starts from the noise (n,) by roughness.  Every kind of contrast is an upper bound: noise
-        shows in all of them alike, and shape only adds.
+        Every kind of contrast is an upper bound: noise shows in all of them alike, and shape only
+        adds.
         """
-        tuned, frame = parameters(), surface.frame
-        least = level
-        if surface.hinges.among(counted).value.size:
-            of_hinges = noise_model(surface.hinges, counted).level(frame.spacing)
-            # Noise that turns triangles over leaves nothing in their hinges.
-            limit = min(tuned.clearly_less * np.median(level[counted]), tuned.most_noise_in_normals)
-            if np.median(of_hinges[counted]) < limit:
-                least = of_hinges
-        return least
+        tuned, spacing = parameters(), surface.frame.spacing[counted]
+        if not surface.hinges.among(counted).value.size:
+            return None
+        model = noise_model(surface.hinges, counted)
+        of_hinges = model.level(spacing)
+        # Noise that turns triangles over leaves nothing in their hinges.
+        limit = min(tuned.clearly_less * np.median(level[counted]), tuned.most_noise_in_normals)
+        return (of_hinges, model.noise(spacing)) if np.median(of_hinges) < limit else None
 
     def why_nothing(self, level: FloatArray, models: Sequence[str] = ()) -> str:
         """Note why there is nothing to do, from the roughness (n,) and signs of models."""

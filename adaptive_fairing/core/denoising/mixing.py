@@ -28,7 +28,6 @@ from .filter_rounds import Filter, Round, rounds_for
 from .folds import unfolded
 from .given_width import verdict_of_width
 from .mixture import Mixture, filter_divergence
-from .noise.level import beyond_clean
 from .noise_verdict import NoiseVerdict, noise_verdict
 from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
@@ -109,14 +108,14 @@ def mixed_surfaces(
     other_readings: tuple[str, ...] = ()
     if plan is None:
         verdict = (
-            noise_verdict(stage, settings.strength, settings.clean)
+            noise_verdict(stage, settings.clean)
             if width is None
             else verdict_of_width(stage, width)
         )
         stage, level, impulsive = verdict.stage, verdict.level, verdict.impulsive
         notes, other_readings = verdict.notes, verdict.other_readings
         plan = DenoisePlan.idle(level, impulsive, verdict.reach)
-        if beyond_clean(max(STRENGTHS) * settings.strength * level).any():
+        if level.any():
             plan, clusters = _planned(before, verdict, settings, progress)
             if plan.is_idle:
                 notes, other_readings = (UNLIKE_NOISE,), ("denoise",)
@@ -150,7 +149,7 @@ def mixed_surfaces(
             return without_folds(sliding.limited(mixed, STRENGTHS[number] * settings.strength))
 
         results = list(ordered_map(at_strength, numbers))
-    bounds = Bounds(before, stage.frame, start.positions, plan.reach)
+    bounds = Bounds(before, stage.frame, stage.parts.is_counted, start.positions, plan.reach)
 
     def bounded(number: int) -> FloatArray:
         return bounds.kept(results[number], STRENGTHS[number] * settings.strength)
@@ -200,14 +199,12 @@ def _planned(
             divergence.append(gain)
 
     def variance(factor: float) -> FloatArray:
-        level = beyond_clean(factor * settings.strength * seen) / correlation.seen
-        return np.square(tuned.noise_factor * level / unit)
+        return np.square(factor * tuned.noise_factor * seen / correlation.seen / unit)
 
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
     typical = float(np.median(noise[noise > 0]))
     first, *others = rounds_for(typical, correlation)
     saw_creases = False
-    pilot_variance = np.square(tuned.noise_factor * seen / correlation.seen / unit)
     pilots: list[Mixture] = []
     progress.begin("filter", 1)
     _filter_both(track, shadow, first)
@@ -219,7 +216,7 @@ def _planned(
             if not saw_creases:
                 break
         measure()
-        pilots.extend(parts.best_mixtures(removed, divergence, pilot_variance[None]))
+        pilots.extend(parts.best_mixtures(removed, divergence, variance(1)[None]))
         _filter_both(track, shadow, families, pilots[-1])
     progress.begin("mix")
     measure()
@@ -228,7 +225,7 @@ def _planned(
     usable = [each.serves(settings.features) for each in filters]
     rows = list(compress(removed, usable)), list(compress(divergence, usable))
     # First the noise as it is, whatever strength was asked for: it decides what looks like noise.
-    factors = 1 / settings.strength, *STRENGTHS
+    factors = 1, *(settings.strength * each for each in STRENGTHS)
     variances = np.stack([variance(factor) for factor in factors])
     of_noise, *mixtures = parts.best_mixtures(*rows, variances)
     mixtures = [each.spread(usable) for each in mixtures]

@@ -11,7 +11,6 @@ from ..runtime.arrays import FloatArray
 from .mesh_parts import NoiseFound
 from .noise.contrast import hinges
 from .noise.face_noise import FaceNoise
-from .noise.level import beyond_clean, with_clean
 from .noise.own_numbers import WHITE_NOISE
 from .noise.smooth_noise import SmoothNoise, smooth_noise
 from .noise.spikes import left_of_spikes
@@ -40,7 +39,7 @@ class NoiseVerdict:
         The surface; spikes were put back.
     level : (n,)
         Standard deviation in local edge lengths, as differences of second order show it; 0 where
-        it was not judged.
+        there is no noise, or none was judged.
     smooth : NoiseCorrelation or None
         Correlation of noise that is smooth over several edges; None for other noise.
     impulsive : (n,)
@@ -88,14 +87,12 @@ class NoiseVerdict:
         return self.level / correlation.seen * correlation.applied(white, noisy.frame)
 
 
-def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
+def noise_verdict(stage: Stage, clean: str) -> NoiseVerdict:
     """Judge the noise of a surface.
 
     Parameters
     ----------
     stage : Stage
-    strength : float
-        Factor of the estimated noise; decides whether there is anything to do.
     clean : "keep", "detail" or "denoise"
         See `DenoiseSettings`.
     """
@@ -104,9 +101,9 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     def calmed(impulsive: FloatArray) -> tuple[Stage, NoiseFound]:
         """Put spikes back, and estimate what noise is left."""
         calm = stage.calmed(impulsive)
-        return calm, calm.parts.noise(calm.noisy, strength, keeps_clean=keeps_clean)
+        return calm, calm.parts.noise(calm.noisy, keeps_clean=keeps_clean)
 
-    found = stage.parts.noise(stage.noisy, strength, keeps_clean=keeps_clean)
+    found = stage.parts.noise(stage.noisy, keeps_clean=keeps_clean)
     if found.impulsive.any():
         calm, after = calmed(found.impulsive)
         impulsive = _noisy_spikes(stage, calm, found, after)
@@ -116,7 +113,7 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
             return _without_spikes(stage, calm, found, after, impulsive)
         # Spikes of the shape: the noise is at most what is rough without them.
         level, notes = np.minimum(found.level, after.level), after.notes
-        if not (notes or beyond_clean(strength * level).any()):
+        if not (notes or level.any()):
             notes = (stage.parts.why_nothing(found.roughness),)
         found = found._replace(level=level, impulsive=impulsive, notes=notes)
     was_kept = bool(found.notes) and keeps_clean
@@ -127,7 +124,7 @@ def noise_verdict(stage: Stage, strength: float, clean: str) -> NoiseVerdict:
     counted = stage.parts.is_counted
     enough = np.count_nonzero(counted) >= parameters().fewest_vertices
     if enough and np.median(found.roughness[counted]) < parameters().least_roughness:
-        return _with_smooth_noise(verdict, strength, clean)
+        return _with_smooth_noise(verdict, clean)
     return verdict
 
 
@@ -146,7 +143,7 @@ def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFoun
     least = np.maximum(found.roughness, tuned.clean_roughness)
     clustering = parts.clustering(stage.track.start, calm.noisy.positions, least)
     are_anywhere = clustering <= n_moved / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
-    is_noise = parts.at_vertices(are_many) | (after.level > tuned.clean_roughness)
+    is_noise = parts.at_vertices(are_many) | (after.level > 0)
     is_noise &= parts.at_vertices(are_anywhere) & (after.roughness <= most)
     return np.where(is_noise, found.impulsive, 0)
 
@@ -159,15 +156,13 @@ def _without_spikes(
     reach = np.maximum(after.level, np.where(had_spikes, found.roughness, 0))
     moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
     noise, more = left_of_spikes(calm.noisy, moved, after.level, parts.is_counted, parts.may_move)
-    # What spikes leave is known: none of it is the roughness of a clean mesh.
     left = np.where(had_spikes & parts.is_counted, more, 0)
-    beyond = np.sqrt(np.square(beyond_clean(after.level)) + left)
-    level = np.where(left > 0, with_clean(beyond), after.level)
+    level = np.sqrt(np.square(after.level) + left)
     reach = np.maximum(level, reach)
     return NoiseVerdict(calm, level, None, impulsive, reach, (IMPULSIVE,), spiky=noise)
 
 
-def _with_smooth_noise(verdict: NoiseVerdict, strength: float, clean: str) -> NoiseVerdict:
+def _with_smooth_noise(verdict: NoiseVerdict, clean: str) -> NoiseVerdict:
     """Look for noise that is smooth over several edges, on flat faces and elsewhere."""
     stage, counted = verdict.stage, verdict.stage.parts.is_counted
     seen = stage.noisy.along_sight()
@@ -184,7 +179,7 @@ def _with_smooth_noise(verdict: NoiseVerdict, strength: float, clean: str) -> No
                 notes=(SMOOTH_REMOVED.format(smooth.level),),
                 other_readings=("detail",) if clean == "keep" else (),
             )
-    if anywhere.is_likely and not beyond_clean(strength * verdict.level).any():
+    if anywhere.is_likely and not verdict.level.any():
         return replace(verdict, notes=(SMOOTH.format(anywhere.level), *verdict.notes))
     return verdict
 

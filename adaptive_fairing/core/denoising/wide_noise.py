@@ -18,7 +18,6 @@ from ..runtime.arrays import BoolArray, FloatArray
 from .coarse_level import CoarseLevel, most_hops
 from .folds import unfolded
 from .mixing import MixedSurfaces, mixed_surfaces
-from .noise.level import beyond_clean
 from .parameters import parameters
 from .plan import DenoisePlan
 from .progress import ProgressReport
@@ -63,7 +62,7 @@ def denoised_surfaces(
     counted = ~(topology.on_boundary | topology.is_loose | is_still)
     of_level = outcome.plan.noise
     typical = np.median(of_level[of_level > 0], keepdims=True) if of_level.any() else np.zeros(1)
-    noise = np.where(counted, level.ratio * beyond_clean(typical), 0)
+    noise = np.where(counted, level.ratio * typical, 0)
     results = [positions + each for each in np.split(field, len(outcome.positions), axis=1)]
     return replace(
         outcome,

@@ -29,9 +29,10 @@ from .edge_matrix import EdgeMatrix
 # Time t of the solves that span the space, in squared edge lengths; between those of the filters.
 COMMON_TIME = 1.0
 
-# The first solve is more accurate by this factor: all results inherit its error.  With 0.5 one
-# iteration more or less, which rounding decides, shows in the result of a mesh with tiny edges.
-FIRST_FACTOR = 0.1
+# The first solve is more accurate by this factor: all results inherit its error.  With 0.1 one
+# iteration more or less shows in the result of a mesh with tiny edges: its residual is that of the
+# large ones.
+FIRST_FACTOR = 0.04
 MAX_ITERATIONS = 5000
 MOST_DIRECTIONS = 24
 

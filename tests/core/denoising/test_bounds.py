@@ -21,26 +21,38 @@ def noisy_sphere(amplitude=0.2):
 def test_a_vertex_without_noise_does_not_move_and_others_move_no_further_than_their_bound():
     points, _, frame = noisy_sphere()
     reach = np.where(points[:, 0] > 0, 0.2, 0.0)
-    # Away from what is judged, so that no neighbour lends its noise.
-    is_far = points[:, 0] < -0.3
     before = TriangleSurface(frame.topology, points)
     far = points + 10 * np.random.default_rng(1).normal(size=points.shape)
-    kept = Bounds(before, frame, points, reach).kept(far, 1.0)
+    all_judged = np.ones(len(points), dtype=bool)
+    kept = Bounds(before, frame, all_judged, points, reach).kept(far, 1.0)
     moved = np.linalg.norm(kept - points, axis=1)
-    assert np.array_equal(kept[is_far], points[is_far])
+    assert np.array_equal(kept[reach == 0], points[reach == 0])
     judged = np.count_nonzero(reach)
     most = (PARAMETERS.extra_deviations + np.sqrt(2 * np.log(judged))) * reach * frame.spacing
     assert np.all(moved[reach > 0] <= most[reach > 0])
     assert np.all(moved[reach > 0] > 0.99 * most[reach > 0])
 
 
+def test_where_nothing_was_judged_a_vertex_goes_as_far_as_its_neighbours():
+    points, _, frame = noisy_sphere()
+    before = TriangleSurface(frame.topology, points)
+    is_judged = np.ones(len(points), dtype=bool)
+    is_judged[::50] = False
+    reach = np.where(is_judged, 0.2, 0.0)
+    far = points + 10 * np.random.default_rng(1).normal(size=points.shape)
+    moved = np.linalg.norm(
+        Bounds(before, frame, is_judged, points, reach).kept(far, 1.0) - points, axis=1
+    )
+    edges = moved / frame.spacing
+    assert edges[~is_judged] == pytest.approx(np.median(edges[is_judged]))
+
+
 def test_what_is_within_the_bound_stays_bit_by_bit():
     points, _, frame = noisy_sphere()
     before = TriangleSurface(frame.topology, points)
     near = points + 0.01 * frame.spacing[:, None] * frame.normals
-    assert np.array_equal(
-        Bounds(before, frame, points, np.full(len(points), 0.2)).kept(near, 1), near
-    )
+    bounds = Bounds(before, frame, np.ones(len(points), bool), points, np.full(len(points), 0.2))
+    assert np.array_equal(bounds.kept(near, 1), near)
 
 
 def test_the_bound_holds_whatever_the_filters_do(monkeypatch):

@@ -10,6 +10,7 @@ from adaptive_fairing.core import (
     denoise,
     fair,
 )
+from adaptive_fairing.core.denoising.parameters import PARAMETERS
 
 FREE = DenoiseSettings(boundary="free")
 TORUS = meshes.torus(48, 24)
@@ -208,6 +209,19 @@ def test_a_boundary_is_held_or_faired_with_the_rest():
     assert left(free.positions, border) < 0.6 * left(points, border)
     everything = np.arange(len(points))
     assert left(free.positions, everything) < 0.4 * left(points, everything)
+
+
+def test_noise_of_one_amplitude_goes_where_triangles_are_large_too():
+    """There it is a smaller part of an edge, smaller than the roughness of clean meshes."""
+    vertices, faces = meshes.flat_grid(60, 60)
+    growing = np.cumsum(np.geomspace(0.3, 3, 61))
+    plate = vertices.copy()
+    plate[:, :2] = np.stack(np.meshgrid(growing, growing, indexing="ij"), axis=-1).reshape(-1, 2)
+    height = 0.07 * np.random.default_rng(0).normal(size=len(plate))
+    left = denoise(plate + height[:, None] * [0, 0, 1], faces).positions[:, 2]
+    is_large = (plate[:, :2] > growing[45]).all(axis=1) & (plate[:, :2] < growing[58]).all(axis=1)
+    assert 0.07 / np.diff(growing)[45:].min() < PARAMETERS.clean_roughness
+    assert np.std(left[is_large]) < 0.3 * np.std(height[is_large])
 
 
 def test_progress_rises_to_one_and_may_end_the_run():

@@ -35,7 +35,7 @@ def levels_of(points, faces):
     topology = TriangleTopology(faces, len(points))
     frame = TriangleSurface(topology, points)
     parts = MeshParts(frame, np.zeros(len(points), dtype=bool))
-    return parts.noise(NoisySurface(points, frame), 1.0).level
+    return parts.noise(NoisySurface(points, frame)).level
 
 
 def test_large_parts_have_estimates_of_their_own():

@@ -41,7 +41,7 @@ def spikes(size, part=0.1):
 
 @pytest.mark.parametrize("clean", ["keep", "detail", "denoise"])
 def test_white_noise_has_its_level_and_is_removed_whatever_is_kept(clean):
-    verdict = noise_verdict(stage_of(0.2 * WHITE), 1.0, clean)
+    verdict = noise_verdict(stage_of(0.2 * WHITE), clean)
     assert np.median(verdict.level) == pytest.approx(0.2, rel=0.1)
     assert np.array_equal(verdict.reach, verdict.level)
     assert verdict.smooth is None
@@ -52,7 +52,7 @@ def test_white_noise_has_its_level_and_is_removed_whatever_is_kept(clean):
 
 @pytest.mark.parametrize("heights", [0.2 * WHITE, smooth(0.2)])
 def test_its_example_is_as_strong_as_the_whole_noise(heights):
-    verdict = noise_verdict(stage_of(heights), 1.0, "keep")
+    verdict = noise_verdict(stage_of(heights), "keep")
     judged = verdict.level > 0
     ratio = verdict.example()[judged] / verdict.whole(verdict.level)[judged]
     assert np.std(ratio) == pytest.approx(1, rel=0.1)
@@ -60,9 +60,7 @@ def test_its_example_is_as_strong_as_the_whole_noise(heights):
 
 def test_smooth_noise_is_removed_and_may_be_kept_as_detail():
     stage = stage_of(smooth(0.2))
-    removed, kept, forced = (
-        noise_verdict(stage, 1.0, clean) for clean in ("keep", "detail", "denoise")
-    )
+    removed, kept, forced = (noise_verdict(stage, clean) for clean in ("keep", "detail", "denoise"))
     for verdict in (removed, forced):
         assert np.median(verdict.level) == pytest.approx(0.2, rel=0.5)
         assert verdict.correlation is verdict.smooth
@@ -78,7 +76,7 @@ def test_smooth_noise_is_removed_and_may_be_kept_as_detail():
 
 def test_spikes_are_put_back_first():
     stage = stage_of(spikes(0.6) + 0.02 * np.roll(WHITE, 7))
-    verdict = noise_verdict(stage, 1.0, "keep")
+    verdict = noise_verdict(stage, "keep")
     assert verdict.notes == (IMPULSIVE,)
     assert verdict.impulsive.max() == 1
     assert verdict.stage is not stage
@@ -91,14 +89,14 @@ def test_spikes_are_put_back_first():
 
 
 def test_a_clean_surface_has_none_and_says_so():
-    verdict = noise_verdict(stage_of(0 * WHITE), 1.0, "keep")
+    verdict = noise_verdict(stage_of(0 * WHITE), "keep")
     assert not beyond_clean(verdict.level).any()
     assert "no noise found" in verdict.notes[-1]
     assert verdict.other_readings in ((), ("denoise",))
 
 
 def test_an_example_of_the_noise_is_as_large_as_the_whole_noise():
-    verdict = noise_verdict(stage_of(0.2 * WHITE), 1.0, "keep")
+    verdict = noise_verdict(stage_of(0.2 * WHITE), "keep")
     whole = verdict.whole(verdict.level)
     assert np.median(whole) == pytest.approx(0.2, rel=0.1)
     assert np.std(verdict.example() / whole) == pytest.approx(1, rel=0.05)

@@ -38,6 +38,14 @@ class NoiseModel(NamedTuple):
         """Return the standard deviation in local edge lengths where the edges are h long, (n,)."""
         return np.sqrt(self.per_edge + self.per_length / np.square(spacing))
 
+    def noise(self, spacing: FloatArray) -> FloatArray:
+        """Return the level (n,) without the roughness of clean meshes.
+
+        That grows with the edges, so it is a part of a alone.
+        """
+        level = self.level(spacing)
+        return beyond_clean(level, self.per_edge / np.maximum(np.square(level), 1e-300))
+
     def expected(self, contrast: Contrast) -> FloatArray:
         """Return the standard deviation that the contrasts have with this noise, (k,)."""
         return np.sqrt(self.per_edge + self.per_length * contrast.fineness)
@@ -169,11 +177,11 @@ def _quantile_fit(terms: FloatArray, variance: FloatArray) -> FloatArray:
     return factors
 
 
-def beyond_clean(level: FloatArray) -> FloatArray:
-    """Subtract the roughness of clean meshes; the rest is noise to remove."""
-    return np.maximum(level**4 - parameters().clean_roughness ** 4, 0) ** 0.25
+def beyond_clean(level: FloatArray, part: FloatArray | float = 1.0) -> FloatArray:
+    """Subtract the roughness of clean meshes from levels (n,) of variances that hold a part of it.
 
-
-def with_clean(level: FloatArray) -> FloatArray:
-    """Add what `beyond_clean` subtracts."""
-    return (level**4 + parameters().clean_roughness ** 4) ** 0.25
+    The rest is noise.
+    """
+    clean = part * parameters().clean_roughness ** 2
+    noise: FloatArray = np.maximum(level**4 - clean**2, 0) ** 0.25
+    return noise
