@@ -3,10 +3,10 @@
 Noise of width w has the correlation exp(-r² / w²) at a distance of r edges.  White noise has it
 after w² passes, each of which averages half with the neighbours.
 
-The contrasts that see such noise best are hinges, differences between averages that are narrower
-than it, and heights over flat faces.  Each is an upper bound of the level, as always
-(`noise.contrast`): shape and finer noise only add to it.  There is no other test: noise of a given
-width is not questioned.
+The contrasts that see such noise best are differences between averages that are narrower than it,
+and heights over flat faces.  Each is an upper bound of the level, as always (`noise.contrast`):
+shape and finer noise only add to it.  There is no other test: noise of a given width is not
+questioned.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from __future__ import annotations
 import numpy as np
 
 from ..runtime.arrays import BoolArray, FloatArray
-from .noise.contrast import hinges
 from .noise.noisy_surface import NoisySurface
 from .noise.smooth_noise import band_height
 from .noise_correlation import NoiseCorrelation
@@ -58,26 +57,19 @@ def passes_of_width(width: float) -> int:
 def _least_size(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, passes: int) -> float:
     """Least standard deviation, in local edge lengths, that the contrasts allow for a noise.
 
-    The noise (n,) is given with a standard deviation of 1.  Medians are compared: rounded depths of
-    a scan leave up to nearly half of the hinges flat.
+    The noise (n,) is given with a standard deviation of 1.
     """
     frame = noisy.frame
-    raised = frame.raised(noise)
-    bent = noisy.hinges.among(counted).value
-    bent_of_noise = hinges(frame.positions + raised, frame).among(counted).value
-    bands, bands_of_noise = (
-        [np.abs(each)[counted] for each in _bands(positions, frame, passes)]
-        for positions in (noisy.positions, raised)
+    found, expected = (
+        [np.median(np.abs(each[counted])) for each in _bands(positions, frame, passes)]
+        for positions in (noisy.positions, frame.raised(noise))
     )
-    narrow, wide, of_hinges = (
-        np.median(found) / max(np.median(expected), 1e-12) if len(found) else np.inf
-        for found, expected in zip((*bands, bent), (*bands_of_noise, bent_of_noise), strict=True)
-    )
+    narrow, wide = np.array(found) / np.maximum(expected, 1e-12)
     # Both bands have all of the noise, and the narrow one this part of what the wide has of shape.
     of_shape = parameters().narrow_of_shape ** 2
     variance = max((narrow**2 - of_shape * wide**2) / (1 - of_shape), 0.0)
     least = parameters().least_of_narrow * narrow
-    return float(min(max(np.sqrt(variance), least), of_hinges))
+    return float(max(np.sqrt(variance), least))
 
 
 def _bands(
