@@ -20,7 +20,6 @@ from scipy.special import expit
 from tqdm import tqdm
 
 from adaptive_fairing.core.denoising.noise.smooth_noise import measures_of_noise, smooth_noise
-from adaptive_fairing.core.denoising.noise_verdict import shows_in_hinges
 from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
 from adaptive_fairing.core.denoising.stage import Stage
 from adaptive_fairing.core.problem.caller_mesh import CallerMesh
@@ -49,7 +48,7 @@ RIDGE = 0.3
 class Example(NamedTuple):
     """A mesh, what its roughness measures, and whether there is enough of both to tell noise.
 
-    `measures` is None where the roughness is not smooth, or makes no hinges.
+    `measures` is None where the roughness is not smooth.
     """
 
     name: str
@@ -103,12 +102,12 @@ def measured(vertices: FloatArray, faces: Faces) -> tuple[tuple[float, ...] | No
     surface, positions = prepared.surface, prepared.frame(mesh.points, "box").inward(mesh.points)
     stage = Stage(surface.topology, positions, surface.is_cut, lambda _: None)
     found = smooth_noise(stage.noisy.along_sight(), stage.parts.is_counted)
-    if not (found.may_be_noise and shows_in_hinges(found, stage)):
+    if not found.may_be_noise:
         return None, False
     with using(replace(PARAMETERS, least_evidence=-np.inf)):
         is_enough = found.is_noise
     return (
-        measures_of_noise(found.misfit, found.quiet_evenness, found.outliers, found.lean),
+        measures_of_noise(found.misfit, found.evenness, found.outliers, found.lean),
         is_enough,
     )
 

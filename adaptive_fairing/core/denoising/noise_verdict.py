@@ -9,7 +9,6 @@ import numpy as np
 
 from ..runtime.arrays import FloatArray
 from .mesh_parts import NoiseFound
-from .noise.contrast import hinges
 from .noise.face_noise import FaceNoise
 from .noise.own_numbers import WHITE_NOISE
 from .noise.smooth_noise import SmoothNoise, smooth_noise
@@ -168,7 +167,7 @@ def _with_smooth_noise(verdict: NoiseVerdict, clean: str) -> NoiseVerdict:
     seen = stage.noisy.along_sight()
     anywhere = smooth_noise(seen, counted)
     for smooth in (stage.face_noise(seen), anywhere):
-        if _is_removed(smooth, stage, clean):
+        if _is_removed(smooth, clean):
             per_edge = seen.frame.spacing / stage.noisy.frame.spacing
             level = np.where(counted, smooth.level * per_edge, 0)
             return replace(
@@ -184,20 +183,8 @@ def _with_smooth_noise(verdict: NoiseVerdict, clean: str) -> NoiseVerdict:
     return verdict
 
 
-def _is_removed(smooth: SmoothNoise | FaceNoise, stage: Stage, clean: str) -> bool:
+def _is_removed(smooth: SmoothNoise | FaceNoise, clean: str) -> bool:
     """Whether smooth noise is to be removed."""
     if clean == "denoise":
         return smooth.may_be_noise
-    return clean == "keep" and smooth.is_noise and shows_in_hinges(smooth, stage)
-
-
-def shows_in_hinges(smooth: SmoothNoise | FaceNoise, stage: Stage) -> bool:
-    """Whether the hinges are as large as those of smooth noise; flat faces of models have none."""
-    noisy, counted = stage.noisy, stage.parts.is_counted
-    frame, unit = noisy.frame, smooth.level / smooth.correlation.deviation
-    noise = frame.raised(unit * smooth.correlation.applied(noisy.fading.white, frame))
-    found, expected = (
-        each.deviation(each.among(counted).value)
-        for each in (noisy.hinges, hinges(frame.positions + noise, frame))
-    )
-    return found > parameters().least_of_expected_hinges * expected
+    return clean == "keep" and smooth.is_noise

@@ -322,30 +322,19 @@ class DenoiseParameters:
     # this. Spikes and heavy tails on 18 tuning shapes had -0.1 to 0.03, one 0.08. Corners of
     # decimated shapes had 0.03 to 0.4.
     most_clustered_spikes: float = 0.05
-    # Smooth noise bends hinges between triangles. A model with less than this part of the expected
-    # bend has none. A real scan of flat and round faces, fused from depth images, had 0.48.
-    least_of_expected_hinges: float = 0.45
 
     # noise/smooth_noise
     # Bands are compared over neighbourhoods of this many passes of averaging. By hand.
     band_passes: int = 30
     # This fraction of the surface is quiet. By hand.
     quiet_fraction: float = 0.1
-    # A surface may have smooth noise from this evenness on, and if its bands are no further than
-    # this from those of noise, where all roughness counts as noise.
-    least_evenness: float = 0.4
+    # Bands that fit noise worse are none, also where all roughness counts as noise.
     most_misfit: float = 0.15
-    # Evenness and level from which smooth noise is likely. Of 184 clean meshes 7 have both, 4 of
-    # them with fine detail all over.
-    likely_evenness: float = 0.75
-    likely_level: float = 0.09
-    # Coarse round shapes are as even as noise, so a mesh of fewer vertices is no scan. By hand.
-    fewest_of_scan: int = 4500
+    # On fewer vertices coarse round shapes are as even as noise. By hand.
+    fewest_to_tell_smooth: int = 1500
     # Where the bands fit noise worse than this, the narrowest one shows the edges of the mesh and
     # does not count. Noise alike over two edges had at most 0.05, over four edges 0.07 to 0.13.
     least_misfit_of_edges: float = 0.06
-    # Smooth noise is told on at least this many vertices. By hand.
-    fewest_to_tell_smooth: int = 1500
     # Evenness of the quiet part compares the quietest `quiet_fraction` with this fraction.
     quieter_fraction: float = 0.3
     # The next wider band is stronger than noise by at most this, as a logarithm. Noise of depth

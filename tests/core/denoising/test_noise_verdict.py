@@ -5,14 +5,11 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoising.noise.level import beyond_clean
-from adaptive_fairing.core.denoising.noise.smooth_noise import smooth_noise
 from adaptive_fairing.core.denoising.noise_verdict import (
     IMPULSIVE,
     SMOOTH,
     SMOOTH_REMOVED,
     noise_verdict,
-    shows_in_hinges,
 )
 from adaptive_fairing.core.denoising.stage import Stage
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
@@ -69,7 +66,7 @@ def test_smooth_noise_is_removed_and_may_be_kept_as_detail():
         assert verdict.notes == (SMOOTH_REMOVED.format(verdict.level[0]),)
     assert (removed.other_readings, forced.other_readings) == (("detail",), ())
     assert kept.smooth is None
-    assert not beyond_clean(kept.level).any()
+    assert not kept.level.any()
     assert kept.notes[0].startswith(SMOOTH.partition("{")[0])
     assert kept.other_readings == ("denoise",)
 
@@ -90,7 +87,7 @@ def test_spikes_are_put_back_first():
 
 def test_a_clean_surface_has_none_and_says_so():
     verdict = noise_verdict(stage_of(0 * WHITE), "keep")
-    assert not beyond_clean(verdict.level).any()
+    assert not verdict.level.any()
     assert "no noise found" in verdict.notes[-1]
     assert verdict.other_readings in ((), ("denoise",))
 
@@ -100,11 +97,3 @@ def test_an_example_of_the_noise_is_as_large_as_the_whole_noise():
     whole = verdict.whole(verdict.level)
     assert np.median(whole) == pytest.approx(0.2, rel=0.1)
     assert np.std(verdict.example() / whole) == pytest.approx(1, rel=0.05)
-
-
-def test_hinges_show_smooth_noise_and_flat_faces_have_none():
-    everywhere = np.ones(len(VERTICES), dtype=bool)
-    noisy, clean = stage_of(smooth(0.2)), stage_of(0 * WHITE)
-    found = smooth_noise(noisy.noisy, everywhere)
-    assert shows_in_hinges(found, noisy)
-    assert not shows_in_hinges(found, clean)

@@ -45,8 +45,6 @@ class FaceNoise(NamedTuple):
     ----------
     part : float
         Fraction of the counted vertices that is well inside flat faces, 0 to 1.
-    n_counted : int
-        Number of those vertices.
     level : float
         Standard deviation in local edge lengths.
     correlation : NoiseCorrelation
@@ -61,7 +59,6 @@ class FaceNoise(NamedTuple):
     """
 
     part: float = 0.0
-    n_counted: int = 0
     level: float = 0.0
     correlation: NoiseCorrelation = WHITE
     misfit: float = np.inf
@@ -75,7 +72,6 @@ class FaceNoise(NamedTuple):
         tuned = parameters()
         return (
             self.part >= tuned.least_flat
-            and self.n_counted >= tuned.own_estimate
             and self.correlation.passes >= FEWEST_PASSES
             and self.level >= tuned.clean_roughness
         )
@@ -120,7 +116,7 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     sizes = np.sqrt(totals / np.maximum(counts, 1))
     typical = float(np.median(sizes[face[is_inner]]))
     if typical < tuned.clean_roughness:
-        return FaceNoise(part, n_inner, typical)
+        return FaceNoise(part, typical)
     # Each face counts in its own unit: a scanner may see some of them at a grazing angle.
     relative = heights / np.maximum(sizes[face], tuned.clean_roughness**2)
     bands = band_heights(frame.raised(relative), frame)
@@ -137,7 +133,6 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     tails = np.array([_tail(local[1]), _tail(relative[is_inner])])
     return FaceNoise(
         part,
-        n_inner,
         level=float(np.median(levels[face[is_inner]])),
         correlation=correlation,
         misfit=misfit,

@@ -50,8 +50,6 @@ class SmoothNoise(NamedTuple):
 
     Attributes
     ----------
-    evenness : float
-        Evenness of the bands over the surface, relative to noise; 0 to about 1.
     level : float
         Standard deviation in local edge lengths.
     correlation : NoiseCorrelation
@@ -59,8 +57,9 @@ class SmoothNoise(NamedTuple):
         Weighted sum of the squared logarithms by which the bands differ from those of noise.
     excess : float
         Logarithm of the strength of the widest band relative to noise.
-    quiet_evenness : float
-        Evenness of the bands within the quieter part of the surface, relative to this noise.
+    evenness : float
+        Evenness of the bands within the quieter part of the surface, relative to this noise; 0 to
+        about 1.
     outliers : float
         Size of the largest heights in the quieter half, relative to a normal distribution.
     lean : float
@@ -69,15 +68,14 @@ class SmoothNoise(NamedTuple):
         Number of vertices from which it was judged.
     """
 
+    level: float
+    correlation: NoiseCorrelation
+    misfit: float
+    excess: float
     evenness: float
-    level: float = 0.0
-    correlation: NoiseCorrelation = WHITE
-    misfit: float = np.inf
-    excess: float = np.inf
-    quiet_evenness: float = 0.0
-    outliers: float = np.inf
-    lean: float = 1.0
-    n_counted: int = 0
+    outliers: float
+    lean: float
+    n_counted: int
 
     @property
     def may_be_noise(self) -> bool:
@@ -85,29 +83,27 @@ class SmoothNoise(NamedTuple):
         tuned = parameters()
         return (
             self.correlation.passes >= FEWEST_PASSES
-            and self.evenness >= tuned.least_evenness
+            and self.level >= tuned.clean_roughness
             and self.misfit <= tuned.most_misfit
         )
 
     @property
+    def evidence(self) -> float:
+        """Logarithm of the odds that this is noise and not detail."""
+        return evidence_of_noise(self.misfit, self.evenness, self.outliers, self.lean)
+
+    @property
     def is_likely(self) -> bool:
-        """Whether this is more even and stronger than the detail of most clean shapes."""
-        tuned = parameters()
-        is_strong = self.evenness >= tuned.likely_evenness and self.level >= tuned.likely_level
-        return is_strong and self.n_counted >= tuned.fewest_of_scan
+        """Whether this is noise rather than detail, but not as clearly as `is_noise`."""
+        is_told = self.n_counted >= parameters().fewest_to_tell_smooth
+        return is_told and self.may_be_noise and self.evidence >= 0
 
     @property
     def is_noise(self) -> bool:
         """Whether this differs from shape clearly enough to be removed without being asked."""
         tuned = parameters()
-        evidence = evidence_of_noise(self.misfit, self.quiet_evenness, self.outliers, self.lean)
-        return (
-            self.n_counted >= tuned.fewest_to_tell_smooth
-            and self.correlation.passes >= FEWEST_PASSES
-            and self.level >= tuned.likely_level
-            and self.excess <= tuned.told_excess
-            and evidence >= tuned.least_evidence
-        )
+        is_clear = self.evidence >= tuned.least_evidence and self.excess <= tuned.told_excess
+        return self.is_likely and is_clear
 
 
 def evidence_of_noise(misfit: float, evenness: float, outliers: float, lean: float) -> float:
@@ -131,7 +127,8 @@ def measures_of_noise(
     return (
         float(np.log(misfit + 0.005)),
         min(evenness, 1.0),
-        float(np.log(max(outliers, 0.9))),
+        # Too few outliers are as little like noise as too many.
+        float(np.log(max(outliers, 0.9, 0.64 / max(outliers, 1e-9)))),
         float(np.log(lean + 0.01)),
     )
 
@@ -146,14 +143,10 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
         Vertices to judge from, at least one.
     """
     tuned, frame, own = parameters(), surface.frame, surface.fading.white
-    n_counted = int(np.count_nonzero(is_counted))
     heights = band_heights(surface.positions, frame)
     strength = local_strengths(heights, frame, is_counted)
-    quiet, evenness = quiet_part(strength)
-    unit, white_evenness = _of_white_noise(own, frame, is_counted)
-    even = float((evenness / white_evenness)[:N_NARROW].min())
-    if even < tuned.least_evenness:
-        return SmoothNoise(even, n_counted=n_counted)
+    quiet, _ = quiet_part(strength)
+    unit = _of_white_noise(own, frame, is_counted)
     found = [_averaged(own, passes, frame, is_counted) for passes in PASSES]
     deviations, bands, sizes = zip(*found, strict=True)
     ratios = np.log(quiet / unit / sizes)
@@ -167,7 +160,7 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     for use in (LINE_NOISE, SEEDS):
         other = surface.own.noise(use)
         _, _, size = _averaged(other, PASSES[best], frame, is_counted)
-        ratio = np.log(quiet / _of_white_noise(other, frame, is_counted)[0] / size)
+        ratio = np.log(quiet / _of_white_noise(other, frame, is_counted) / size)
         excesses.append(ratio[N_NARROW] - np.average(ratio[:N_NARROW], weights=weights))
     # Shape stands out: where it is quiet there is as much noise, and less of shape.
     of_noise = local_strengths(bands[best], frame, is_counted)
@@ -175,26 +168,23 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     relative = (heights[:2, is_counted] / strength[:2])[:, is_quiet]
     relative /= np.maximum(typical_sizes(relative), 1e-9)[:, None]
     return SmoothNoise(
-        even,
         float(np.exp(level)) * deviations[best],
         # The level is that of the noise itself, not what second differences see of it.
         NoiseCorrelation(seen=deviations[best], deviation=deviations[best], passes=PASSES[best]),
         misfit,
         excess=float(np.mean(excesses)),
-        quiet_evenness=float((_quiet_evenness(strength) / _quiet_evenness(of_noise)).min()),
+        evenness=float((_quiet_evenness(strength) / _quiet_evenness(of_noise)).min()),
         outliers=float(np.quantile(np.abs(relative), TAIL, axis=1).max()) / NORMAL_TAIL,
         lean=float(np.abs(np.tanh(NORMAL_MEDIAN * relative).mean(axis=1)).max()),
-        n_counted=n_counted,
+        n_counted=int(np.count_nonzero(is_counted)),
     )
 
 
-def _of_white_noise(
-    white: FloatArray, frame: TriangleSurface, is_counted: BoolArray
-) -> tuple[FloatArray, FloatArray]:
-    """Strength (k,) of the bands of white noise (n,) where it is quiet, over all, and evenness."""
+def _of_white_noise(white: FloatArray, frame: TriangleSurface, is_counted: BoolArray) -> FloatArray:
+    """Strength (k,) of the bands of white noise (n,) where it is quiet, over that of all."""
     heights = band_heights(frame.raised(white), frame)
-    quiet, evenness = quiet_part(local_strengths(heights, frame, is_counted))
-    return quiet / typical_sizes(heights[:, is_counted]), evenness
+    quiet, _ = quiet_part(local_strengths(heights, frame, is_counted))
+    return quiet / typical_sizes(heights[:, is_counted])
 
 
 def _averaged(

@@ -45,7 +45,7 @@ def test_level_and_correlation_are_right(level, passes):
     """The level has the error of the noise itself: each face has few independent values."""
     noise = found(with_heights(level * smooth(passes)))
     assert noise.is_noise
-    n_independent = noise.n_counted * noise.correlation.deviation**2
+    n_independent = noise.part * len(CUBE) * noise.correlation.deviation**2
     assert noise.level == pytest.approx(level, rel=0.05 + 2 / np.sqrt(2 * n_independent))
     assert passes / 1.6 <= noise.correlation.passes <= 1.6 * passes
 
@@ -98,7 +98,6 @@ def test_texture_is_no_noise():
 
 TOLD = FaceNoise(
     part=0.5,
-    n_counted=3000,
     level=0.2,
     correlation=NoiseCorrelation(seen=0.3, deviation=0.3, passes=4),
     misfit=0.02,
@@ -112,7 +111,6 @@ TOLD = FaceNoise(
     "wrong",
     [
         {"part": 0.1},
-        {"n_counted": 300},
         {"level": 0.03},
         {"level": 0.4},
         {"correlation": NoiseCorrelation(passes=1)},

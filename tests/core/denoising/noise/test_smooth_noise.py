@@ -8,7 +8,6 @@ from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.noise.smooth_noise import (
     SmoothNoise,
-    evidence_of_noise,
     smooth_noise,
 )
 from adaptive_fairing.core.denoising.noise_correlation import NoiseCorrelation
@@ -53,12 +52,11 @@ def test_it_is_told_from_shape_where_it_is_narrow(passes, seed):
 
 
 TOLD = SmoothNoise(
-    evenness=0.9,
     level=0.2,
     correlation=NoiseCorrelation(seen=0.3, deviation=0.3, passes=4),
     misfit=0.01,
     excess=0.2,
-    quiet_evenness=0.95,
+    evenness=0.95,
     outliers=1.0,
     lean=0.01,
     n_counted=5000,
@@ -68,12 +66,12 @@ TOLD = SmoothNoise(
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"quiet_evenness": 0.7},
-        {"level": 0.05},
+        {"evenness": 0.7},
         {"correlation": NoiseCorrelation(passes=1)},
         {"misfit": 1.0},
         {"excess": 1.0},
         {"outliers": 1.5},
+        {"outliers": 0.3},
         {"lean": 0.1},
         {"n_counted": 1000},
     ],
@@ -84,15 +82,19 @@ def test_what_is_wrong_enough_is_no_noise(wrong):
 
 
 def test_what_speaks_against_noise_takes_evidence_from_it():
-    worse = {"misfit": 0.02, "quiet_evenness": 0.9, "outliers": 1.1, "lean": 0.02}
+    worse = {"misfit": 0.02, "evenness": 0.9, "outliers": 1.1, "lean": 0.02}
     for name, value in worse.items():
-        assert evidence(TOLD._replace(**{name: value})) < evidence(TOLD)
+        assert TOLD._replace(**{name: value}).evidence < TOLD.evidence
     # Perfect noise is no more so than this.
-    assert evidence(TOLD._replace(misfit=0.0, quiet_evenness=2.0, outliers=0.0, lean=0.0)) < 4
+    assert TOLD._replace(misfit=0.0, evenness=2.0, outliers=0.9, lean=0.0).evidence < 4
 
 
-def evidence(smooth):
-    return evidence_of_noise(smooth.misfit, smooth.quiet_evenness, smooth.outliers, smooth.lean)
+def test_where_the_odds_are_even_or_it_goes_on_growing_a_note_says_that_it_may_be_noise():
+    for unclear in ({"evenness": 0.7}, {"excess": 1.0}):
+        smooth = TOLD._replace(**unclear)
+        assert smooth.is_likely
+        assert not smooth.is_noise
+    assert not TOLD._replace(evenness=0.4).is_likely
 
 
 @pytest.mark.parametrize("shape", ["bumps", "ridges"])
@@ -135,7 +137,7 @@ def test_detail_that_is_not_normally_distributed_is_no_noise():
     for detail in (cracks, bumps):
         relief = found(VERTICES + FRAME.raised(0.2 * detail / detail.std()))
         assert not relief.is_noise
-        assert evidence(relief) < evidence(found(noisy(0.2, 4))) - 0.5
+        assert relief.evidence < found(noisy(0.2, 4)).evidence - 0.5
 
 
 def test_detail_whose_waves_go_on_growing_is_no_noise():
