@@ -13,7 +13,6 @@ from ..problem.caller_mesh import CallerMesh
 from ..problem.diagnosis import MeshProblems, find_problems
 from ..problem.mesh_counts import MeshCounts, mesh_counts
 from ..problem.prepared_mesh import PreparedMesh
-from .given_width import verdict_of_width
 from .noise_verdict import noise_verdict
 from .progress import DenoiseProgress, ProgressReport
 from .settings import DenoiseSettings
@@ -88,11 +87,8 @@ def examine(
         is_still = level.surface.is_cut | is_still[level.vertices]
     ratio = 1.0 if level is None else level.ratio
     stage = Stage(topology, positions, is_still, on_solve)
-    verdict = (
-        noise_verdict(stage, settings.clean)
-        if width is None
-        else verdict_of_width(stage, width / ratio)
-    )
+    of_level = None if width is None else width / ratio
+    verdict = noise_verdict(stage, settings.clean, of_level)
     noise = verdict.whole(verdict.level) if verdict.level.any() else verdict.level
     found, spacing = noise > 0, verdict.stage.frame.spacing
     size, length = (

@@ -26,7 +26,6 @@ from ..runtime.threads import for_each, ordered_map
 from .bounds import Bounds
 from .filter_rounds import Filter, Round, rounds_for
 from .folds import unfolded
-from .given_width import verdict_of_width
 from .mixture import Mixture, filter_divergence
 from .noise_verdict import NoiseVerdict, noise_verdict
 from .parameters import parameters
@@ -107,11 +106,7 @@ def mixed_surfaces(
     notes: tuple[str, ...] = ()
     other_readings: tuple[str, ...] = ()
     if plan is None:
-        verdict = (
-            noise_verdict(stage, settings.clean)
-            if width is None
-            else verdict_of_width(stage, width)
-        )
+        verdict = noise_verdict(stage, settings.clean, width)
         stage, level, impulsive = verdict.stage, verdict.level, verdict.impulsive
         notes, other_readings = verdict.notes, verdict.other_readings
         plan = DenoisePlan.idle(level, impulsive, verdict.reach)

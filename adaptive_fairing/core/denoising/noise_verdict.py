@@ -10,10 +10,11 @@ import numpy as np
 from ..runtime.arrays import FloatArray
 from .mesh_parts import NoiseFound
 from .noise.face_noise import FaceNoise
+from .noise.given_width import noise_of_width
+from .noise.model import NoiseCorrelation
 from .noise.own_numbers import WHITE_NOISE
 from .noise.smooth_noise import SmoothNoise, smooth_noise
 from .noise.spikes import left_of_spikes
-from .noise_correlation import NoiseCorrelation
 from .parameters import parameters
 from .stage import Stage
 
@@ -86,7 +87,7 @@ class NoiseVerdict:
         return self.level / correlation.seen * correlation.applied(white, noisy.frame)
 
 
-def noise_verdict(stage: Stage, clean: str) -> NoiseVerdict:
+def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> NoiseVerdict:
     """Judge the noise of a surface.
 
     Parameters
@@ -94,7 +95,13 @@ def noise_verdict(stage: Stage, clean: str) -> NoiseVerdict:
     stage : Stage
     clean : "keep", "detail" or "denoise"
         See `DenoiseSettings`.
+    width : float, optional
+        Width of the noise in edges of this mesh, if it was given: that is not questioned.
     """
+    if width is not None:
+        counted, on_faces = stage.parts.is_counted, stage.face_noise(stage.noisy)
+        level, correlation = noise_of_width(stage.noisy, on_faces, counted, width)
+        return NoiseVerdict(stage, level, correlation, np.zeros(len(level)), level, ())
     keeps_clean = clean != "denoise"
 
     def calmed(impulsive: FloatArray) -> tuple[Stage, NoiseFound]:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from scipy.optimize import linprog
 from scipy.special import expit
@@ -12,6 +10,7 @@ from ...runtime.arrays import BoolArray, FloatArray, IndexArray
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .contrast import Contrast, half_normal
+from .model import NoiseModel
 
 NORMAL_MEDIAN = half_normal(0.5)
 
@@ -20,35 +19,6 @@ NORMAL_MEDIAN = half_normal(0.5)
 LEAST_OF = (0.0, 0.0, 0.564, 0.846, 0.297, 0.495)
 # Relative standard error of the median absolute deviation of n values, times √n.
 MEDIAN_ERROR = 1.167
-
-
-class NoiseModel(NamedTuple):
-    """Noise that grows with the edges, or has one amplitude, or both.
-
-    Attributes
-    ----------
-    per_edge, per_length : float
-        a ≥ 0 and b ≥ 0 of the variance a + b / h² in squared local edge lengths.
-    """
-
-    per_edge: float
-    per_length: float
-
-    def level(self, spacing: FloatArray) -> FloatArray:
-        """Return the standard deviation in local edge lengths where the edges are h long, (n,)."""
-        return np.sqrt(self.per_edge + self.per_length / np.square(spacing))
-
-    def noise(self, spacing: FloatArray) -> FloatArray:
-        """Return the level (n,) without the roughness of clean meshes.
-
-        That grows with the edges, so it is a part of a alone.
-        """
-        level = self.level(spacing)
-        return beyond_clean(level, self.per_edge / np.maximum(np.square(level), 1e-300))
-
-    def expected(self, contrast: Contrast) -> FloatArray:
-        """Return the standard deviation that the contrasts have with this noise, (k,)."""
-        return np.sqrt(self.per_edge + self.per_length * contrast.fineness)
 
 
 def noise_model(contrast: Contrast, is_counted: BoolArray) -> NoiseModel:
@@ -175,13 +145,3 @@ def _quantile_fit(terms: FloatArray, variance: FloatArray) -> FloatArray:
     )
     factors: FloatArray = solution.x[:n_terms] / (largest / typical)
     return factors
-
-
-def beyond_clean(level: FloatArray, part: FloatArray | float = 1.0) -> FloatArray:
-    """Subtract the roughness of clean meshes from levels (n,) of variances that hold a part of it.
-
-    The rest is noise.
-    """
-    clean = part * parameters().clean_roughness ** 2
-    noise: FloatArray = np.maximum(level**4 - clean**2, 0) ** 0.25
-    return noise

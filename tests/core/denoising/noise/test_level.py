@@ -6,12 +6,7 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoising.noise.contrast import roughness
-from adaptive_fairing.core.denoising.noise.level import (
-    NoiseModel,
-    beyond_clean,
-    noise_model,
-    scan_level,
-)
+from adaptive_fairing.core.denoising.noise.level import noise_model, scan_level
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
@@ -57,19 +52,6 @@ def test_known_noise_is_found(amplitude, per_edge):
 def test_a_clean_surface_has_none_beyond_what_clean_meshes_have():
     found = estimated(*SPHERE, SPHERE[0])
     assert found.max() < PARAMETERS.clean_roughness
-    assert not beyond_clean(found).any()
-
-
-def test_the_roughness_of_clean_meshes_is_a_part_of_what_grows_with_the_edges():
-    spacing = np.array([0.5, 1.0, 2.0, 4.0])
-    one_amplitude = NoiseModel(0.0, 0.01)
-    assert one_amplitude.noise(spacing) == pytest.approx(one_amplitude.level(spacing))
-    growing = NoiseModel(0.09, 0.0)
-    assert growing.noise(spacing) == pytest.approx(beyond_clean(growing.level(spacing)))
-    mixed = NoiseModel(PARAMETERS.clean_roughness**2, 0.01)
-    assert np.all(mixed.noise(spacing) > beyond_clean(mixed.level(spacing)))
-    assert np.all(mixed.noise(spacing) < mixed.level(spacing))
-    assert not NoiseModel(0.0, 0.0).noise(spacing).any()
 
 
 def test_a_feature_is_no_noise():

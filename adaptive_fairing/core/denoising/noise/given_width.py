@@ -13,40 +13,41 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..runtime.arrays import BoolArray, FloatArray
-from .noise.noisy_surface import NoisySurface
-from .noise.smooth_noise import band_height
-from .noise_correlation import NoiseCorrelation
-from .noise_verdict import NoiseVerdict
-from .parameters import parameters
-from .stage import Stage
-from .triangle_surface import TriangleSurface
+from ...runtime.arrays import BoolArray, FloatArray
+from ..parameters import parameters
+from ..triangle_surface import TriangleSurface
+from .face_noise import FaceNoise
+from .model import NoiseCorrelation
+from .noisy_surface import NoisySurface
+from .smooth_noise import band_height
 
 
-def verdict_of_width(stage: Stage, width: float) -> NoiseVerdict:
-    """Verdict that all noise has a given width, in edges.
+def noise_of_width(
+    noisy: NoisySurface, on_faces: FaceNoise, is_counted: BoolArray, width: float
+) -> tuple[FloatArray, NoiseCorrelation]:
+    """Level (n,) and correlation of the noise if all of it has one width.
 
     Parameters
     ----------
-    stage : Stage
+    noisy : NoisySurface
+    on_faces : FaceNoise
+        Deviations from flat faces: on a plane there is no shape.
+    is_counted : (n,) bool
+        Vertices to judge from.
     width : float
         Distance in edges at which the correlation is 1 / e; 1 for white noise.
     """
-    noisy, counted = stage.noisy, stage.parts.is_counted
     frame, passes = noisy.frame, passes_of_width(width)
+    level = np.zeros(len(is_counted))
+    if not is_counted.any():
+        return level, NoiseCorrelation(passes=passes)
     noise = NoiseCorrelation(passes=passes).applied(noisy.fading.white, frame)
-    level = np.zeros(len(counted))
-    deviation = 1.0
-    if counted.any():
-        deviation = float(np.std(noise[counted]))
-        size = _least_size(noisy, noise / deviation, counted, passes)
-        # On a plane there is no shape.
-        on_faces = stage.face_noise(noisy)
-        if on_faces.part >= parameters().least_flat:
-            size = min(size, on_faces.level)
-        level[counted] = size
-    correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
-    return NoiseVerdict(stage, level, correlation, np.zeros(len(counted)), level, ())
+    deviation = float(np.std(noise[is_counted]))
+    size = _least_size(noisy, noise / deviation, is_counted, passes)
+    if on_faces.part >= parameters().least_flat:
+        size = min(size, on_faces.level)
+    level[is_counted] = size
+    return level, NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
 
 
 def passes_of_width(width: float) -> int:

@@ -5,9 +5,9 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoising.given_width import passes_of_width, verdict_of_width
 from adaptive_fairing.core.denoising.noise.contrast import hinges
-from adaptive_fairing.core.denoising.noise.level import beyond_clean
+from adaptive_fairing.core.denoising.noise.given_width import passes_of_width
+from adaptive_fairing.core.denoising.noise_verdict import noise_verdict
 from adaptive_fairing.core.denoising.stage import Stage
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
@@ -27,13 +27,14 @@ def with_noise(surface, width, level, seed=0):
 
 def verdict(surface, positions, width):
     still = np.zeros(len(positions), dtype=bool)
-    return verdict_of_width(Stage(surface.topology, positions, still, lambda report: None), width)
+    stage = Stage(surface.topology, positions, still, lambda report: None)
+    return noise_verdict(stage, "keep", width)
 
 
 def found(surface, positions, width):
-    """Level above that of clean meshes, where it was judged."""
+    """Level where it was judged."""
     judged = verdict(surface, positions, width)
-    return np.median(beyond_clean(judged.level[judged.stage.parts.is_counted]))
+    return np.median(judged.level[judged.stage.parts.is_counted])
 
 
 @pytest.mark.parametrize("shape", SHAPES)

@@ -5,7 +5,8 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoising.noise_correlation import WHITE, NoiseCorrelation
+from adaptive_fairing.core.denoising.noise.model import WHITE, NoiseCorrelation, NoiseModel
+from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
 VERTICES, FACES = meshes.graded_sphere(3)
@@ -41,3 +42,16 @@ def test_a_pass_averages_lengths_half_with_those_of_the_neighbours(passes):
         expected = (expected + mean_around(expected)) / 2
     smooth = NoiseCorrelation(passes=passes).applied(NOISE, FRAME)
     np.testing.assert_allclose(smooth * FRAME.spacing, expected, rtol=0, atol=1e-12)
+
+
+def test_the_roughness_of_clean_meshes_is_a_part_of_what_grows_with_the_edges():
+    clean, spacing = PARAMETERS.clean_roughness, np.array([0.5, 1.0, 2.0, 4.0])
+    one_amplitude = NoiseModel(0.0, 0.01)
+    assert one_amplitude.noise(spacing) == pytest.approx(one_amplitude.level(spacing))
+    assert NoiseModel(0.09, 0.0).noise(spacing) == pytest.approx((0.3**4 - clean**4) ** 0.25)
+    assert not NoiseModel(0.99 * clean**2, 0.0).noise(spacing).any()
+    mixed = NoiseModel(clean**2, 0.01)
+    level = mixed.level(spacing)
+    assert np.all(mixed.noise(spacing) > (level**4 - clean**4) ** 0.25)
+    assert np.all(mixed.noise(spacing) < level)
+    assert not NoiseModel(0.0, 0.0).noise(spacing).any()
