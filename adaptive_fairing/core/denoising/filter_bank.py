@@ -25,7 +25,7 @@ from ..runtime.precision import SINGLE, Precision
 from .filter_rounds import Filter, FlatFamily, NormalFamily, Round, mesh_family
 from .flat_faces import FlatFaces, flattened
 from .lifted_metric import LiftedMetric, boundary_flux, linear_elements
-from .noise.model import NoiseCorrelation
+from .noise_model import NoiseCorrelation
 from .normal_filter import (
     TurningLoads,
     smoothed_normals,

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..linalg.krylov_filters import Diffusion
 from .lifted_metric import LiftedMetric
-from .noise.model import WHITE, NoiseCorrelation
+from .noise_model import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing
 from .parameters import parameters
 

@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import connected_components
 
 from ..mesh.normals import dots, unit_vectors
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
-from .noise.model import WHITE, NoiseCorrelation
+from .noise_model import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing, smoothed_normals, weights_of_normals
 from .parameters import parameters
 from .triangle_surface import TriangleSurface

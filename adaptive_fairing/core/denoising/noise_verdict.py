@@ -11,10 +11,10 @@ from ..runtime.arrays import FloatArray
 from .mesh_parts import NoiseFound
 from .noise.face_noise import FaceNoise
 from .noise.given_width import noise_of_width
-from .noise.model import NoiseCorrelation
 from .noise.own_numbers import WHITE_NOISE
 from .noise.smooth_noise import SmoothNoise, smooth_noise
 from .noise.spikes import left_of_spikes
+from .noise_model import NoiseCorrelation
 from .parameters import parameters
 from .stage import Stage
 

@@ -10,7 +10,7 @@ from ..runtime.arrays import FloatArray, IndexArray
 from .coarse_level import CoarseLevel
 from .filter_rounds import Filter
 from .mixture import Mixture
-from .noise.model import WHITE, NoiseCorrelation
+from .noise_model import WHITE, NoiseCorrelation
 
 # Strengths that every run computes, as factors of the estimated noise.
 STRENGTHS = (0.5, 0.75, 1.0, 1.5, 2.0)

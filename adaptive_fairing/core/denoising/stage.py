@@ -14,9 +14,9 @@ from .filter_rounds import Filter, Round, rounds_for
 from .mesh_parts import MeshParts
 from .mixture import Mixture
 from .noise.face_noise import FaceNoise, face_noise
-from .noise.model import NoiseCorrelation
 from .noise.noisy_surface import NoisySurface
 from .noise.spikes import without_spikes
+from .noise_model import NoiseCorrelation
 from .parameters import parameters
 from .plan import DenoisePlan
 from .progress import ProgressReport

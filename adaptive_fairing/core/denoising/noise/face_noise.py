@@ -16,10 +16,10 @@ from scipy import sparse
 from ...mesh.normals import dots
 from ...runtime.arrays import BoolArray, FloatArray, IntArray
 from ..flat_faces import FlatFaces
+from ..noise_model import WHITE, NoiseCorrelation
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .level import NORMAL_MEDIAN
-from .model import WHITE, NoiseCorrelation
 from .noisy_surface import NoisySurface
 from .smooth_noise import (
     FEWEST_PASSES,

@@ -14,10 +14,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
+from ..noise_model import NoiseCorrelation
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .face_noise import FaceNoise
-from .model import NoiseCorrelation
 from .noisy_surface import NoisySurface
 from .smooth_noise import band_height
 

@@ -7,10 +7,10 @@ from scipy.optimize import linprog
 from scipy.special import expit
 
 from ...runtime.arrays import BoolArray, FloatArray, IndexArray
+from ..noise_model import NoiseModel
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .contrast import Contrast, half_normal
-from .model import NoiseModel
 
 NORMAL_MEDIAN = half_normal(0.5)
 
@@ -106,7 +106,7 @@ def _evidence(contrast: Contrast, bins: list[IndexArray], both: NoiseModel) -> f
     """
     tuned = parameters()
     everywhere = np.concatenate(bins)
-    expected = both.expected(contrast)
+    expected = both.expected(contrast.fineness)
     if not expected[everywhere].all():
         return 0.0
 

@@ -12,9 +12,9 @@ from functools import cached_property
 import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
+from ..noise_model import WHITE, NoiseCorrelation
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
-from .model import WHITE, NoiseCorrelation
 
 # Orders of the differences that are compared.
 LOW, HIGH = 2, 5

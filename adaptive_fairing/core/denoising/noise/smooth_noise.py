@@ -24,10 +24,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
+from ..noise_model import NoiseCorrelation
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .level import NORMAL_MEDIAN
-from .model import NoiseCorrelation
 from .noisy_surface import NoisySurface
 from .own_numbers import LINE_NOISE, SEEDS
 

@@ -7,8 +7,8 @@ from support import meshes
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.flat_faces import NO_FACE, FlatFaces
 from adaptive_fairing.core.denoising.noise.face_noise import FaceNoise, face_noise
-from adaptive_fairing.core.denoising.noise.model import NoiseCorrelation
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
+from adaptive_fairing.core.denoising.noise_model import NoiseCorrelation
 from adaptive_fairing.core.denoising.normal_filter import triangles_around
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface

@@ -5,8 +5,8 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
-from adaptive_fairing.core.denoising.noise.model import NoiseCorrelation
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
+from adaptive_fairing.core.denoising.noise_model import NoiseCorrelation
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 

@@ -5,12 +5,12 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
-from adaptive_fairing.core.denoising.noise.model import NoiseCorrelation
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.noise.smooth_noise import (
     SmoothNoise,
     smooth_noise,
 )
+from adaptive_fairing.core.denoising.noise_model import NoiseCorrelation
 from adaptive_fairing.core.denoising.parameters import parameters
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 

@@ -5,7 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoising.noise.model import WHITE, NoiseCorrelation, NoiseModel
+from adaptive_fairing.core.denoising.noise_model import WHITE, NoiseCorrelation, NoiseModel
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 

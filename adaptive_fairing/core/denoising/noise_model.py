@@ -10,10 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...runtime.arrays import FloatArray
-from ..parameters import parameters
-from ..triangle_surface import TriangleSurface
-from .contrast import Contrast
+from ..runtime.arrays import FloatArray
+from .parameters import parameters
+from .triangle_surface import TriangleSurface
 
 
 class NoiseModel(NamedTuple):
@@ -43,9 +42,9 @@ class NoiseModel(NamedTuple):
         noise: FloatArray = np.maximum(variance**2 - clean**2, 0) ** 0.25
         return noise
 
-    def expected(self, contrast: Contrast) -> FloatArray:
-        """Return the standard deviation that the contrasts have with this noise, (k,)."""
-        return np.sqrt(self.per_edge + self.per_length * contrast.fineness)
+    def expected(self, fineness: FloatArray) -> FloatArray:
+        """Return the standard deviation that contrasts of a fineness (k,) have, (k,)."""
+        return np.sqrt(self.per_edge + self.per_length * fineness)
 
 
 class NoiseCorrelation(NamedTuple):
