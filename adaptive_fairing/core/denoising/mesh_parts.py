@@ -126,11 +126,11 @@ class MeshParts:
             least, least_noise = by_hinges or (level[counted], rough_noise)
             is_detail = detail.fades(counted)
             if not (is_detail or impulsive[members].any() or is_contour):
-                reason = detail.copies(counted) or detail.bends(float(np.median(least)), counted)
+                reason = detail.copies(counted) or detail.bends(counted)
                 if reason:
                     models.append(reason)
                     is_detail = True
-            if not (is_detail or np.quantile(least, 1 - tuned.rough_fraction) <= clean):
+            if not is_detail and np.median(least) > clean:
                 noise[counted] = least_noise
         if impulsive.any() or noise.any():
             if n_counted < tuned.fewest_to_tell and keeps_clean:

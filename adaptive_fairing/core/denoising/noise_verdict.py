@@ -144,7 +144,7 @@ def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFoun
     most = tuned.most_unexplained * np.maximum(after.level, tuned.clean_roughness)
     was_moved = (calm.noisy.positions != stage.noisy.positions).any(axis=1)
     n_moved, n_judged = parts.counts(was_moved), parts.counts()
-    are_many = n_moved >= np.maximum(tuned.fewest, tuned.least_spikes * n_judged)
+    are_many = n_moved >= tuned.fewest
     # Spikes may be anywhere, corners of a shape are beside others.
     least = np.maximum(found.roughness, tuned.clean_roughness)
     clustering = parts.clustering(stage.track.start, calm.noisy.positions, least)

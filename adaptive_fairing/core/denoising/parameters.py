@@ -220,13 +220,9 @@ class DenoiseParameters:
     # Least correlation of the bends at neighbours in a model: white noise has 0, smooth shapes 1.
     # Models had 0.65 to 0.95; with noise of 0.2 they had at most 0.58, except those with slivers.
     least_bend_correlation: float = 0.6
-    # A model is less rough than this. Models had at most 0.25; slivers with noise have 0.8.
-    roughest_model: float = 0.4
+
     # What keeps less in differences of high order is smoother than a model's edges. By hand.
     least_kept: float = 0.75
-    # This fraction of a clean mesh's vertices may be rougher than clean meshes are, because their
-    # edges are much shorter than others. By hand.
-    rough_fraction: float = 0.1
 
     # noise/order_decay
     # Contours are rougher than this. Less roughness that fades in differences of high order is
@@ -316,8 +312,6 @@ class DenoiseParameters:
     # Spikes are noise if the roughness left without them is at most this many times the noise that
     # all contrasts allow. By hand.
     most_unexplained: float = 2.0
-    # They are many: at least this part of the vertices judged. By hand.
-    least_spikes: float = 0.05
     # The share of spikes among the neighbours of spikes exceeds that among all vertices by at most
     # this. Spikes and heavy tails on 18 tuning shapes had -0.1 to 0.03, one 0.08. Corners of
     # decimated shapes had 0.03 to 0.4.
@@ -332,9 +326,6 @@ class DenoiseParameters:
     most_misfit: float = 0.15
     # On fewer vertices coarse round shapes are as even as noise. By hand.
     fewest_to_tell_smooth: int = 1500
-    # Where the bands fit noise worse than this, the narrowest one shows the edges of the mesh and
-    # does not count. Noise alike over two edges had at most 0.05, over four edges 0.07 to 0.13.
-    least_misfit_of_edges: float = 0.06
     # Evenness of the quiet part compares the quietest `quiet_fraction` with this fraction.
     quieter_fraction: float = 0.3
     # The next wider band is stronger than noise by at most this, as a logarithm. Noise of depth
@@ -357,8 +348,6 @@ class DenoiseParameters:
     # Noise begins to count as impulsive at this ratio, and surely is from the sum of both on.
     normal_ratio: float = 1.2
     ratio_range: float = 0.1
-    # The ratio of n values may be larger by this over √n. By hand.
-    ratio_chance: float = 4.0
     # A spike stands out by at least this many times the median. By hand.
     spike_factor: float = 3.0
 

@@ -46,19 +46,16 @@ class CleanDetail:
         part = repeated_part(some, surface.positions)
         return f"{100 * part:.0f} % of its triangles are exact copies of others" if part else ""
 
-    def bends(self, level: float, is_counted: BoolArray) -> str:
+    def bends(self, is_counted: BoolArray) -> str:
         """Text on signs that vertices, (n,) bool, belong to a bent low-poly model; "" without any.
 
-        `level` is their roughness in local edge lengths by the contrasts.
+        Small parts, such as the eyes of a head, go with the whole.
         """
         tuned = parameters()
-        # Small parts, such as the eyes of a head, go with the whole.
-        is_small = np.count_nonzero(is_counted) < tuned.fewest_to_tell
-        _, kept = self._surface.fading.of_mesh(is_counted)
-        is_mild = kept > tuned.least_kept and level < tuned.roughest_model
-        if is_small:
+        if np.count_nonzero(is_counted) < tuned.fewest_to_tell:
             return self._of_whole
-        return self._said_of(is_counted) if is_mild else ""
+        _, kept = self._surface.fading.of_mesh(is_counted)
+        return self._said_of(is_counted) if kept > tuned.least_kept else ""
 
     @cached_property
     def _of_whole(self) -> str:

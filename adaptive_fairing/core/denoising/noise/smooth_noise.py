@@ -142,7 +142,7 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     is_counted : (n,) bool
         Vertices to judge from, at least one.
     """
-    tuned, frame, own = parameters(), surface.frame, surface.fading.white
+    frame, own = surface.frame, surface.fading.white
     heights = band_heights(surface.positions, frame)
     strength = local_strengths(heights, frame, is_counted)
     quiet, _ = quiet_part(strength)
@@ -150,18 +150,14 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     found = [_averaged(own, passes, frame, is_counted) for passes in PASSES]
     deviations, bands, sizes = zip(*found, strict=True)
     ratios = np.log(quiet / unit / sizes)
-    weights = WEIGHTS
-    best, level, misfit = _fit(ratios, weights)
-    if misfit > tuned.least_misfit_of_edges:
-        weights = np.where(np.arange(N_NARROW) > 0, WEIGHTS, 0.0)
-        best, level, _ = _fit(ratios, weights)
+    best, level, misfit = _fit(ratios)
     # The widest band of one random noise is 4 % stronger or weaker than that of the next.
     excesses = [ratios[best, N_NARROW] - level]
     for use in (LINE_NOISE, SEEDS):
         other = surface.own.noise(use)
         _, _, size = _averaged(other, PASSES[best], frame, is_counted)
         ratio = np.log(quiet / _of_white_noise(other, frame, is_counted) / size)
-        excesses.append(ratio[N_NARROW] - np.average(ratio[:N_NARROW], weights=weights))
+        excesses.append(ratio[N_NARROW] - np.average(ratio[:N_NARROW], weights=WEIGHTS))
     # Shape stands out: where it is quiet there is as much noise, and less of shape.
     of_noise = local_strengths(bands[best], frame, is_counted)
     is_quiet = strength[1] <= np.median(strength[1])
@@ -196,14 +192,14 @@ def _averaged(
     return float(np.std(noise[is_counted])), bands, typical_sizes(bands[:, is_counted])
 
 
-def _fit(ratios: FloatArray, weights: FloatArray) -> tuple[int, float, float]:
+def _fit(ratios: FloatArray) -> tuple[int, float, float]:
     """Index of the noise that fits best, the logarithm of its strength, and the misfit.
 
     The argument has the logarithms of the bands' strengths relative to every noise, (p, k).
     """
     narrow = ratios[:, :N_NARROW]
-    levels = np.average(narrow, axis=1, weights=weights)
-    misfits = np.square(narrow - levels[:, None]) @ weights
+    levels = np.average(narrow, axis=1, weights=WEIGHTS)
+    misfits = np.square(narrow - levels[:, None]) @ WEIGHTS
     best = int(np.argmin(misfits))
     return best, float(levels[best]), float(misfits[best])
 
