@@ -43,7 +43,8 @@ def impulsive_certainty(surface: NoisySurface, level: FloatArray, is_counted: Bo
         return 0.0
     size = (lines.least / np.maximum(level, 1e-9))[is_counted]
     ratio = _tail(size) / max(_tail(lines.least_of_noise[is_counted]), 1e-9)
-    return float(np.clip((ratio - tuned.normal_ratio) / tuned.ratio_range, 0, 1))
+    chance = tuned.ratio_chance / np.sqrt(len(size))
+    return float(np.clip((ratio - tuned.normal_ratio - chance) / tuned.ratio_range, 0, 1))
 
 
 def _tail(size: FloatArray) -> float:
