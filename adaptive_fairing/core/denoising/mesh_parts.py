@@ -124,7 +124,8 @@ class MeshParts:
             is_contour = is_voxel_contour(around, surface.positions)
             by_hinges = None if is_contour else self._by_hinges(surface, level, counted)
             least, least_noise = by_hinges or (level[counted], rough_noise)
-            is_detail = detail.fades(counted)
+            # The fading of the roughness tells nothing of what the hinges see.
+            is_detail = by_hinges is None and detail.fades(counted)
             if not (is_detail or impulsive[members].any() or is_contour):
                 reason = detail.copies(counted) or detail.bends(counted)
                 if reason:

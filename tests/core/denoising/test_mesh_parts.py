@@ -10,6 +10,7 @@ from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.mesh_parts import MeshParts, density_classes
 from adaptive_fairing.core.denoising.mixing import LIKE_DETAIL, UNLIKE_NOISE
 from adaptive_fairing.core.denoising.noise import noisy_surface
+from adaptive_fairing.core.denoising.noise.clean_detail import CleanDetail
 from adaptive_fairing.core.denoising.noise.line_roughness import LineRoughness
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
@@ -187,3 +188,20 @@ def test_a_smooth_patch_does_not_turn_the_rest_into_shape(part):
     assert UNLIKE_NOISE not in found.notes
     before, after = (np.linalg.norm(each - ball) for each in (points, found.positions))
     assert after < 0.8 * before
+
+
+def test_where_the_hinges_decide_roughness_that_fades_is_no_detail(monkeypatch):
+    """Creases in every row: they make the roughness, and it may fade as it likes."""
+    vertices, faces = meshes.flat_grid(48, 48)
+    row = np.rint(vertices[:, 1] / np.sqrt(0.75)).astype(int)
+    random = np.random.default_rng(0)
+    vertices = vertices + 0.15 * random.normal(size=vertices.shape) * [1, 0, 0]
+    vertices[:, 2] = 0.5 * random.normal(size=49)[row] + 0.08 * random.normal(size=len(vertices))
+    frame = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
+    parts = MeshParts(frame, np.zeros(len(vertices), dtype=bool))
+    surface = NoisySurface(vertices, frame)
+    level = parts.noise(surface).level[parts.is_counted]
+    assert np.median(level) == pytest.approx(0.08, rel=0.3)
+    assert np.median(level) < 0.7 * np.median(surface.roughness.value[parts.is_counted]) / 0.6745
+    monkeypatch.setattr(CleanDetail, "fades", lambda self, is_counted: True)
+    assert np.array_equal(parts.noise(surface).level[parts.is_counted], level)
