@@ -348,8 +348,8 @@ class DenoiseParameters:
     # Noise begins to count as impulsive at this ratio, and surely is from the sum of both on.
     normal_ratio: float = 1.2
     ratio_range: float = 0.1
-    # The ratio of n values may be larger by this over √n. Without it one amplitude of 0.05 on a part
-    # of flat faces counted as spikes after jitter of 0.0001 of an edge. By hand.
+    # The ratio of n values may be larger by this over √n. Without it one amplitude of 0.05 on flat
+    # faces counted as spikes after jitter of 0.0001 of an edge. By hand.
     ratio_chance: float = 4.0
     # A spike stands out by at least this many times the median. By hand.
     spike_factor: float = 3.0
