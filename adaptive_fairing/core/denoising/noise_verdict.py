@@ -20,7 +20,8 @@ from .stage import Stage
 
 SMOOTH = (
     "the surface is uniformly rough over several edges, by {:.2g} of an edge: fine detail, which "
-    "was kept, or the smooth noise of a scanner, which is removed if all roughness counts as noise"
+    "was kept, or the smooth noise of a scanner, which is removed if all roughness counts as noise "
+    "or its size is given"
 )
 SMOOTH_REMOVED = (
     "the surface is rough over several edges, by {:.2g} of an edge, as the smooth noise of a "
