@@ -11,7 +11,6 @@ on a kind of noise that was (structured light).
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -20,7 +19,7 @@ from scipy.special import expit
 from tqdm import tqdm
 
 from adaptive_fairing.core.denoising.noise.smooth_noise import measures_of_noise, smooth_noise
-from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
+from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.stage import Stage
 from adaptive_fairing.core.problem.caller_mesh import CallerMesh
 from adaptive_fairing.core.problem.prepared_mesh import PreparedMesh
@@ -104,12 +103,8 @@ def measured(vertices: FloatArray, faces: Faces) -> tuple[tuple[float, ...] | No
     found = smooth_noise(stage.noisy.along_sight(), stage.parts.is_counted)
     if not found.may_be_noise:
         return None, False
-    with using(replace(PARAMETERS, least_evidence=-np.inf)):
-        is_enough = found.is_noise
-    return (
-        measures_of_noise(found.misfit, found.evenness, found.outliers, found.lean),
-        is_enough,
-    )
+    measures = measures_of_noise(found.misfit, found.evenness, found.outliers, found.lean)
+    return measures, found.may_be_told
 
 
 def fitted_weights(some: Sequence[Example]) -> FloatArray:

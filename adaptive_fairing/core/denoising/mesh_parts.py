@@ -144,11 +144,11 @@ class MeshParts:
         self, surface: NoisySurface, counted: BoolArray
     ) -> tuple[FloatArray, FloatArray]:
         """Level and noise (c,) of some vertices, (n,) bool, by their roughness."""
-        spacing, model = surface.frame.spacing[counted], noise_model(surface.roughness, counted)
+        rough, frame = surface.roughness, surface.frame
+        model, spacing = noise_model(rough, counted), frame.spacing[counted]
         level = model.level(spacing)
         if np.median(level) > parameters().clean_roughness and surface.cosines is not None:
-            rough, frame, cosines = surface.roughness, surface.frame, surface.cosines
-            level = scan_level(rough, frame, counted, cosines)[counted]
+            level = scan_level(rough, frame, counted, surface.cosines)[counted]
             return level, level
         return level, model.noise(spacing)
 
@@ -161,7 +161,7 @@ class MeshParts:
         adds.
         """
         tuned, spacing = parameters(), surface.frame.spacing[counted]
-        if not surface.hinges.among(counted).value.size:
+        if not counted[surface.hinges.vertices].all(axis=1).any():
             return None
         model = noise_model(surface.hinges, counted)
         of_hinges = model.level(spacing)

@@ -23,14 +23,13 @@ from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
 from .smooth_noise import (
     FEWEST_PASSES,
-    N_NARROW,
     NORMAL_TAIL,
     PASSES,
     TAIL,
     band_heights,
     evidence_of_noise,
+    least_evenness,
     local_strengths,
-    quiet_part,
     typical_sizes,
 )
 
@@ -127,7 +126,6 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     strengths, strengths_of_noise = (
         local_strengths(each, frame, is_inner) for each in (bands, of_noise)
     )
-    evenness = quiet_part(strengths)[1] / quiet_part(strengths_of_noise)[1]
     local = bands[:2, is_inner] / strengths[:2]
     local /= np.maximum(typical_sizes(local), 1e-9)[:, None]
     tails = np.array([_tail(local[1]), _tail(relative[is_inner])])
@@ -136,7 +134,7 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
         level=float(np.median(levels[face[is_inner]])),
         correlation=correlation,
         misfit=misfit,
-        evenness=float(evenness[:N_NARROW].min()),
+        evenness=least_evenness(strengths, strengths_of_noise, 0.5),
         outliers=float(np.maximum(tails, 1 / np.maximum(tails, 1e-9)).max()),
         lean=float(np.abs(np.tanh(NORMAL_MEDIAN * local).mean(axis=1)).max()),
     )

@@ -95,15 +95,21 @@ class SmoothNoise(NamedTuple):
     @property
     def is_likely(self) -> bool:
         """Whether this is noise rather than detail, but not as clearly as `is_noise`."""
-        is_told = self.n_counted >= parameters().fewest_to_tell_smooth
-        return is_told and self.may_be_noise and self.evidence >= 0
+        return self._is_judged and self.evidence >= 0
+
+    @property
+    def may_be_told(self) -> bool:
+        """Whether evidence decides: there is enough, and the widest band does not go on growing."""
+        return self._is_judged and self.excess <= parameters().told_excess
 
     @property
     def is_noise(self) -> bool:
         """Whether this differs from shape clearly enough to be removed without being asked."""
-        tuned = parameters()
-        is_clear = self.evidence >= tuned.least_evidence and self.excess <= tuned.told_excess
-        return self.is_likely and is_clear
+        return self.may_be_told and self.evidence >= parameters().least_evidence
+
+    @property
+    def _is_judged(self) -> bool:
+        return self.may_be_noise and self.n_counted >= parameters().fewest_to_tell_smooth
 
 
 def evidence_of_noise(misfit: float, evenness: float, outliers: float, lean: float) -> float:
@@ -145,7 +151,7 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     frame, own = surface.frame, surface.fading.white
     heights = band_heights(surface.positions, frame)
     strength = local_strengths(heights, frame, is_counted)
-    quiet, _ = quiet_part(strength)
+    quiet = quiet_part(strength)
     unit = _of_white_noise(own, frame, is_counted)
     found = [_averaged(own, passes, frame, is_counted) for passes in PASSES]
     deviations, bands, sizes = zip(*found, strict=True)
@@ -169,7 +175,7 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
         NoiseCorrelation(seen=deviations[best], deviation=deviations[best], passes=PASSES[best]),
         misfit,
         excess=float(np.mean(excesses)),
-        evenness=float((_quiet_evenness(strength) / _quiet_evenness(of_noise)).min()),
+        evenness=least_evenness(strength, of_noise, parameters().quieter_fraction),
         outliers=float(np.quantile(np.abs(relative), TAIL, axis=1).max()) / NORMAL_TAIL,
         lean=float(np.abs(np.tanh(NORMAL_MEDIAN * relative).mean(axis=1)).max()),
         n_counted=int(np.count_nonzero(is_counted)),
@@ -179,7 +185,7 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
 def _of_white_noise(white: FloatArray, frame: TriangleSurface, is_counted: BoolArray) -> FloatArray:
     """Strength (k,) of the bands of white noise (n,) where it is quiet, over that of all."""
     heights = band_heights(frame.raised(white), frame)
-    quiet, _ = quiet_part(local_strengths(heights, frame, is_counted))
+    quiet = quiet_part(local_strengths(heights, frame, is_counted))
     return quiet / typical_sizes(heights[:, is_counted])
 
 
@@ -204,20 +210,23 @@ def _fit(ratios: FloatArray) -> tuple[int, float, float]:
     return best, float(levels[best]), float(misfits[best])
 
 
-def quiet_part(strength: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Strength (k,) of the bands in the quietest part of the surface, and over the median."""
-    quiet, typical = np.quantile(strength, (parameters().quiet_fraction, 0.5), axis=1)
-    return quiet, quiet / typical
+def quiet_part(strength: FloatArray) -> FloatArray:
+    """Strength (k,) of the bands in the quietest part of the surface."""
+    quiet: FloatArray = np.quantile(strength, parameters().quiet_fraction, axis=1)
+    return quiet
 
 
-def _quiet_evenness(strength: FloatArray) -> FloatArray:
-    """Ratio of the narrow bands' strength in the quietest part to that in a less quiet part."""
-    tuned = parameters()
-    least, more = np.quantile(
-        strength[:N_NARROW], (tuned.quiet_fraction, tuned.quieter_fraction), axis=1
-    )
-    evenness: FloatArray = least / more
-    return evenness
+def least_evenness(strength: FloatArray, of_noise: FloatArray, fraction: float) -> float:
+    """Least evenness of the narrow bands (k, m), relative to those of noise.
+
+    It is the strength in the quietest part over that in a less quiet fraction of the surface.
+    """
+
+    def evenness(of_bands: FloatArray) -> FloatArray:
+        narrow = of_bands[:N_NARROW]
+        return quiet_part(narrow) / np.quantile(narrow, fraction, axis=1)
+
+    return float((evenness(strength) / evenness(of_noise)).min())
 
 
 def typical_sizes(heights: FloatArray) -> FloatArray:
