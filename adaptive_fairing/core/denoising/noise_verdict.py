@@ -11,6 +11,7 @@ from ..runtime.arrays import FloatArray
 from .mesh_parts import NoiseFound
 from .noise.face_noise import FaceNoise
 from .noise.given_width import noise_of_width
+from .noise.noisy_surface import NoisySurface
 from .noise.own_numbers import WHITE_NOISE
 from .noise.smooth_noise import SmoothNoise, smooth_noise
 from .noise.spikes import left_of_spikes
@@ -100,8 +101,9 @@ def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> Noise
         Width of the noise in edges of this mesh, if it was given: that is not questioned.
     """
     if width is not None:
-        counted, on_faces = stage.parts.is_counted, stage.face_noise(stage.noisy)
-        level, correlation = noise_of_width(stage.noisy, on_faces, counted, width)
+        seen, counted = stage.noisy.along_sight(), stage.parts.is_counted
+        size, correlation = noise_of_width(seen, stage.face_noise(seen), counted, width)
+        level = _per_edge(size, seen, stage)
         return NoiseVerdict(stage, level, correlation, np.zeros(len(level)), level, ())
     keeps_clean = clean != "denoise"
 
@@ -176,8 +178,7 @@ def _with_smooth_noise(verdict: NoiseVerdict, clean: str) -> NoiseVerdict:
     anywhere = smooth_noise(seen, counted)
     for smooth in (stage.face_noise(seen), anywhere):
         if _is_removed(smooth, clean):
-            per_edge = seen.frame.spacing / stage.noisy.frame.spacing
-            level = np.where(counted, smooth.level * per_edge, 0)
+            level = _per_edge(smooth.level, seen, stage)
             return replace(
                 verdict,
                 level=level,
@@ -189,6 +190,12 @@ def _with_smooth_noise(verdict: NoiseVerdict, clean: str) -> NoiseVerdict:
     if anywhere.is_likely and not verdict.level.any():
         return replace(verdict, notes=(SMOOTH.format(anywhere.level), *verdict.notes))
     return verdict
+
+
+def _per_edge(size: float, seen: NoisySurface, stage: Stage) -> FloatArray:
+    """Express a level in the unit of a surface along its lines of sight in local edges, (n,)."""
+    per_edge = seen.frame.spacing / stage.noisy.frame.spacing
+    return np.where(stage.parts.is_counted, size * per_edge, 0)
 
 
 def _is_removed(smooth: SmoothNoise | FaceNoise, clean: str) -> bool:

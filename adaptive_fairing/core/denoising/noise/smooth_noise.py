@@ -248,11 +248,6 @@ def band_heights(
     return np.stack(found)
 
 
-def band_height(positions: FloatArray, frame: TriangleSurface, low: int, high: int) -> FloatArray:
-    """Heights along the normals of the band between two numbers of passes, (n,)."""
-    return band_heights(positions, frame, ((low, high),))[0]
-
-
 def local_strengths(
     heights: FloatArray, frame: TriangleSurface, is_counted: BoolArray
 ) -> FloatArray:

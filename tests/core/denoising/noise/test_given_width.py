@@ -46,6 +46,31 @@ def test_the_level_is_that_of_the_noise(shape, width):
         assert found(surface, points, width) == pytest.approx(level, rel=0.35)
 
 
+@pytest.mark.parametrize("edges", [4, 5, 8])
+def test_detail_on_most_of_a_surface_is_no_noise(edges):
+    """The level is read where the surface is quiet: two thirds of it have waves of some edges."""
+    surface = surface_of(*meshes.flat_grid(90, 90))
+    edge, x = surface.spacing.mean(), surface.positions[:, 0]
+    waves = np.where(x > x.max() / 3, edge / 2 * np.sin(2 * np.pi / edges * x), 0)
+    points = with_noise(surface, 2, 0.1) + np.outer(waves, [0, 0, 1])
+    assert found(surface, points, 2) == pytest.approx(0.1, rel=0.35)
+
+
+def test_noise_of_a_camera_is_even_along_its_rays():
+    """It is as strong in depth everywhere, so on a steep slope it is less across the surface."""
+    surface = surface_of(*meshes.flat_grid(60, 60))
+    x, y = surface.positions[:, :2].T
+    clean = np.column_stack([x, y, 0.02 * (x**2 + y**2)])
+    white = np.random.default_rng(0).normal(size=len(x))
+    depths = surface.spread(white, passes_of_width(2))
+    points = clean + np.outer(0.2 * depths / depths.std(), [0, 0, 1])
+    judged = verdict(surface_of(clean, surface.topology.triangles), points, 2)
+    seen, frame = judged.stage.noisy.cosines, judged.stage.frame
+    counted = judged.stage.parts.is_counted
+    depth = (judged.level * frame.spacing / seen)[counted]
+    np.testing.assert_allclose(depth, 0.2, rtol=0.35)
+
+
 def test_the_unit_does_not_matter():
     surface = surface_of(*SHAPES["round"])
     points = with_noise(surface, 2, 0.2)
