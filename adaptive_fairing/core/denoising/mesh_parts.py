@@ -86,6 +86,7 @@ class MeshParts:
         Parameters
         ----------
         surface : NoisySurface
+            With at least `fewest_vertices` to judge from.
         keeps_clean : bool
             Whether a part that looks clean has no noise; otherwise all roughness is noise.
         """
@@ -93,12 +94,6 @@ class MeshParts:
         clean = tuned.clean_roughness
         n_counted = int(np.count_nonzero(self.is_counted))
         noise, impulsive, level = np.zeros((3, len(self.is_counted)))
-        too_few = (
-            f"only {n_counted} vertices inside the surface: too few to tell noise from shape; "
-            "nothing was changed"
-        )
-        if n_counted < tuned.fewest_vertices:
-            return NoiseFound(noise, impulsive, noise, (too_few,))
         if np.median(surface.roughness.value[self.is_counted]) > clean:
             surface.measure()
         detail = CleanDetail(surface, self.is_counted)
@@ -135,7 +130,7 @@ class MeshParts:
                 noise[counted] = least_noise
         if impulsive.any() or noise.any():
             if n_counted < tuned.fewest_to_tell and keeps_clean:
-                return NoiseFound(0 * noise, 0 * noise, level, (too_few,))
+                return NoiseFound(0 * noise, 0 * noise, level, (self.too_few(),))
             return NoiseFound(noise, impulsive, level)
         note = self.why_nothing(level, models)
         return NoiseFound(noise, impulsive, level, (note,))
@@ -168,6 +163,13 @@ class MeshParts:
         # Noise that turns triangles over leaves nothing in their hinges.
         limit = min(tuned.clearly_less * np.median(level[counted]), tuned.most_noise_in_normals)
         return (of_hinges, model.noise(spacing)) if np.median(of_hinges) < limit else None
+
+    def too_few(self) -> str:
+        """Note that there are too few vertices to judge from."""
+        return (
+            f"only {np.count_nonzero(self.is_counted)} vertices inside the surface: too few to "
+            "tell noise from shape; nothing was changed"
+        )
 
     def why_nothing(self, level: FloatArray, models: Sequence[str] = ()) -> str:
         """Note why there is nothing to do, from the roughness (n,) and signs of models."""

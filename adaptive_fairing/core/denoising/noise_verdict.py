@@ -100,8 +100,12 @@ def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> Noise
     width : float, optional
         Width of the noise in edges of this mesh, if it was given: that is not questioned.
     """
+    counted = stage.parts.is_counted
+    if np.count_nonzero(counted) < parameters().fewest_vertices:
+        none = np.zeros(len(counted))
+        return NoiseVerdict(stage, none, None, none, none, (stage.parts.too_few(),))
     if width is not None:
-        seen, counted = stage.noisy.along_sight(), stage.parts.is_counted
+        seen = stage.noisy.along_sight()
         size, correlation = noise_of_width(seen, stage.face_noise(seen), counted, width)
         level = _per_edge(size, seen, stage)
         return NoiseVerdict(stage, level, correlation, np.zeros(len(level)), level, ())
@@ -129,10 +133,8 @@ def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> Noise
     others = ("denoise",) if was_kept and found.roughness.any() else ()
     level, impulsive = found.level, found.impulsive
     verdict = NoiseVerdict(stage, level, None, impulsive, level, found.notes, others)
-    # White noise that is stronger hides the smooth kind; a handful of vertices shows neither.
-    counted = stage.parts.is_counted
-    enough = np.count_nonzero(counted) >= parameters().fewest_vertices
-    if enough and np.median(found.roughness[counted]) < parameters().least_roughness:
+    # White noise that is stronger hides the smooth kind.
+    if np.median(found.roughness[counted]) < parameters().least_roughness:
         return _with_smooth_noise(verdict, clean)
     return verdict
 

@@ -251,9 +251,9 @@ def test_progress_rises_to_one_and_may_end_the_run():
         denoise(points, faces, progress=cancel)
 
 
-@pytest.mark.parametrize("clean", ["keep", "denoise"])
-def test_too_few_vertices_are_left_alone(clean):
+@pytest.mark.parametrize("chosen", [{"clean": "keep"}, {"clean": "denoise"}, {"width": 2}])
+def test_too_few_vertices_are_left_alone(chosen):
     vertices, faces = meshes.icosahedron()
-    result = denoise(vertices, faces, DenoiseSettings(clean=clean))
+    result = denoise(vertices, faces, DenoiseSettings(**chosen))
     assert np.array_equal(result.positions, vertices)
     assert "only 12 vertices" in result.notes[-1]

@@ -19,7 +19,7 @@ from ..noise_model import NoiseCorrelation
 from ..parameters import parameters
 from .face_noise import FaceNoise
 from .noisy_surface import NoisySurface
-from .smooth_noise import band_heights, local_strengths, quiet_part
+from .smooth_noise import LEAST_STRENGTH, band_heights, local_strengths, quiet_part
 
 
 def noise_of_width(
@@ -33,13 +33,11 @@ def noise_of_width(
     on_faces : FaceNoise
         Deviations from flat faces: on a plane there is no shape.
     is_counted : (n,) bool
-        Vertices to judge from.
+        Vertices to judge from, several.
     width : float
         Distance in edges at which the correlation is 1 / e; 1 for white noise.
     """
     frame, passes = noisy.frame, passes_of_width(width)
-    if not is_counted.any():
-        return 0.0, NoiseCorrelation(passes=passes)
     noise = NoiseCorrelation(passes=passes).applied(noisy.fading.white, frame)
     deviation = float(np.std(noise[is_counted]))
     level = _least_level(noisy, noise / deviation, is_counted, passes)
@@ -64,7 +62,7 @@ def _least_level(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, pas
         quiet_part(local_strengths(band_heights(positions, frame, bounds), frame, counted))
         for positions in (noisy.positions, frame.raised(noise))
     )
-    narrow, wide = found / expected
+    narrow, wide = np.where(found > LEAST_STRENGTH, found, 0) / expected
     # Both bands have all of the noise, and the narrow one this part of what the wide has of shape.
     of_shape = tuned.narrow_of_shape**2
     variance = max((narrow**2 - of_shape * wide**2) / (1 - of_shape), 0.0)

@@ -41,6 +41,9 @@ FEWEST_PASSES = 2
 # Weights of the narrow bands in the fit: the narrowest shows the edges of the mesh as well.
 WEIGHTS = np.array([0.5, 1.0, 1.0])
 
+# Weaker bands are rounding. They count as so strong, since logarithms and quotients are taken.
+LEAST_STRENGTH = 1e-12
+
 # Quantile of the outliers, and that over the median of |x| for a normal distribution.
 TAIL, NORMAL_TAIL = 0.95, 2.9058
 
@@ -256,4 +259,4 @@ def local_strengths(
     weight = np.maximum(frame.spread(is_counted.astype(float), passes), 1e-9)
     roots = np.where(is_counted, np.sqrt(np.abs(heights)), 0).T
     local = np.square(frame.spread(roots, passes) / weight[:, None])
-    return np.maximum(local[is_counted].T, 1e-12)
+    return np.maximum(local[is_counted].T, LEAST_STRENGTH)

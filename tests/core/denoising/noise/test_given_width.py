@@ -79,8 +79,10 @@ def test_the_unit_does_not_matter():
     assert found(large, 1e3 * points + 5, 2) == pytest.approx(expected, rel=1e-6)
 
 
-def test_a_plane_has_none():
-    surface = surface_of(*SHAPES["flat"])
+@pytest.mark.parametrize("side", [12, 50])
+def test_a_plane_has_none(side):
+    """Flat faces tell it on the large one, the bands alone on the small one."""
+    surface = surface_of(*meshes.flat_grid(side, side))
     assert found(surface, surface.positions, 2) == 0
 
 
