@@ -17,7 +17,7 @@ from ..problem.region import rings_around
 from ..runtime.arrays import BoolArray, FloatArray
 from ..runtime.precision import SINGLE
 from ..runtime.threads import ordered_map
-from .filter_rounds import KEEPS
+from .filters import KEEPS
 from .plan import STRENGTHS, DenoisePlan
 from .progress import DenoiseProgress, ProgressReport
 from .result import DenoiseResult

@@ -37,14 +37,8 @@ LEAST_DEVIATION = 1e-9
 RIDGE = 1e-9
 
 
-def flattened(
-    surface: TriangleSurface,
-    noisy: FloatArray,
-    around: IntArray,
-    noise: FloatArray | None = None,
-    correlation: NoiseCorrelation = WHITE,
-) -> FloatArray | None:
-    """Move the vertices of a surface's flat faces onto their planes.
+class FlatFaces:
+    """The flat faces of a surface.
 
     Parameters
     ----------
@@ -58,21 +52,6 @@ def flattened(
         Standard deviation in local edge lengths, where it is known.
     correlation : NoiseCorrelation
         Correlation of smooth noise; no correlation otherwise.
-
-    Returns
-    -------
-    (n, 3)
-        Positions with flat faces; vertices on none of them do not move.  None if so few triangles
-        are on flat faces that the surface counts as round.
-    """
-    found = FlatFaces(surface, noisy, around, noise, correlation)
-    if np.mean(found.face >= 0) < parameters().least_flat:
-        return None
-    return found.planes.onto(surface.positions, surface.smooth_spacing)
-
-
-class FlatFaces:
-    """The flat faces of a surface; parameters as for `flattened`.
 
     Attributes
     ----------
@@ -121,6 +100,16 @@ class FlatFaces:
         if has_grown_too_far.any():
             self.face = np.where(has_grown_too_far, found, self.face)
             self.planes = self._fitted()
+
+    def flattened(self) -> FloatArray | None:
+        """Move the vertices of the surface's flat faces onto their planes, (n, 3).
+
+        Others do not move.  None if so few triangles are on flat faces that the surface counts as
+        round.
+        """
+        if np.mean(self.face >= 0) < parameters().least_flat:
+            return None
+        return self.planes.onto(self._surface, self._spacing)
 
     def of_vertices(self) -> IntArray:
         """Return the face of every vertex whose triangles are all on one, (n,), or `NO_FACE`."""

@@ -10,10 +10,9 @@ from scipy.sparse import csgraph
 
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
 from .mixture import Mixture, least_risk_coefficients
-from .noise.clean_detail import CleanDetail
+from .noise.clean_detail import CleanDetail, is_voxel_contour
 from .noise.level import noise_model, scan_level
 from .noise.noisy_surface import NoisySurface
-from .noise.repeats import is_voxel_contour
 from .noise.spikes import impulsive_certainty
 from .parameters import parameters
 from .triangle_surface import TriangleSurface

@@ -1,11 +1,11 @@
 """Mixing of filters for the least risk, in rounds: the automatic method as a whole.
 
 1.  Judge the noise: its kind, and its level by connected part and density (`noise_verdict`).
-2.  Filter in the metrics of the slightly smoothed surface (`filter_bank`).  Mix the filters so that
+2.  Filter in the metrics of the slightly smoothed surface (`filters`).  Mix the filters so that
     the estimated distance to the surface without noise is least (`mixture`).
 3.  Filter in the metrics of that mixture, which shows the creases, and mix all filters so far.
     Repeat this in a metric of a smaller angle, and last by fits to smoothed normals, twice where
-    there are creases (`filter_rounds`).
+    there are creases.
 
 How much of the noise a filter removes is measured by filtering a second time with a little noise
 added.  A formula for linear filters would be wrong, because the metrics depend on the noise too.
@@ -23,9 +23,8 @@ from ..linalg.conjugate_gradients import SolveReport
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from ..runtime.threads import for_each, ordered_map
-from .bounds import Bounds
-from .filter_rounds import Filter, Round, rounds_for
-from .folds import unfolded
+from .bounds import Bounds, Sliding, unfolded
+from .filters import Filter, Round, rounds_for
 from .mixture import Mixture, filter_divergence
 from .noise_verdict import NoiseVerdict, noise_verdict
 from .parameters import parameters
@@ -33,7 +32,6 @@ from .plan import STRENGTHS, DenoisePlan
 from .progress import ProgressReport
 from .settings import DenoiseSettings
 from .stage import Stage, Track
-from .tangential_limit import Sliding
 from .triangle_surface import TriangleSurface
 
 # Vertices of a mesh up to which both runs filter at once, each with one thread.  Most of their

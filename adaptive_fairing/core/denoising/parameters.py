@@ -95,7 +95,7 @@ class DenoiseParameters:
     # θ goes half of its way to them if θ² / 2 is this. By hand.
     parallel_planes: float = 0.003
 
-    # filter_bank: times, orders and steps of the diffusions.
+    # filters: times, orders and steps of the diffusions.
     # Times of the gentle filters, which every metric has. Creases need them. By hand.
     gentle_times: tuple[float, ...] = (0.25, 1.0, 4.0)
     # Order of accuracy of the gentle filters. By hand.
@@ -126,7 +126,7 @@ class DenoiseParameters:
     # reciprocal. By hand.
     largest_weight: float = 8.0
 
-    # filter_rounds: metrics and normals of the rounds.
+    # Metrics and normals of the rounds.
     # Angle of the metrics of the second round, which see creases. By hand.
     wide_angle: float = 0.3
     # Angle of the metric of the third round, which keeps creases. By hand.
@@ -203,7 +203,7 @@ class DenoiseParameters:
     # the clean boundaries changed by 1 %.
     curve_certainty: float = 1.5
 
-    # tangential_limit
+    # bounds
     # Vertices go this fraction of their way along the surface. On meshes with known noise that was
     # worth 4 % of the error and 7 % of the angle with noise of 0.05, 0 and 4 % with noise of 0.2.
     sliding_fraction: float = 0.75
@@ -224,7 +224,6 @@ class DenoiseParameters:
     # What keeps less in differences of high order is smoother than a model's edges. By hand.
     least_kept: float = 0.75
 
-    # noise/order_decay
     # Contours are rougher than this. Less roughness that fades in differences of high order is
     # shape, which fades as well. Contoured voxels have 0.13 to 0.18.
     least_roughness: float = 0.11
@@ -267,7 +266,7 @@ class DenoiseParameters:
     # of along the normals. Such noise had 10 to 117 on 26 shapes of 32, a laser's at most 9.
     least_gain_of_sight: float = 10.0
 
-    # noise/line_roughness
+    # noise/contrast
     # A line between opposite neighbours passes the vertex at least this fraction of its length from
     # either end. By hand.
     line_margin: float = 0.2
@@ -278,7 +277,7 @@ class DenoiseParameters:
     # other meshes at least 0.43.
     most_off_sight: float = 0.05
 
-    # noise/repeats: exact twins among triangles.
+    # Exact twins among triangles.
     # At least this fraction of a model's triangles has a twin. In meshes with noise of 0.05 or more
     # it is at most 0.001.
     least_repeated: float = 0.1
@@ -304,7 +303,6 @@ class DenoiseParameters:
     # none, more strength would remove nothing. By hand.
     least_of_narrow: float = 0.3
 
-    # bounds
     # No vertex of n moves further than √(2 ln n) standard deviations of the noise plus this many.
     extra_deviations: float = 1.0
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..runtime.arrays import FloatArray, IndexArray
 from .coarse_level import CoarseLevel
-from .filter_rounds import Filter
+from .filters import Filter
 from .mixture import Mixture
 from .noise_model import WHITE, NoiseCorrelation
 

@@ -9,8 +9,7 @@ import numpy as np
 from ..linalg.conjugate_gradients import SolveReport
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
-from .filter_bank import FilterBank
-from .filter_rounds import Filter, Round, rounds_for
+from .filters import Filter, FilterBank, Round, rounds_for
 from .mesh_parts import MeshParts
 from .mixture import Mixture
 from .noise.face_noise import FaceNoise, face_noise

@@ -15,8 +15,8 @@ from scipy.sparse import csgraph
 
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray
+from .bounds import unfolded
 from .coarse_level import CoarseLevel, most_hops
-from .folds import unfolded
 from .mixing import MixedSurfaces, mixed_surfaces
 from .parameters import parameters
 from .plan import DenoisePlan

@@ -5,8 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoising.filter_bank import FilterBank
-from adaptive_fairing.core.denoising.filter_rounds import mesh_family
+from adaptive_fairing.core.denoising.filters import FilterBank, mesh_family
 from adaptive_fairing.core.denoising.mixture import filter_divergence
 from adaptive_fairing.core.denoising.noise.own_numbers import OwnNumbers
 from adaptive_fairing.core.denoising.parameters import PARAMETERS

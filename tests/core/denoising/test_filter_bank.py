@@ -8,9 +8,9 @@ from scipy.linalg import eigh
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoising.filter_bank import FilterBank
-from adaptive_fairing.core.denoising.filter_rounds import (
+from adaptive_fairing.core.denoising.filters import (
     IGNORES,
+    FilterBank,
     FilterFamily,
     FlatFamily,
     NormalFamily,

@@ -5,12 +5,11 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, PreparedMesh, denoise
-from adaptive_fairing.core.denoising.filter_bank import FilterBank
-from adaptive_fairing.core.denoising.filter_rounds import (
+from adaptive_fairing.core.denoising.filters import (
+    FilterBank,
     FilterFamily,
     NormalFamily,
     mesh_family,
-    rounds,
     rounds_for,
 )
 from adaptive_fairing.core.denoising.plan import STRENGTHS
@@ -21,7 +20,7 @@ POINTS, FACES = meshes.noisy_ball(3, 0.03)
 
 def all_families():
     """Filters of the mesh and of all rounds, in the order in which they are used."""
-    return mesh_family(), *(family for families in rounds() for family in families)
+    return mesh_family(), *(family for families in rounds_for(0.2) for family in families)
 
 
 @pytest.fixture(scope="module")
@@ -64,7 +63,7 @@ def test_a_metric_that_does_not_bend_rounds_creases_and_the_narrowest_keeps_them
 
 def test_less_noise_makes_the_angles_smaller_in_proportion():
     half, full = (rounds_for(noise) for noise in (0.1, 0.2))
-    assert full == list(rounds())
+    assert rounds_for(0.25) == full  # as large as they get
     for some, others in zip(half, full, strict=True):
         for one, other in zip(some, others, strict=True):
             assert one.filters == other.filters
@@ -114,11 +113,11 @@ def test_a_later_round_takes_its_metric_from_the_mixture_of_the_rounds_before(
 
 def test_the_last_round_is_for_creases():
     """The ball has none; a plan of the cube repeats all rounds, bit by bit."""
-    assert len(denoise(POINTS, FACES).plan.pilots) == len(rounds()) - 2
+    assert len(denoise(POINTS, FACES).plan.pilots) == len(rounds_for(0.2)) - 2
     cube, faces = noisy_cube(0.15)
     prepared = PreparedMesh(cube, faces)
     found = denoise(cube, faces, prepared=prepared)
-    assert len(found.plan.pilots) == len(rounds()) - 1
+    assert len(found.plan.pilots) == len(rounds_for(0.2)) - 1
     again = denoise(cube, faces, prepared=prepared, plan=found.plan)
     assert np.array_equal(again.positions, found.positions)
 

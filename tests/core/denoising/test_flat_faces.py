@@ -5,7 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
-from adaptive_fairing.core.denoising.flat_faces import FlatFaces, flattened
+from adaptive_fairing.core.denoising.flat_faces import FlatFaces
 from adaptive_fairing.core.denoising.normal_filter import triangles_around
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.plan import STRENGTHS
@@ -35,7 +35,7 @@ def noisy_cube(amplitude, seed=0):
 
 
 def seen(positions, faces, surface):
-    """What `FlatFaces` and `flattened` need."""
+    """What `FlatFaces` needs."""
     topology = TriangleTopology(faces, len(positions))
     return TriangleSurface(topology, surface), positions, triangles_around(topology)
 
@@ -58,7 +58,7 @@ def test_the_faces_of_a_cube_end_at_its_creases():
 
 def test_vertices_lie_on_the_planes_of_their_faces():
     """Planes of n = 289 vertices are as exact as √(3 / n) of the noise, 0.2 of an edge."""
-    result = flattened(*seen(noisy_cube(0.2), FACES, noisy_cube(0.04, seed=1)))
+    result = FlatFaces(*seen(noisy_cube(0.2), FACES, noisy_cube(0.04, seed=1))).flattened()
     error = np.sqrt(np.mean(off_the_cube(result) ** 2)) / EDGE
     assert error < 2 * 0.2 * np.sqrt(3 / 289)
 
@@ -66,7 +66,7 @@ def test_vertices_lie_on_the_planes_of_their_faces():
 @pytest.mark.parametrize("shape", [meshes.icosphere(4), meshes.torus(60, 30)])
 def test_round_shapes_stay(shape):
     points, faces = shape
-    assert flattened(*seen(points, faces, points)) is None
+    assert FlatFaces(*seen(points, faces, points)).flattened() is None
 
 
 @pytest.mark.parametrize("radius", [6, 12])
@@ -75,7 +75,7 @@ def test_a_rounded_edge_keeps_its_shape_between_flat_faces(radius):
     noise = np.random.default_rng(0).normal(0, 0.1, points.shape)
     arguments = seen(points + noise, faces, points)
     assert len(np.unique(FlatFaces(*arguments).face)) == 3  # with what is on no face
-    moved = np.linalg.norm(flattened(*arguments) - points, axis=1)
+    moved = np.linalg.norm(FlatFaces(*arguments).flattened() - points, axis=1)
     # Faces grow over what is nearer to their planes than `face_height`: a strip on either side.
     strip = np.sqrt(2 * PARAMETERS.face_height * radius) + 1
     assert np.mean(moved[is_round] > 0) < 2 * strip / (radius * np.pi / 2)
@@ -88,7 +88,7 @@ def test_an_open_noisy_sheet_becomes_flat():
     heights = np.random.default_rng(0).normal(0, 0.2, len(flat))
     sheet = flat + np.outer(heights, [0, 0, 1])
     rough = flat + 0.2 * np.outer(heights, [0, 0, 1])
-    result = flattened(*seen(sheet, faces, rough))
+    result = FlatFaces(*seen(sheet, faces, rough)).flattened()
     offset = result - result.mean(axis=0)
     assert np.linalg.svd(offset)[1][2] < 1e-2 * np.sqrt(len(flat))
 

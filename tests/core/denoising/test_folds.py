@@ -4,7 +4,7 @@ import numpy as np
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
-from adaptive_fairing.core.denoising.folds import are_folded, unfolded
+from adaptive_fairing.core.denoising.bounds import are_folded, unfolded
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
 FLAT, FACES = meshes.flat_grid(12, 12)

@@ -11,7 +11,7 @@ from adaptive_fairing.core.denoising.mesh_parts import MeshParts, density_classe
 from adaptive_fairing.core.denoising.mixing import LIKE_DETAIL, UNLIKE_NOISE
 from adaptive_fairing.core.denoising.noise import noisy_surface
 from adaptive_fairing.core.denoising.noise.clean_detail import CleanDetail
-from adaptive_fairing.core.denoising.noise.line_roughness import LineRoughness
+from adaptive_fairing.core.denoising.noise.contrast import LineRoughness
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface

@@ -5,8 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoising.filter_bank import FilterBank
-from adaptive_fairing.core.denoising.filter_rounds import NormalFamily
+from adaptive_fairing.core.denoising.filters import FilterBank, NormalFamily
 from adaptive_fairing.core.denoising.normal_filter import (
     Smoothing,
     TurningLoads,

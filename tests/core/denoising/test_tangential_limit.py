@@ -4,8 +4,8 @@ import numpy as np
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
+from adaptive_fairing.core.denoising.bounds import Sliding
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
-from adaptive_fairing.core.denoising.tangential_limit import Sliding
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
 SPHERE = meshes.icosphere(3)

@@ -5,7 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoising.filter_rounds import all_diffusions
+from adaptive_fairing.core.denoising.filters import all_diffusions
 from adaptive_fairing.core.denoising.lifted_metric import LiftedMetric, linear_elements
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 from adaptive_fairing.core.linalg.edge_matrix import EdgePattern

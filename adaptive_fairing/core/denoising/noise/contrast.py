@@ -5,10 +5,16 @@ size 1 gives it on this mesh.  So noise of size σ makes every contrast, of what
 σ times a half-normal distribution.  Shape only adds to that, and to one kind more than to another:
 differences of high order hardly see slow bends, and two triangles of one flat face have no hinge
 between them, however the face is triangulated.  So each kind gives an upper bound of the noise.
+
+Two kinds tell what sort of roughness it is.  Deviations from straight lines are small along creases
+and not along spikes.  Differences of higher and higher order keep white noise, while shape fades,
+faster if it is smoother; so do the staircases of contoured volumes, like white noise that was mixed
+with the mean of the neighbours' noise.
 """
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -17,8 +23,15 @@ from scipy.special import ndtri
 
 from ...mesh.normals import dots
 from ...runtime.arrays import BoolArray, FloatArray, IntArray
+from ..noise_model import WHITE, NoiseCorrelation
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
+
+# Orders of the differences whose fading is judged.
+LOW, HIGH = 2, 5
+
+# Number of coefficients of the neighbours' mean that are tried; the first is 0, for white noise.
+N_TRIED = 8
 
 
 class Contrast(NamedTuple):
@@ -134,3 +147,151 @@ def hinges(positions: FloatArray, frame: TriangleSurface) -> Contrast:
         ends,
         parameters().low_quantile,
     )
+
+
+class OppositeLines:
+    """Straight lines between opposite neighbours of every vertex.
+
+    Parameters
+    ----------
+    frame : TriangleSurface
+    """
+
+    def __init__(self, frame: TriangleSurface) -> None:
+        topology = frame.topology
+        self._sizes = sizes = topology.ring_size
+        self._middle = np.repeat(np.arange(topology.n_vertices), sizes)
+        first = np.repeat(topology.ring_start[:-1], sizes)
+        place = np.arange(len(self._middle)) - first
+        size = sizes[self._middle]
+        self._start = topology.ring
+        self._end = topology.ring[first + (place + size // 2) % size]
+        self._frame = frame
+
+    def passing(self, positions: FloatArray) -> FloatArray:
+        """Place of each vertex of `positions` (n, 3) along its lines, 0 to 1."""
+        normal = self._frame.normals[self._middle]
+        along = positions[self._end] - positions[self._start]
+        along -= dots(along, normal)[:, None] * normal
+        margin = parameters().line_margin
+        reach = dots(positions[self._middle] - positions[self._start], along)
+        place = reach / np.maximum(dots(along, along), 1e-300)
+        return np.clip(place, margin, 1 - margin)
+
+    def least_deviation(self, positions: FloatArray, passing: FloatArray) -> FloatArray:
+        """Height of each vertex over the line that it deviates least from, (n,).
+
+        Along the normals, in local edge lengths; 0 at vertices without neighbours.
+        """
+        line = positions[self._start]
+        line = line + passing[:, None] * (positions[self._end] - line)
+        deviation = np.einsum(
+            "ed,ed->e", positions[self._middle] - line, self._frame.normals[self._middle]
+        )
+        magnitude, least = np.abs(deviation), np.zeros(len(positions))
+        used = np.flatnonzero(self._sizes)
+        first = np.cumsum(self._sizes)[used] - self._sizes[used]
+        if len(used):
+            smallest = np.repeat(np.minimum.reduceat(magnitude, first), self._sizes[used])
+            candidates = np.where(magnitude == smallest, deviation, np.inf)
+            least[used] = np.minimum.reduceat(candidates, first)
+        return least / self._frame.spacing
+
+
+class LineRoughness:
+    """Deviations from the straight lines between opposite neighbours, the least at each vertex.
+
+    Parameters
+    ----------
+    positions : (n, 3)
+    frame : TriangleSurface
+    noise : (n,)
+        White noise of unit variance along the normals, to compare with.
+
+    Attributes
+    ----------
+    least, least_of_noise : (n,)
+        Magnitudes of the least deviations of the positions and of the noise, in local edge lengths.
+    """
+
+    def __init__(self, positions: FloatArray, frame: TriangleSurface, noise: FloatArray) -> None:
+        lines = OppositeLines(frame)
+        passing = lines.passing(positions)
+        self.least = np.abs(lines.least_deviation(positions, passing))
+        self.least_of_noise = np.abs(lines.least_deviation(frame.raised(noise), passing))
+
+
+class Fading:
+    """Differences of a mesh and of white noise on it.
+
+    Parameters
+    ----------
+    positions : (n, 3)
+    frame : TriangleSurface
+    white : (n,)
+        The white noise along the normals, in local edge lengths.
+    """
+
+    def __init__(self, positions: FloatArray, frame: TriangleSurface, white: FloatArray) -> None:
+        self.white = white
+        self._positions, self._frame = positions, frame
+
+    def fades(self, is_counted: BoolArray) -> bool:
+        """Whether the roughness of vertices, (n,) bool, fades more than that of white noise."""
+        tuned = parameters()
+        _, kept = self.of_mesh(is_counted)
+        chance = tuned.fading_deviations / np.sqrt(np.count_nonzero(is_counted))
+        return kept < min(tuned.fading_kept, tuned.white_kept - chance)
+
+    def of_mesh(self, is_counted: BoolArray) -> tuple[float, float]:
+        """Roughness in low order relative to white noise, and the fraction left in high order."""
+        return self._compared(self._of_mesh, is_counted)
+
+    def correlation(self, is_counted: BoolArray) -> NoiseCorrelation:
+        """Find the correlation of noise that fades like the roughness of the mesh.
+
+        From vertices, (n,) bool, at least one.
+        """
+        tuned = parameters()
+        rough, kept = self.of_mesh(is_counted)
+        if rough < tuned.least_roughness or not self.fades(is_counted):
+            return WHITE
+        coefficients = np.linspace(0, tuned.most_correlation, N_TRIED)
+        rows = [(1.0, 1.0, np.std(self.white[is_counted]))]
+        for coefficient in coefficients[1:]:
+            noise = NoiseCorrelation(coefficient).applied(self.white, self._frame)
+            differences = _differences(self._frame.raised(noise), self._frame)
+            rows.append((*self._compared(differences, is_counted), np.std(noise[is_counted])))
+        seen, kept_of_noise, deviation = np.array(rows).T
+        found = float(np.interp(-kept, -np.minimum.accumulate(kept_of_noise), coefficients))
+        return NoiseCorrelation(
+            found,
+            float(np.interp(found, coefficients, seen)),
+            float(np.interp(found, coefficients, deviation)),
+        )
+
+    # Not needed for a mesh that is clean at first sight.
+    @cached_property
+    def _of_mesh(self) -> FloatArray:
+        return _differences(self._positions, self._frame)
+
+    @cached_property
+    def _of_white(self) -> FloatArray:
+        return _differences(self._frame.raised(self.white), self._frame)
+
+    def _compared(self, differences: FloatArray, is_counted: BoolArray) -> tuple[float, float]:
+        low, high = np.median(differences[:, is_counted], axis=1)
+        white_low, white_high = np.median(self._of_white[:, is_counted], axis=1)
+        # A surface without roughness does not fade.
+        kept = (high / low) / (white_high / white_low) if low > 0 else 1.0
+        return float(low / white_low), float(kept)
+
+
+def _differences(values: FloatArray, frame: TriangleSurface) -> FloatArray:
+    """Magnitudes of the normal parts of differences of low and high order, (2, n)."""
+    found = []
+    for order in range(1, HIGH + 1):
+        values = values - frame.mean @ values
+        if order in (LOW, HIGH):
+            found.append(np.abs(frame.along_normal(values)))
+    return np.stack(found)

@@ -10,10 +10,8 @@ from ...mesh.normals import dots
 from ...runtime.arrays import FloatArray
 from ...runtime.threads import for_each
 from ..triangle_surface import TriangleSurface
-from .contrast import Contrast, hinges, roughness
+from .contrast import Contrast, Fading, LineRoughness, hinges, roughness
 from .line_of_sight import LEAST_COSINE, lines_of_sight
-from .line_roughness import LineRoughness
-from .order_decay import Fading
 from .own_numbers import LINE_NOISE, WHITE_NOISE, OwnNumbers
 
 

@@ -18,7 +18,7 @@ from scipy.special import ndtr
 
 from ...runtime.arrays import BoolArray, FloatArray
 from ..parameters import parameters
-from .line_roughness import OppositeLines
+from .contrast import OppositeLines
 from .noisy_surface import NoisySurface
 from .own_numbers import LINE_NOISE, SEEDS, WHITE_NOISE
 

@@ -5,7 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, denoise
-from adaptive_fairing.core.denoising.noise.repeats import repeated_part
+from adaptive_fairing.core.denoising.noise.clean_detail import repeated_part
 
 
 def single(points):

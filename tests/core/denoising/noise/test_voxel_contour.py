@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support import meshes
 
-from adaptive_fairing.core.denoising.noise.repeats import is_voxel_contour
+from adaptive_fairing.core.denoising.noise.clean_detail import is_voxel_contour
 
 
 def terraces(seed):
