@@ -9,11 +9,9 @@ import numpy as np
 
 from ..runtime.arrays import FloatArray
 from .mesh_parts import NoiseFound
-from .noise.face_noise import FaceNoise
-from .noise.given_width import noise_of_width
 from .noise.noisy_surface import NoisySurface
 from .noise.own_numbers import WHITE_NOISE
-from .noise.smooth_noise import SmoothNoise, smooth_noise
+from .noise.smooth_noise import SmoothNoise, noise_of_width, smooth_noise
 from .noise.spikes import left_of_spikes
 from .noise_model import NoiseCorrelation
 from .parameters import parameters
@@ -179,7 +177,7 @@ def _with_smooth_noise(verdict: NoiseVerdict, clean: str) -> NoiseVerdict:
     seen = stage.noisy.along_sight()
     anywhere = smooth_noise(seen, counted)
     for smooth in (stage.face_noise(seen), anywhere):
-        if _is_removed(smooth, clean):
+        if smooth is not None and _is_removed(smooth, clean):
             level = _per_edge(smooth.level, seen, stage)
             return replace(
                 verdict,
@@ -200,7 +198,7 @@ def _per_edge(size: float, seen: NoisySurface, stage: Stage) -> FloatArray:
     return np.where(stage.parts.is_counted, size * per_edge, 0)
 
 
-def _is_removed(smooth: SmoothNoise | FaceNoise, clean: str) -> bool:
+def _is_removed(smooth: SmoothNoise, clean: str) -> bool:
     """Whether smooth noise is to be removed."""
     if clean == "denoise":
         return smooth.may_be_noise

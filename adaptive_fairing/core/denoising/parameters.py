@@ -293,7 +293,7 @@ class DenoiseParameters:
     # Contoured voxels face in at least this many directions, unlike boxes. By hand.
     least_directions: int = 9
 
-    # wide_noise, given_width: noise of a given width.
+    # Noise of a given width.
     # Wide noise is removed on a coarser mesh, where it spans at least this many edges.
     level_edges_of_width: float = 3.5
     # What a shape has in the band narrower than the noise, over what it has in the band as wide as

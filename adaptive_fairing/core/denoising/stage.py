@@ -12,8 +12,9 @@ from ..runtime.arrays import BoolArray, FloatArray, RealArray
 from .filters import Filter, FilterBank, Round, rounds_for
 from .mesh_parts import MeshParts
 from .mixture import Mixture
-from .noise.face_noise import FaceNoise, face_noise
+from .noise.face_noise import face_noise
 from .noise.noisy_surface import NoisySurface
+from .noise.smooth_noise import SmoothNoise
 from .noise.spikes import without_spikes
 from .noise_model import NoiseCorrelation
 from .parameters import parameters
@@ -115,8 +116,8 @@ class Stage:
         start = positions + impulsive[:, None] * (calm - positions)
         return Stage(self.frame.topology, start, self._is_still, self._on_solve)
 
-    def face_noise(self, noisy: NoisySurface) -> FaceNoise:
-        """Measure the smooth noise on flat faces, in the surface's units."""
+    def face_noise(self, noisy: NoisySurface) -> SmoothNoise | None:
+        """Measure the smooth noise on flat faces, in the surface's units; None without any."""
         tuned = parameters()
         assumed = NoiseCorrelation(deviation=tuned.assumed_deviation, passes=tuned.assumed_passes)
         faces = self.bank.flat_faces(self.track.start, self.frame, assumed)

@@ -8,8 +8,6 @@ strengths of averaged white noise band by band, and is normally distributed (`sm
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from scipy import sparse
 
@@ -19,15 +17,14 @@ from ..flat_faces import FlatFaces
 from ..noise_model import WHITE, NoiseCorrelation
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
-from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
 from .smooth_noise import (
-    FEWEST_PASSES,
     NORMAL_TAIL,
     PASSES,
     TAIL,
+    SmoothNoise,
     band_heights,
-    evidence_of_noise,
+    leaning,
     least_evenness,
     local_strengths,
     typical_sizes,
@@ -37,58 +34,14 @@ from .smooth_noise import (
 WEIGHTS = np.array([0.0, 1.0, 1.0, 1.0])
 
 
-class FaceNoise(NamedTuple):
-    """Noise on the flat faces of a mesh.
+def face_noise(
+    surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray
+) -> SmoothNoise | None:
+    """Measure the deviations of a surface from the planes of its flat faces; None without any.
 
-    Attributes
-    ----------
-    part : float
-        Fraction of the counted vertices that is well inside flat faces, 0 to 1.
-    level : float
-        Standard deviation in local edge lengths.
-    correlation : NoiseCorrelation
-    misfit : float
-        Sum of the squared logarithms by which the bands differ from those of noise of this level.
-    evenness : float
-        Evenness of the bands over the faces, relative to noise; 0 to about 1.
-    outliers : float
-        Size of the largest heights relative to a normal distribution, or its inverse if larger.
-    lean : float
-        Imbalance between hills and valleys, 0 to 1.
-    """
-
-    part: float = 0.0
-    level: float = 0.0
-    correlation: NoiseCorrelation = WHITE
-    misfit: float = np.inf
-    evenness: float = 0.0
-    outliers: float = np.inf
-    lean: float = 1.0
-
-    @property
-    def may_be_noise(self) -> bool:
-        """Whether this is smooth noise, provided that all roughness is noise."""
-        tuned = parameters()
-        return (
-            self.part >= tuned.least_flat
-            and self.correlation.passes >= FEWEST_PASSES
-            and self.level >= tuned.clean_roughness
-        )
-
-    @property
-    def is_noise(self) -> bool:
-        """Whether this is smooth noise and not texture.
-
-        A plane hides no shape, so even odds suffice.  They were found on 42 of 58 noisy meshes, and
-        on 4 of 39 with detail all over them, all of them waves or rocks that are as even as noise.
-        """
-        evidence = evidence_of_noise(self.misfit, self.evenness, self.outliers, self.lean)
-        is_weak = self.level <= parameters().most_level_on_faces
-        return self.may_be_noise and is_weak and evidence >= 0
-
-
-def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -> FaceNoise:
-    """Measure the deviations of a surface from the planes of its flat faces.
+    A plane hides no shape, so even odds suffice for noise.  They were found on 42 of 58 noisy
+    meshes, and on 4 of 39 with detail all over them, all of them waves or rocks that are as even as
+    noise.
 
     Parameters
     ----------
@@ -105,17 +58,16 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     face[is_small[face]] = -1
     is_inner = face >= 0
     n_inner = int(np.count_nonzero(is_inner))
-    if n_inner < tuned.own_estimate:
-        return FaceNoise()
+    if n_inner < max(tuned.own_estimate, tuned.least_flat * np.count_nonzero(is_counted)):
+        return None
     frame = _within_faces(surface, face, planes.normals)
     off_plane = planes.heights(surface.positions, face)[:, None] * planes.normals[face]
     heights = np.where(is_inner, frame.along_normal(off_plane), 0.0)
-    part = n_inner / np.count_nonzero(is_counted)
     totals = np.bincount(face[is_inner], heights[is_inner] ** 2, len(planes))
     sizes = np.sqrt(totals / np.maximum(counts, 1))
     typical = float(np.median(sizes[face[is_inner]]))
     if typical < tuned.clean_roughness:
-        return FaceNoise(part, typical)
+        return SmoothNoise(typical)
     # Each face counts in its own unit: a scanner may see some of them at a grazing angle.
     relative = heights / np.maximum(sizes[face], tuned.clean_roughness**2)
     bands = band_heights(frame.raised(relative), frame)
@@ -129,14 +81,16 @@ def face_noise(surface: NoisySurface, faces: FlatFaces, is_counted: BoolArray) -
     local = bands[:2, is_inner] / strengths[:2]
     local /= np.maximum(typical_sizes(local), 1e-9)[:, None]
     tails = np.array([_tail(local[1]), _tail(relative[is_inner])])
-    return FaceNoise(
-        part,
-        level=float(np.median(levels[face[is_inner]])),
-        correlation=correlation,
-        misfit=misfit,
+    level = float(np.median(levels[face[is_inner]]))
+    return SmoothNoise(
+        level,
+        correlation,
+        misfit,
         evenness=least_evenness(strengths, strengths_of_noise, 0.5),
+        # Too few outliers are as little like noise as too many.
         outliers=float(np.maximum(tails, 1 / np.maximum(tails, 1e-9)).max()),
-        lean=float(np.abs(np.tanh(NORMAL_MEDIAN * local).mean(axis=1)).max()),
+        lean=leaning(local),
+        is_enough=level <= tuned.most_level_on_faces,
     )
 
 

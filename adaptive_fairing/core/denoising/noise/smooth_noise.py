@@ -15,6 +15,8 @@ thing no other makes up for: in the next wider band noise is hardly stronger, wh
 growing.
 
 Detail as fine, as even and as random as noise, such as the grain of a rock, looks the same.
+
+Of noise whose width the user has told only the level is estimated (`noise_of_width`).
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
-from ..noise_model import NoiseCorrelation
+from ..noise_model import WHITE, NoiseCorrelation
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .level import NORMAL_MEDIAN
@@ -58,27 +60,29 @@ class SmoothNoise(NamedTuple):
     correlation : NoiseCorrelation
     misfit : float
         Weighted sum of the squared logarithms by which the bands differ from those of noise.
-    excess : float
-        Logarithm of the strength of the widest band relative to noise.
     evenness : float
-        Evenness of the bands within the quieter part of the surface, relative to this noise; 0 to
-        about 1.
+        Evenness of the bands over the surface, relative to this noise; 0 to about 1.
     outliers : float
-        Size of the largest heights in the quieter half, relative to a normal distribution.
+        Size of the largest heights, relative to a normal distribution.
     lean : float
-        Imbalance between hills and valleys in that half, 0 to 1.
-    n_counted : int
-        Number of vertices from which it was judged.
+        Imbalance between hills and valleys, 0 to 1.
+    is_enough : bool
+        Whether it was measured on enough of the surface to be told.
+    excess : float
+        Logarithm of the strength of the widest band relative to noise; 0 where no shape adds to it.
+    least_evidence : float
+        Evidence with which it is removed without being asked.
     """
 
     level: float
-    correlation: NoiseCorrelation
-    misfit: float
-    excess: float
-    evenness: float
-    outliers: float
-    lean: float
-    n_counted: int
+    correlation: NoiseCorrelation = WHITE
+    misfit: float = np.inf
+    evenness: float = 0.0
+    outliers: float = np.inf
+    lean: float = 1.0
+    is_enough: bool = False
+    excess: float = 0.0
+    least_evidence: float = 0.0
 
     @property
     def may_be_noise(self) -> bool:
@@ -98,27 +102,23 @@ class SmoothNoise(NamedTuple):
     @property
     def is_likely(self) -> bool:
         """Whether this is noise rather than detail, but not as clearly as `is_noise`."""
-        return self._is_judged and self.evidence >= 0
+        return self.may_be_noise and self.is_enough and self.evidence >= 0
 
     @property
     def may_be_told(self) -> bool:
         """Whether evidence decides: there is enough, and the widest band does not go on growing."""
-        return self._is_judged and self.excess <= parameters().told_excess
+        return self.may_be_noise and self.is_enough and self.excess <= parameters().told_excess
 
     @property
     def is_noise(self) -> bool:
         """Whether this differs from shape clearly enough to be removed without being asked."""
-        return self.may_be_told and self.evidence >= parameters().least_evidence
-
-    @property
-    def _is_judged(self) -> bool:
-        return self.may_be_noise and self.n_counted >= parameters().fewest_to_tell_smooth
+        return self.may_be_told and self.evidence >= self.least_evidence
 
 
 def evidence_of_noise(misfit: float, evenness: float, outliers: float, lean: float) -> float:
     """Logarithm of the odds that the roughness is smooth noise and not detail of the shape.
 
-    The arguments are measures of `SmoothNoise` or `FaceNoise`.
+    The arguments are measures of `SmoothNoise`.
 
     Source: logistic regression, D. R. Cox, The regression analysis of binary sequences, 1958.
     """
@@ -151,7 +151,7 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     is_counted : (n,) bool
         Vertices to judge from, at least one.
     """
-    frame, own = surface.frame, surface.fading.white
+    tuned, frame, own = parameters(), surface.frame, surface.fading.white
     heights = band_heights(surface.positions, frame)
     strength = local_strengths(heights, frame, is_counted)
     quiet = quiet_part(strength)
@@ -177,12 +177,65 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
         # The level is that of the noise itself, not what second differences see of it.
         NoiseCorrelation(seen=deviations[best], deviation=deviations[best], passes=PASSES[best]),
         misfit,
-        excess=float(np.mean(excesses)),
-        evenness=least_evenness(strength, of_noise, parameters().quieter_fraction),
+        evenness=least_evenness(strength, of_noise, tuned.quieter_fraction),
         outliers=float(np.quantile(np.abs(relative), TAIL, axis=1).max()) / NORMAL_TAIL,
-        lean=float(np.abs(np.tanh(NORMAL_MEDIAN * relative).mean(axis=1)).max()),
-        n_counted=int(np.count_nonzero(is_counted)),
+        lean=leaning(relative),
+        is_enough=np.count_nonzero(is_counted) >= tuned.fewest_to_tell_smooth,
+        excess=float(np.mean(excesses)),
+        least_evidence=tuned.least_evidence,
     )
+
+
+def noise_of_width(
+    noisy: NoisySurface, on_faces: SmoothNoise | None, is_counted: BoolArray, width: float
+) -> tuple[float, NoiseCorrelation]:
+    """Level, in the surface's unit of length, and correlation of noise if all of it has one width.
+
+    Noise of width w has the correlation exp(-r² / w²) at a distance of r edges.  The contrasts that
+    see it best are differences between averages that are narrower than it, and heights over flat
+    faces.  Each is an upper bound of the level, as always (`noise.contrast`): shape and finer noise
+    only add to it.  The least of them is the level: noise of a given width is not questioned.
+
+    Parameters
+    ----------
+    noisy : NoisySurface
+    on_faces : SmoothNoise, optional
+        Deviations from flat faces, if there are any: on a plane there is no shape.
+    is_counted : (n,) bool
+        Vertices to judge from, several.
+    width : float
+        Distance in edges at which the correlation is 1 / e; 1 for white noise.
+    """
+    frame, passes = noisy.frame, passes_of_width(width)
+    noise = NoiseCorrelation(passes=passes).applied(noisy.fading.white, frame)
+    deviation = float(np.std(noise[is_counted]))
+    level = _least_level(noisy, noise / deviation, is_counted, passes)
+    if on_faces is not None:
+        level = min(level, on_faces.level)
+    return level, NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
+
+
+def passes_of_width(width: float) -> int:
+    """Count the averages half with the neighbours that give white noise a width in edges."""
+    return round(width**2) if width > 1 else 0
+
+
+def _least_level(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, passes: int) -> float:
+    """Least standard deviation that a band narrower than a noise and one as wide allow for it.
+
+    The noise (n,) is given with a standard deviation of 1.
+    """
+    tuned, frame, typical = parameters(), noisy.frame, max(passes, 1)
+    bounds = (passes // 4, max(1, passes // 2)), (typical, 2 * typical)
+    found, expected = (
+        quiet_part(local_strengths(band_heights(positions, frame, bounds), frame, counted))
+        for positions in (noisy.positions, frame.raised(noise))
+    )
+    narrow, wide = np.where(found > LEAST_STRENGTH, found, 0) / expected
+    # Both bands have all of the noise, and the narrow one this part of what the wide has of shape.
+    of_shape = tuned.narrow_of_shape**2
+    variance = max((narrow**2 - of_shape * wide**2) / (1 - of_shape), 0.0)
+    return float(max(np.sqrt(variance), tuned.least_of_narrow * narrow))
 
 
 def _of_white_noise(white: FloatArray, frame: TriangleSurface, is_counted: BoolArray) -> FloatArray:
@@ -230,6 +283,11 @@ def least_evenness(strength: FloatArray, of_noise: FloatArray, fraction: float) 
         return quiet_part(narrow) / np.quantile(narrow, fraction, axis=1)
 
     return float((evenness(strength) / evenness(of_noise)).min())
+
+
+def leaning(relative: FloatArray) -> float:
+    """Imbalance between the hills and the valleys of bands (k, m), 0 to 1, the largest of any."""
+    return float(np.abs(np.tanh(NORMAL_MEDIAN * relative).mean(axis=1)).max())
 
 
 def typical_sizes(heights: FloatArray) -> FloatArray:

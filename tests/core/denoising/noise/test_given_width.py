@@ -6,7 +6,7 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoising.noise.contrast import hinges
-from adaptive_fairing.core.denoising.noise.given_width import passes_of_width
+from adaptive_fairing.core.denoising.noise.smooth_noise import passes_of_width
 from adaptive_fairing.core.denoising.noise_verdict import noise_verdict
 from adaptive_fairing.core.denoising.stage import Stage
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface

@@ -59,7 +59,8 @@ TOLD = SmoothNoise(
     evenness=0.95,
     outliers=1.0,
     lean=0.01,
-    n_counted=5000,
+    is_enough=True,
+    least_evidence=0.85,
 )
 
 
@@ -73,7 +74,8 @@ TOLD = SmoothNoise(
         {"outliers": 1.5},
         {"outliers": 0.3},
         {"lean": 0.1},
-        {"n_counted": 1000},
+        {"is_enough": False},
+        {"least_evidence": 5.0},
     ],
 )
 def test_what_is_wrong_enough_is_no_noise(wrong):
