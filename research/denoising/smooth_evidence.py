@@ -64,7 +64,7 @@ def main() -> None:
         "structured light": list(noisy(LEFT_OUT, OTHER_NOISES)),
     }
     own = fitted_weights(groups["shapes fitted to"])
-    used = np.array([*PARAMETERS.evidence_weights, PARAMETERS.evidence_constant])
+    used = np.array(PARAMETERS.evidence_weights)
     print("weights fitted:", np.round(own, 2), " in use:", used)
     rows = []
     for name, weights in (("fitted", own), ("in use", used)):

@@ -67,20 +67,18 @@ class Sliding:
         self._topology, self._triangles = start.topology, start.topology.triangles
         self._positions, self._has_creases = start.positions, has_creases
         normals = start.normals
-        for _ in range(tuned.normal_passes):
+        for _ in range(tuned.averaging_passes):
             normals = unit_vectors(frame.spread(normals, 1))
         self._normals = normals
         self._rays = lines_of_sight(start.topology, start.positions)
         moves = boundary_moves and start.topology.on_boundary.any()
         self._curves = BoundaryCurves(start, noise) if moves else None
         self._upwards = unit_vectors(normals[self._triangles].sum(axis=1))
-        self._before = unit_vectors(start.triangle_normals())
-        cosines = dots(self._before, self._upwards)
-        self._was_upright = cosines > tuned.upright_cosine
+        was_upright = dots(start.triangle_normals(), self._upwards) > 0
         self._reach = noise * start.spacing
         self._is_free = noise > tuned.most_edges
         is_told = ~self._is_free[self._triangles].any(axis=1)
-        self._may_turn = is_told & (cosines > -tuned.upright_cosine)
+        self._may_turn = is_told & was_upright
 
     def limited(self, faired: FloatArray, strength: float = 1.0) -> FloatArray:
         """Return denoised positions (n, 3) with less sliding, if possible without turned triangles.
@@ -121,11 +119,9 @@ class Sliding:
         return on_rays(TriangleSurface(self._topology, result), self._positions, self._rays)
 
     def _is_turned(self, positions: FloatArray, faces: NDArray[np.intp]) -> BoolArray:
-        """Whether each of some triangles is turned over."""
-        normal = unit_vectors(triangle_normals(positions, self._triangles[faces]))
-        is_down = dots(normal, self._upwards[faces]) < parameters().upright_cosine
-        is_against = dots(normal, self._before[faces]) < 0
-        turned: BoolArray = is_down & (self._was_upright[faces] | is_against)
+        """Whether each of some triangles, which were upright, is turned over."""
+        normals = triangle_normals(positions, self._triangles[faces])
+        turned: BoolArray = dots(normals, self._upwards[faces]) < 0
         return turned
 
 

@@ -199,7 +199,7 @@ def rounds_for(typical: float, correlation: NoiseCorrelation = WHITE) -> tuple[R
     factor = min(typical / tuned.coarse_noise, 1.0)
     wide, narrow = factor * tuned.wide_angle, factor * tuned.narrow_angle
     of_noisy = NormalFamily(
-        "noisy normals", (Smoothing(tuned.long_fit_angle, tuned.noisy_fit_passes),), True
+        "noisy normals", (Smoothing(tuned.long_fit_angle, tuned.long_fit_passes[-1:]),), True
     )
     smoothings = (
         Smoothing(tuned.short_fit_angle, tuned.short_fit_passes),
@@ -211,7 +211,7 @@ def rounds_for(typical: float, correlation: NoiseCorrelation = WHITE) -> tuple[R
         (FilterFamily("mesh, wide angle", SEES, LiftedMetric(0, wide), every),),
         (
             FilterFamily("mesh, narrow angle", KEEPS, LiftedMetric(0, narrow), gentle),
-            *((of_noisy,) if typical <= tuned.most_noise_in_normals else ()),
+            *((of_noisy,) if typical <= tuned.coarse_noise else ()),
         ),
         (NormalFamily("normals", smoothings),),
         (FlatFamily("flat faces", correlation),),
@@ -236,8 +236,7 @@ class FilterBank:
         self._is_loose = topology.is_loose
         is_large = topology.n_triangles >= SINGLE.least_triangles
         self._precision: Precision = np.float32 if is_large else np.float64
-        ratio, largest = start.smooth_spacing / start.spacing, parameters().largest_weight
-        self._weights = np.clip(ratio, 1 / largest, largest)
+        self._weights = start.smooth_spacing / start.spacing
         self._noise: FloatArray | None = None
         self._normal_weights: FloatArray | None = None
 
@@ -252,15 +251,13 @@ class FilterBank:
         Returns
         -------
         surface : TriangleSurface
-            Surface that is smooth enough to take a metric from it.
+            After the first of the steep filters: smooth enough to take a metric from it.
         filtered : dict of Filter to (n, 3)
             Positions after each filter of `mesh_family`.
         """
-        tuned, family = parameters(), mesh_family()
-        first_diffusion = Diffusion(tuned.first_time, tuned.first_order, tuned.first_steps)
-        diffusions = first_diffusion, *family.diffusions
-        results = self.diffused(noisy, noisy, family.metric, diffusions)
-        surface = TriangleSurface(noisy.topology, next(results))
+        family = mesh_family()
+        results = list(self.diffused(noisy, noisy, family.metric, family.diffusions))
+        surface = TriangleSurface(noisy.topology, results[len(gentle_diffusions())])
         return surface, dict(zip(family.filters, results, strict=True))
 
     def filtered(
@@ -294,7 +291,7 @@ class FilterBank:
             self._fit_system(surface, smooth),
             self._fit_loads(surface, smoothings, n_fits).T,
             is_held=self._is_loose,
-            tolerance=parameters().fit_tolerance,
+            tolerance=parameters().filter_tolerance,
             max_iterations=MAX_ITERATIONS,
         )
         self._on_solve(report)
@@ -303,13 +300,13 @@ class FilterBank:
 
     def _fit_system(self, surface: TriangleSurface, smooth: TriangleSurface) -> EdgeMatrix:
         mass, stiffness = self._matrices(FIT_METRIC.lengths(surface, smooth))
-        return mass.plus(parameters().fit_time, stiffness).in_precision(self._precision)
+        return mass.plus(parameters().gentle_times[-1], stiffness).in_precision(self._precision)
 
     def _fit_loads(
         self, surface: TriangleSurface, smoothings: Sequence[Smoothing], n_fits: int
     ) -> RealArray:
         """Right sides of all fits, three rows each."""
-        tuned, turning = parameters(), TurningLoads(surface)
+        time, turning = parameters().gentle_times[-1], TurningLoads(surface)
         loads = np.empty((3 * n_fits, surface.topology.n_vertices), self._precision)
         fits = (
             each
@@ -319,7 +316,7 @@ class FilterBank:
             )
         )
         for own, normals in zip(np.split(loads, n_fits), fits, strict=True):
-            own[:] = tuned.fit_time * turning.of(normals).T
+            own[:] = time * turning.of(normals).T
         return loads
 
     def diffused(

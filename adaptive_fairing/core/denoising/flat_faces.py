@@ -30,6 +30,11 @@ NO_FACE = -1
 # Ratio of the median of absolute values to the standard deviation, for normal noise.
 MEDIAN_TO_DEVIATION = 1.4826
 
+# Vertices that lie this many standard deviations off a plane do not count.
+#
+# Source: J. W. Tukey's biweight with an efficiency of 95 % for normal noise.
+OUTLIER = 4.685
+
 # Deviation in local edge lengths: exact planes have residuals of rounding.
 LEAST_DEVIATION = 1e-9
 
@@ -74,7 +79,6 @@ class FlatFaces:
             noise = np.zeros(topology.n_vertices)
         # Neighbours with smooth noise say less than as many of their own would.
         self._own_part = correlation.deviation**2 if correlation.passes else 1.0
-        self._most_uneven = tuned.most_uneven_if_smooth if correlation.passes else tuned.most_uneven
         self._triangles, self._noisy = topology.triangles, noisy
         self._surface, self._spacing = surface.positions, surface.smooth_spacing
         # Where the noise is stronger, more of it is left in the surface.
@@ -131,14 +135,16 @@ class FlatFaces:
         normals = np.append(self._normals, np.zeros((1, 3)), axis=0)
         for other in around:
             cosine = dots(self._normals, normals[other])
-            is_even &= (cosine > np.cos(tuned.even_angle)) | (cosine < np.cos(tuned.face_angle))
+            is_even &= (cosine > np.cos(tuned.narrow_angle)) | (
+                cosine < np.cos(tuned.short_fit_angle)
+            )
         return is_even
 
     def _connected(self, is_even: BoolArray) -> IntArray:
         """Find the sets of even triangles that are connected without a crease."""
         first, second = self._beside
         cosine = dots(self._normals[first], self._normals[second])
-        is_inside = is_even[first] & is_even[second] & (cosine > np.cos(parameters().even_angle))
+        is_inside = is_even[first] & is_even[second] & (cosine > np.cos(parameters().narrow_angle))
         m = len(is_even)
         links = sparse.coo_array(
             (np.ones(np.count_nonzero(is_inside)), (first[is_inside], second[is_inside])), (m, m)
@@ -153,7 +159,7 @@ class FlatFaces:
         face, areas = self.face[flat], self._areas[flat]
         cosine = np.abs(dots(self._normals[flat], self.planes.normals[face]))
         n = len(self.planes)
-        limit = np.cos(self._most_uneven) * np.bincount(face, areas, n)
+        limit = np.cos(parameters().most_uneven) * np.bincount(face, areas, n)
         uneven: BoolArray = np.bincount(face, areas * cosine, n) < limit
         return uneven
 
@@ -171,7 +177,7 @@ class FlatFaces:
         is_border = (self.face[outside] < 0) & (self.face[inside] >= 0)
         triangle, face = outside[is_border], self.face[inside[is_border]]
         cosine = np.abs(dots(self._normals[triangle], planes.normals[face]))
-        fits = cosine > np.cos(tuned.face_angle_at_border)
+        fits = cosine > np.cos(tuned.short_fit_angle)
         for vertex in self._triangles[triangle].T:
             fits &= np.abs(planes.heights(self._surface[vertex], face)) < self._reach[vertex]
         triangle, face, cosine = triangle[fits], face[fits], cosine[fits]
@@ -218,13 +224,12 @@ class PlaneFits:
         self.vertex, self.face = np.divmod(np.unique(corner), max(n_faces, 1))
         self._count = np.bincount(self.face, minlength=n_faces)
         self._points, self._spacing = positions[self.vertex], spacing[self.vertex]
-        tuned = parameters()
         self._weights = by_noise = 1 / self._spacing**2
-        for _ in range(tuned.plane_fits):
+        for _ in ("with outliers", "without"):
             self._fit()
             self._residuals = self.heights(self._points, self.face) / self._spacing
             median = self._medians(np.abs(self._residuals))
-            limit = tuned.plane_outlier * np.maximum(MEDIAN_TO_DEVIATION * median, LEAST_DEVIATION)
+            limit = OUTLIER * np.maximum(MEDIAN_TO_DEVIATION * median, LEAST_DEVIATION)
             # Tukey's biweight.
             inside = np.clip(1 - (self._residuals / limit[self.face]) ** 2, 0, None)
             self._weights = by_noise * inside**2

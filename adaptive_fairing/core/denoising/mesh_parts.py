@@ -9,11 +9,11 @@ import numpy as np
 from scipy.sparse import csgraph
 
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
-from .mixture import Mixture, least_risk_coefficients
+from .mixture import RIDGE, Mixture, least_risk_coefficients
 from .noise.clean_detail import CleanDetail, is_voxel_contour
 from .noise.level import noise_model, scan_level
 from .noise.noisy_surface import NoisySurface
-from .noise.spikes import impulsive_certainty
+from .noise.spikes import is_impulsive
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
@@ -25,8 +25,8 @@ class NoiseFound(NamedTuple):
     ----------
     level : (n,)
         Standard deviation in local edge lengths; 0 where there is none, or none was judged.
-    impulsive : (n,)
-        Certainty that the noise is that of single vertices, 0 to 1.
+    impulsive : (n,) bool
+        Where the noise is that of single vertices.
     roughness : (n,)
         Level from the roughness alone; 0 where it was not judged.
     notes : tuple of str
@@ -34,7 +34,7 @@ class NoiseFound(NamedTuple):
     """
 
     level: FloatArray
-    impulsive: FloatArray
+    impulsive: BoolArray
     roughness: FloatArray
     notes: tuple[str, ...] = ()
 
@@ -85,14 +85,15 @@ class MeshParts:
         Parameters
         ----------
         surface : NoisySurface
-            With at least `fewest_vertices` to judge from.
+            With at least `fewest` to judge from.
         keeps_clean : bool
             Whether a part that looks clean has no noise; otherwise all roughness is noise.
         """
         tuned = parameters()
         clean = tuned.clean_roughness
         n_counted = int(np.count_nonzero(self.is_counted))
-        noise, impulsive, level = np.zeros((3, len(self.is_counted)))
+        noise, level = np.zeros((2, len(self.is_counted)))
+        impulsive = np.zeros(len(level), dtype=bool)
         if np.median(surface.roughness.value[self.is_counted]) > clean:
             surface.measure()
         detail = CleanDetail(surface, self.is_counted)
@@ -101,15 +102,14 @@ class MeshParts:
             counted = np.zeros(len(level), dtype=bool)
             counted[members] = self.is_counted[members]
             # As in a mesh of so few vertices nothing can be judged: specks do not change.
-            if np.count_nonzero(counted) < tuned.fewest_vertices:
+            if np.count_nonzero(counted) < tuned.fewest:
                 continue
             level[counted], rough_noise = self._by_roughness(surface, counted)
             if np.median(level[counted]) <= clean:
                 continue
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
             if not surface.fading.fades(counted):
-                certainty = impulsive_certainty(surface, level, counted)
-                impulsive[members] = certainty * self.may_move[members]
+                impulsive[members] = self.may_move[members] & is_impulsive(surface, level, counted)
             if not keeps_clean:
                 noise[counted] = level[counted]
                 continue
@@ -129,7 +129,7 @@ class MeshParts:
                 noise[counted] = least_noise
         if impulsive.any() or noise.any():
             if n_counted < tuned.fewest_to_tell and keeps_clean:
-                return NoiseFound(0 * noise, 0 * noise, level, (self.too_few(),))
+                return NoiseFound(0 * noise, impulsive & False, level, (self.too_few(),))
             return NoiseFound(noise, impulsive, level)
         note = self.why_nothing(level, models)
         return NoiseFound(noise, impulsive, level, (note,))
@@ -160,7 +160,7 @@ class MeshParts:
         model = noise_model(surface.hinges, counted)
         of_hinges = model.level(spacing)
         # Noise that turns triangles over leaves nothing in their hinges.
-        limit = min(tuned.clearly_less * np.median(level[counted]), tuned.most_noise_in_normals)
+        limit = min(tuned.clearly_less * np.median(level[counted]), tuned.coarse_noise)
         return (of_hinges, model.noise(spacing)) if np.median(of_hinges) < limit else None
 
     def too_few(self) -> str:
@@ -187,6 +187,7 @@ class MeshParts:
         removed: Sequence[RealArray],
         divergence: Sequence[RealArray],
         variances: FloatArray,
+        ridge: float = RIDGE,
     ) -> list[Mixture]:
         """Mix the filters for the least risk in every part.
 
@@ -204,6 +205,7 @@ class MeshParts:
                     [row[members] for row in divergence],
                     variances[:, members],
                     weights[used],
+                    ridge,
                 )
         return [Mixture(each, self._weights, self._part) for each in chosen]
 
@@ -284,6 +286,6 @@ def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:
     parts = np.linspace(tuned.class_margin, 1 - tuned.class_margin, n_classes)
     knots = np.quantile(size[is_counted], parts) if n_counted else []
     # On an even mesh there is nothing to tell apart.
-    if n_classes == 1 or not np.all(np.diff(knots) > tuned.least_class_distance):
+    if n_classes == 1 or not np.all(np.diff(knots) > 0):
         return np.ones((1, len(size)))
     return np.stack([np.interp(size, knots, unit) for unit in np.eye(n_classes)])

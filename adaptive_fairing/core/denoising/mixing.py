@@ -122,7 +122,7 @@ def mixed_surfaces(
             stage.track.repeat(plan, progress)
     start = stage.track.start
     # What does not look like noise stays, spikes too.
-    stays = (impulsive > 0) & (plan.impulsive == 0)
+    stays = impulsive & ~plan.impulsive
     was_spike = (start.positions != positions).any(axis=1) & ~stays
     numbers = range(len(STRENGTHS))
 
@@ -209,7 +209,8 @@ def _planned(
             if not saw_creases:
                 break
         measure()
-        pilots.extend(parts.best_mixtures(removed, divergence, variance(1)[None]))
+        of_noise = variance(1)[None]
+        pilots += parts.best_mixtures(removed, divergence, of_noise, tuned.pilot_ridge)
         _filter_both(track, shadow, families, pilots[-1])
     progress.begin("mix")
     measure()
@@ -220,14 +221,14 @@ def _planned(
     # First the noise as it is, whatever strength was asked for: it decides what looks like noise.
     factors = 1, *(settings.strength * each for each in STRENGTHS)
     variances = np.stack([variance(factor) for factor in factors])
-    of_noise, *mixtures = parts.best_mixtures(*rows, variances)
+    as_it_is, *mixtures = parts.best_mixtures(*rows, variances)
     mixtures = [each.spread(usable) for each in mixtures]
     # Smooth noise had to look like noise in every band before it was told; or the user has told it.
     is_told = settings.clean == "denoise" or settings.width != "auto" or correlation.passes
     impulsive, clusters = verdict.impulsive, False
     if not is_told:
         sliding = Sliding(track.start, frame, saw_creases, noise)
-        after = sliding.limited(track.mixed(of_noise.spread(usable)))
+        after = sliding.limited(track.mixed(as_it_is.spread(usable)))
         as_noise = before.positions - frame.raised(verdict.example())
         # Smooth patches have no noise, and what is removed beside them no clusters.
         there = np.where(parts.is_rough(before), noise, 0)
@@ -241,7 +242,7 @@ def _planned(
         # Where nothing goes, nothing is alike.
         clusters = bool((is_noise & (found > 0) & (excess > tuned.clustered_detail)).any())
         mixtures = [each.within(is_noise) for each in mixtures]
-        impulsive = np.where(parts.at_vertices(is_noise), impulsive, 0)
+        impulsive = parts.at_vertices(is_noise) & impulsive
     counted, kept = parts.is_counted, np.ones(len(mixtures))
     for index, mixture in enumerate(mixtures):
         for used in mixture.used:

@@ -102,9 +102,7 @@ def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray
     divergence *= size / tuned.probe_size
     # Large probes would count for more than small ones, mostly with the probe itself.
     divergence -= np.square(size) - np.mean(np.square(size))
-    return np.clip(
-        divergence, 1 - tuned.largest_response, 1 + tuned.largest_response, out=divergence
-    )
+    return divergence
 
 
 def least_risk_coefficients(
@@ -112,6 +110,7 @@ def least_risk_coefficients(
     divergence: Sequence[RealArray],
     variances: FloatArray,
     classes: RealArray,
+    ridge: float = RIDGE,
 ) -> FloatArray:
     """Find the coefficients of the filters in the best mixture.
 
@@ -127,6 +126,9 @@ def least_risk_coefficients(
     classes : (c, n)
         Weights of the vertices in each density class, with the sum 1; 0 for vertices that do not
         count.  The coefficients at a vertex are the mean over the classes with these weights.
+    ridge : float
+        Weight of the squares of the coefficients.  A larger one keeps those of similar filters
+        alike, so that rounding does not choose between them.
 
     Returns
     -------
@@ -140,7 +142,7 @@ def least_risk_coefficients(
     result = np.zeros((len(variances), n_classes, n_filters))
     if not size > 0:
         return result
-    square[np.diag_indices(n)] += RIDGE * size
+    square[np.diag_indices(n)] += ridge * size
     # Not numpy's: its OpenBLAS starts threads for matrices as small as this.
     factor = cholesky(square, lower=True)
     # The sum of a class and a slack is 1, as further equations of great weight.

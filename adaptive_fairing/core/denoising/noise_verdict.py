@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ..runtime.arrays import FloatArray
+from ..runtime.arrays import BoolArray, FloatArray
 from .mesh_parts import NoiseFound
 from .noise.noisy_surface import NoisySurface
 from .noise.own_numbers import WHITE_NOISE
@@ -42,8 +42,8 @@ class NoiseVerdict:
         there is no noise, or none was judged.
     smooth : NoiseCorrelation or None
         Correlation of noise that is smooth over several edges; None for other noise.
-    impulsive : (n,)
-        Certainty that the noise was that of single vertices, 0 to 1.
+    impulsive : (n,) bool
+        Where the noise was that of single vertices.
     reach : (n,)
         Standard deviation in local edge lengths of all noise, including spikes; 0 where nothing
         may move.
@@ -57,7 +57,7 @@ class NoiseVerdict:
     stage: Stage
     level: FloatArray
     smooth: NoiseCorrelation | None
-    impulsive: FloatArray
+    impulsive: BoolArray
     reach: FloatArray
     notes: tuple[str, ...]
     other_readings: tuple[str, ...] = ()
@@ -99,17 +99,17 @@ def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> Noise
         Width of the noise in edges of this mesh, if it was given: that is not questioned.
     """
     counted = stage.parts.is_counted
-    if np.count_nonzero(counted) < parameters().fewest_vertices:
+    if np.count_nonzero(counted) < parameters().fewest:
         none = np.zeros(len(counted))
-        return NoiseVerdict(stage, none, None, none, none, (stage.parts.too_few(),))
+        return NoiseVerdict(stage, none, None, none > 0, none, (stage.parts.too_few(),))
     if width is not None:
         seen = stage.noisy.along_sight()
         size, correlation = noise_of_width(seen, stage.face_noise(seen), counted, width)
         level = _per_edge(size, seen, stage)
-        return NoiseVerdict(stage, level, correlation, np.zeros(len(level)), level, ())
+        return NoiseVerdict(stage, level, correlation, np.zeros(len(level), bool), level, ())
     keeps_clean = clean != "denoise"
 
-    def calmed(impulsive: FloatArray) -> tuple[Stage, NoiseFound]:
+    def calmed(impulsive: BoolArray) -> tuple[Stage, NoiseFound]:
         """Put spikes back, and estimate what noise is left."""
         calm = stage.calmed(impulsive)
         return calm, calm.parts.noise(calm.noisy, keeps_clean=keeps_clean)
@@ -137,8 +137,8 @@ def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> Noise
     return verdict
 
 
-def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFound) -> FloatArray:
-    """Certainty (n,) that vertices which stand out are noise; 0 if they belong to the shape.
+def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFound) -> BoolArray:
+    """Whether vertices which stand out are noise, (n,); not if they belong to the shape.
 
     Before and after they were put back, with the noise found then.
     """
@@ -154,18 +154,19 @@ def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFoun
     are_anywhere = clustering <= n_moved / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
     is_noise = parts.at_vertices(are_many) | (after.level > 0)
     is_noise &= parts.at_vertices(are_anywhere) & (after.roughness <= most)
-    return np.where(is_noise, found.impulsive, 0)
+    noisy: BoolArray = is_noise & found.impulsive
+    return noisy
 
 
 def _without_spikes(
-    stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFound, impulsive: FloatArray
+    stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFound, impulsive: BoolArray
 ) -> NoiseVerdict:
     """Judge what is left without spikes: other noise, low spikes, and what was put back."""
-    parts, had_spikes = calm.parts, impulsive > 0
-    reach = np.maximum(after.level, np.where(had_spikes, found.roughness, 0))
+    parts = calm.parts
+    reach = np.maximum(after.level, np.where(impulsive, found.roughness, 0))
     moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
     noise, more = left_of_spikes(calm.noisy, moved, after.level, parts.is_counted, parts.may_move)
-    left = np.where(had_spikes & parts.is_counted, more, 0)
+    left = np.where(impulsive & parts.is_counted, more, 0)
     level = np.sqrt(np.square(after.level) + left)
     reach = np.maximum(level, reach)
     return NoiseVerdict(calm, level, None, impulsive, reach, (IMPULSIVE,), spiky=noise)

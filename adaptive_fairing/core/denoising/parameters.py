@@ -24,18 +24,16 @@ class DenoiseParameters:
     """Tuned numbers: first those of several modules, then those of one module each."""
 
     # Several modules.
-    # Least number of triangles of a flat face, of vertices of a boundary curve whose noise is
-    # estimated by itself, and of spikes that count as many. By hand.
-    fewest: int = 12
-    # With fewer vertices no noise is estimated, in a mesh, in its small parts together, or on one
-    # flat face. By hand.
-    fewest_vertices: int = 50
+    # With fewer vertices no noise is estimated: in a mesh, in its small parts together, on one flat
+    # face, or along a boundary curve. A flat face has as many triangles, and so many spikes are
+    # many. By hand; with 12 for faces, curves and spikes the results were the same.
+    fewest: int = 50
     # In a rough mesh of fewer vertices noise cannot be told from shape. Smaller parts, such as eyes
     # of a head, take the verdict of the whole. A class of density has as many or more. By hand.
     fewest_to_tell: int = 300
     # Vertices of a connected part, of a bin of density, or well inside all flat faces, from which
-    # the noise is estimated.
-    # By hand; with 300 the lower of two bins gave 0.16 and 0.17 for noise of 0.2.
+    # the noise is estimated. By hand; with 300 the lower of two bins gave 0.16 and 0.17 for noise
+    # of 0.2.
     own_estimate: int = 400
     # Rounds of each loop that ends when nothing changes: flat faces grow, spikes go back and
     # settle, folds open, and motion that turns triangles over is halved, first along the surface,
@@ -53,30 +51,15 @@ class DenoiseParameters:
     # and one amplitude of 0.5 that left 0.76 of the error; 0.7 or 1.5 gave the same.
     most_edges: float = 1.0
 
-    # denoise: what the result says about creases. It does not change the positions.
-    # Normals beside a crease differ by at least this angle. By hand.
-    crease_angle: float = 0.6
-
     # flat_faces. On shapes of flat faces, with normal noise and one amplitude of 0.2, a change of
     # one of these by a third to a half changed the error by at most 2 % and the angle by at most
     # 5 %, unless its comment says otherwise.
     # Passes of the short smoothing of normals from which faces are found.
     face_passes: int = 10
-    # A triangle belongs to a flat place if those around it turn away by no more than this. With 3°
-    # a dense ball came out in facets, with 1.4 times the error.
-    even_angle: float = math.radians(2)
-    # Those that turn away further than this are beyond a crease.
-    face_angle: float = math.radians(15)
     # The normals of a flat face differ from that of its plane by at most this in the mean. With 3°
     # the error was 4 % larger, because faces were missed. With 8° it was 7 % larger on *lens* with
-    # one amplitude of 0.5.
-    most_uneven: float = math.radians(4)
-    # The same with smooth noise, whose waves stay in the normals. On 13 shapes with flat faces the
-    # error was 0.68 with 4° and 0.64 with 8° with noise of a depth camera, 0.74 and 0.73 with noise
-    # that is alike over four edges.
-    most_uneven_if_smooth: float = math.radians(8)
-    # Triangles that turn away from the plane by more than this are not taken.
-    face_angle_at_border: float = math.radians(25)
+    # one amplitude of 0.5. With smooth noise 4° and 8° differed by 1 to 4 %.
+    most_uneven: float = math.radians(6)
     # Triangles with a vertex further from the plane than this are not taken. Where the noise is
     # more than `coarse_noise` it is larger in proportion: on ten CAD shapes with one amplitude of
     # 0.2 the error was 0.98 of that with the same everywhere.
@@ -85,10 +68,6 @@ class DenoiseParameters:
     # part of its vertices well inside them its noise is not told there. Seven organic shapes had at
     # most 0.12, parts with flat sides at least 0.25, one shape between them 0.15.
     least_flat: float = 0.15
-    # Fits of a plane; the second leaves outliers out. With four nothing was better.
-    plane_fits: int = 2
-    # Vertices that lie this many standard deviations off the plane do not count.
-    plane_outlier: float = 4.0
     # A face is bent if a quadric fits it better than a plane by more than this F statistic.
     most_bend: float = 8.0
     # Nearly parallel planes do not say where they meet. A vertex between two planes at an angle of
@@ -96,63 +75,54 @@ class DenoiseParameters:
     parallel_planes: float = 0.003
 
     # filters: times, orders and steps of the diffusions.
-    # Times of the gentle filters, which every metric has. Creases need them. By hand.
-    gentle_times: tuple[float, ...] = (0.25, 1.0, 4.0)
+    # Times of the gentle filters, which every metric has. Creases need them. The last is also that
+    # of the step that fits a surface to normals. With 1.0 between them nothing was better.
+    gentle_times: tuple[float, ...] = (0.25, 4.0)
     # Order of accuracy of the gentle filters. By hand.
     gentle_order: int = 2
-    # Times of the steep filters, for smooth shapes, which have no short waves. By hand.
+    # Times of the steep filters, for smooth shapes, which have no short waves. The first of them
+    # also makes the slightly smoothed surface. By hand.
     steep_times: tuple[float, ...] = (0.5, 1.2, 3.0)
     # Order of accuracy of the steep filters. By hand.
     steep_order: int = 4
     # Steps of each gentle or steep filter. By hand.
     diffusion_steps: int = 4
-    # Time, order and steps of the smoothing before the first metric of a surface. By hand.
-    first_time: float = 0.5
-    first_order: int = 2
-    first_steps: int = 2
     # Relative residual of the filters' solves. A filter need not follow its formula exactly,
     # because its effect is measured. With 0.01 and 0.02 the results were no better, and with 0.02
     # jitter of 0.0001 of an edge changed one shape of eight by 4 % of what is removed, not by 1 %.
     filter_tolerance: float = 0.05
-    # Time of the step that fits a surface to normals. By hand.
-    fit_time: float = 4.0
-    # Relative residual of that step's solve. By hand.
-    fit_tolerance: float = 1e-2
     # Fraction of the flux through the boundary that does not count as bending. With 0 boundaries
     # are drawn inwards, with 1 their noise stays. Found on an open mesh with slivers on its
     # boundary, where 0 made the error larger by half.
     boundary_flux_fraction: float = 0.5
-    # The weight of a vertex is at most this many times that of those around it, and at least the
-    # reciprocal. By hand.
-    largest_weight: float = 8.0
 
     # Metrics and normals of the rounds.
     # Angle of the metrics of the second round, which see creases. By hand.
     wide_angle: float = 0.3
-    # Angle of the metric of the third round, which keeps creases. By hand.
-    narrow_angle: float = 0.035
-    # The short smoothing of normals leaves out those that turn further than this. By hand.
+    # Angle of the metric of the third round, which keeps creases. A triangle belongs to a flat
+    # place if those around it turn away by no more; with 3° a dense ball came out in facets, with
+    # 1.4 times the error.
+    narrow_angle: float = math.radians(2)
+    # Normals that turn further than this are beyond a crease: for flat faces, for the short
+    # smoothing of normals, and where creases are counted. By hand.
     short_fit_angle: float = math.radians(30)
     # Passes of the short smoothing of normals, ascending. By hand.
     short_fit_passes: tuple[int, ...] = (2, 8)
     # The long smoothing of normals leaves out those that turn further than this. By hand.
     long_fit_angle: float = math.radians(60)
-    # Passes of the long smoothing of normals, ascending. By hand.
-    long_fit_passes: tuple[int, ...] = (1, 3, 8, 20)
-    # Passes of the long smoothing of the noisy mesh's own normals. By hand.
-    noisy_fit_passes: tuple[int, ...] = (20,)
-    # Noise up to which the normals of the noisy mesh are used. With noise of 0.1 and 0.2 they made
-    # the angle 0.6 times as large on shapes of flat faces, and the error up to 1.11 times on
-    # others. Noise of 0.5 turns triangles over; there the error was up to 1.8 times as large.
-    most_noise_in_normals: float = 0.25
+    # Passes of the long smoothing of normals, ascending; the noisy mesh's own are smoothed by the
+    # last. With (1, 3, 8, 20) the results were the same.
+    long_fit_passes: tuple[int, ...] = (3, 20)
     # The last round is for meshes with a larger part of creases among their edges. Of 25 shapes the
     # smooth ones had at most 0.008 (one with slivers 0.027), those with creases at least 0.016.
     fewest_creases: float = 0.01
     # The angles of the metrics are for this much noise or more. Less noise disturbs the normals
-    # less, so smaller angles tell creases from it. By hand.
-    # Normals also weigh less where their noise is large against this. With twice as much, or with
-    # 0, the angle of nine uneven shapes with one amplitude of 0.2 was 1.1 times as large.
-    coarse_noise: float = 0.2
+    # less, so smaller angles tell creases from it. Normals weigh less where their noise is large
+    # against this; with twice as much, or with 0, the angle of nine uneven shapes with one
+    # amplitude of 0.2 was 1.1 times as large. And up to this the normals and hinges of the noisy
+    # mesh say something: noise of 0.5 turns triangles over, and with normals of the noisy mesh the
+    # error was up to 1.8 times as large.
+    coarse_noise: float = 0.25
 
     # lifted_metric
     # Fraction of the mass of linear elements that is moved to the diagonal. With 0 filters are
@@ -164,9 +134,6 @@ class DenoiseParameters:
     most_classes: int = 3
     # Fraction of the vertices beyond the middle of the first class, and of the last. By hand.
     class_margin: float = 0.05
-    # Middles of classes differ by more than this in the logarithm of the edge length. A mesh where
-    # they do not has uniform density. By hand.
-    least_class_distance: float = 0.02
     # The noise is that of the hinges where it is below this part of that of the roughness, which
     # shape has raised there. Elsewhere it is that of the roughness, measured at the vertices.
     clearly_less: float = 0.85
@@ -178,11 +145,12 @@ class DenoiseParameters:
     # The risk is minimised for this multiple of the estimated noise. The estimate is a lower bound,
     # so 1 leaves a little too much noise. Found on meshes with known noise.
     noise_factor: float = 1.1
+    # Weight of the squares of the coefficients in the pilots, relative to the mean square of what
+    # filters remove. With none, jitter of 0.0001 of an edge changed six shapes by 1.1 % of what is
+    # removed in the mean and 4.8 % at most, with this by 0.8 and 3.0 %, and errors were the same.
+    pilot_ridge: float = 0.01
     # Size of the probes: small against any noise, large against rounding. By hand.
     probe_size: float = 0.02
-    # Responses to a probe are clipped this far from 1. They are about 1 at most, but jump where a
-    # probe turns a triangle over. By hand.
-    largest_response: float = 3.0
     # The correlation of what is removed at neighbours exceeds that of the model's noise by at most
     # this. With ten kinds of noise on 18 tuning shapes the excess was -0.14 to 0.27. On 12 shapes,
     # half of them decimated, with noise of 0.02 to 0.4, it was 0.28 to 0.67 where the result was
@@ -199,19 +167,14 @@ class DenoiseParameters:
     # boundary_curves. On seven open tuning shapes with six kinds of noise.
     # Passes of averaging along a curve, ascending. By hand.
     curve_passes: tuple[int, ...] = (1, 2, 4, 8, 16, 32)
-    # Half the width of confidence intervals in standard deviations. With 1 or 2 the distance to
-    # the clean boundaries changed by 1 %.
+    # Half the width of confidence intervals in standard deviations. With 1 the noise across a
+    # boundary kept 0.64 instead of less than 0.6 in a test.
     curve_certainty: float = 1.5
 
     # bounds
     # Vertices go this fraction of their way along the surface. On meshes with known noise that was
     # worth 4 % of the error and 7 % of the angle with noise of 0.05, 0 and 4 % with noise of 0.2.
     sliding_fraction: float = 0.75
-    # A triangle is upright if the cosine of its angle to the surface is more than this, and turned
-    # over if it becomes less. By hand.
-    upright_cosine: float = 0.1
-    # Passes of averaging until noise and folds hardly disturb the normals. By hand.
-    normal_passes: int = 5
 
     # noise/clean_detail: what looks like noise on a clean mesh.
     # A low-poly model has at most this many vertices. Decimated and modelled shapes of 400 to 3000
@@ -224,6 +187,7 @@ class DenoiseParameters:
     # What keeps less in differences of high order is smoother than a model's edges. By hand.
     least_kept: float = 0.75
 
+    # noise/contrast: fading in differences of high order.
     # Contours are rougher than this. Less roughness that fades in differences of high order is
     # shape, which fades as well. Contoured voxels have 0.13 to 0.18.
     least_roughness: float = 0.11
@@ -233,16 +197,12 @@ class DenoiseParameters:
     # What keeps a smaller part in differences of high order fades. White noise on many shapes keeps
     # 0.92 to 1.05, staircases 0.71 to 0.85.
     fading_kept: float = 0.9
-    # n vertices may keep less by chance, by about 1 / √n. They fade if they keep less than
-    # `white_kept` minus `fading_deviations` / √n. By hand.
-    white_kept: float = 0.97
-    fading_deviations: float = 2.0
+    # n vertices of white noise may keep as much less than 1 by chance, times 1 / √n. By hand.
+    fading_chance: float = 2.5
 
     # noise/face_noise
-    # Flat faces are looked for as if the noise were smoothed by this many passes of averaging, and
-    # with the standard deviation that this leaves of white noise.
+    # Flat faces are looked for as if the noise were smoothed by this many passes of averaging.
     assumed_passes: int = 8
-    assumed_deviation: float = 0.19
     # Rocks and wrinkles all over four flat-sided shapes were taken for noise of levels from 0.39 to
     # 0.75. Noise of 0.3 that is alike over four edges had at most 0.32.
     most_level_on_faces: float = 0.35
@@ -250,26 +210,10 @@ class DenoiseParameters:
     # noise/level
     # Largest roughness of clean meshes in their quietest bin.
     clean_roughness: float = 0.04
-    # This many vertices say as much as one independent value, because differences at neighbours
-    # share their noise. By hand.
-    dependent_vertices: float = 3.0
-    # Minus the logarithm of the likelihood of one vertex is at most this. What lies further out
-    # than 2.4 standard deviations is a feature in any noise. By hand.
-    most_unlikely: float = 3.0
-    # Gain of the logarithm of the likelihood within bins at which both noise models are equally
-    # good. Noise that grows with the edges had at most 2 on 22 shapes, mostly less than 0.5. Noise
-    # of one amplitude had 3 to 170, and 1 to 5 on spheres of even rings.
-    least_gain: float = 1.5
-    # How sharply that gain decides. By hand.
-    gain_factor: float = 2.0
-    # The same gain from which the noise of a scan has one strength along the line of sight, instead
-    # of along the normals. Such noise had 10 to 117 on 26 shapes of 32, a laser's at most 9.
-    least_gain_of_sight: float = 10.0
-
-    # noise/contrast
-    # A line between opposite neighbours passes the vertex at least this fraction of its length from
-    # either end. By hand.
-    line_margin: float = 0.2
+    # Gain of the logarithm of the likelihood from which the noise of a scan has one strength along
+    # the line of sight, instead of along the normals. Such noise had 30 to 350 on 26 shapes of 32,
+    # a laser's at most 27.
+    least_gain_of_sight: float = 30.0
 
     # noise/line_of_sight
     # Largest part of the gaps of parallelograms that is across the lines of sight. Depth images had
@@ -277,9 +221,8 @@ class DenoiseParameters:
     # other meshes at least 0.43.
     most_off_sight: float = 0.05
 
-    # Exact twins among triangles.
-    # At least this fraction of a model's triangles has a twin. In meshes with noise of 0.05 or more
-    # it is at most 0.001.
+    # Exact twins among triangles: at least this fraction of a model's triangles has one. In meshes
+    # with noise of 0.05 or more it is at most 0.001, with spikes alone more.
     least_repeated: float = 0.1
     # A model has at least this many times the pairs that chance explains. A real scan with rounded
     # coordinates had 143 times as many. With this number nothing changes on 200 random models,
@@ -324,8 +267,6 @@ class DenoiseParameters:
     most_misfit: float = 0.15
     # On fewer vertices coarse round shapes are as even as noise. By hand.
     fewest_to_tell_smooth: int = 1500
-    # Evenness of the quiet part compares the quietest `quiet_fraction` with this fraction.
-    quieter_fraction: float = 0.3
     # The next wider band is stronger than noise by at most this, as a logarithm. Noise of depth
     # cameras has at most 0.53. Fractal terrain, which all other evidence takes for noise, has 0.65
     # to 0.88, and a held-out clean mesh of craters 0.60.
@@ -334,8 +275,7 @@ class DenoiseParameters:
     # the least value with which noise is told. They are a logistic regression on 12 shapes with
     # seven kinds of smooth noise and 14 of detail, some too weak to be told.
     # `research.denoising.smooth_evidence` judges them.
-    evidence_weights: tuple[float, ...] = (-0.25, 4.4, -3.0, -0.62)
-    evidence_constant: float = -5.96
+    evidence_weights: tuple[float, ...] = (-0.25, 4.4, -3.0, -0.62, -5.96)
     least_evidence: float = 0.85
 
     # noise/spikes
@@ -343,9 +283,8 @@ class DenoiseParameters:
     # that of normal noise on the same mesh. On 25 shapes four kinds of normal noise had 0.91 to
     # 1.16, but up to 2.24 on three with detail in places. Heavy tails had 1.33 to 1.76.
     tail_quantile: float = 0.99
-    # Noise begins to count as impulsive at this ratio, and surely is from the sum of both on.
+    # Noise is impulsive from this ratio on.
     normal_ratio: float = 1.2
-    ratio_range: float = 0.1
     # The ratio of n values may be larger by this over √n. Without it one amplitude of 0.05 on flat
     # faces counted as spikes after jitter of 0.0001 of an edge. By hand.
     ratio_chance: float = 4.0

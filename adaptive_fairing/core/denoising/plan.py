@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..runtime.arrays import FloatArray, IndexArray
+from ..runtime.arrays import BoolArray, FloatArray, IndexArray
 from .coarse_level import CoarseLevel
 from .filters import Filter
 from .mixture import Mixture
@@ -32,8 +32,8 @@ class DenoisePlan:
         Mixtures of all filters, for each of `STRENGTHS`; empty if there is nothing to do.
     kept : (s,)
         Fraction of the noise that each mixture keeps, 0 to 1.
-    impulsive : (n,)
-        Fraction by which spikes are put back before the filters, 0 to 1.
+    impulsive : (n,) bool
+        Where spikes are put back before the filters.
     reach : (n,)
         Standard deviation of all noise, including spikes, in local edge lengths: the unit of the
         largest displacement of a vertex.
@@ -54,7 +54,7 @@ class DenoisePlan:
     pilots: tuple[Mixture, ...]
     mixtures: tuple[Mixture, ...]
     kept: FloatArray
-    impulsive: FloatArray
+    impulsive: BoolArray
     reach: FloatArray
     typical_noise: float = 0.0
     has_creases: bool = False
@@ -63,7 +63,7 @@ class DenoisePlan:
     on_level: DenoisePlan | None = None
 
     @classmethod
-    def idle(cls, noise: FloatArray, impulsive: FloatArray, reach: FloatArray) -> DenoisePlan:
+    def idle(cls, noise: FloatArray, impulsive: BoolArray, reach: FloatArray) -> DenoisePlan:
         """Make the plan that only puts spikes back."""
         return cls((), noise, (), (), np.ones(len(STRENGTHS)), impulsive, reach)
 

@@ -16,7 +16,6 @@ from .noise.face_noise import face_noise
 from .noise.noisy_surface import NoisySurface
 from .noise.smooth_noise import SmoothNoise
 from .noise.spikes import without_spikes
-from .noise_model import NoiseCorrelation
 from .parameters import parameters
 from .plan import DenoisePlan
 from .progress import ProgressReport
@@ -109,16 +108,15 @@ class Stage:
         self.noisy = NoisySurface(positions, self.frame)
         self.parts = MeshParts(self.frame, is_still)
 
-    def calmed(self, impulsive: FloatArray) -> Stage:
-        """Put spikes back by a fraction (n,) of their displacement."""
+    def calmed(self, impulsive: BoolArray) -> Stage:
+        """Put spikes back among some vertices, (n,)."""
         positions = self.noisy.positions
         calm = without_spikes(self.noisy, self.parts.is_counted, self.parts.may_move)
-        start = positions + impulsive[:, None] * (calm - positions)
+        start = np.where(impulsive[:, None], calm, positions)
         return Stage(self.frame.topology, start, self._is_still, self._on_solve)
 
     def face_noise(self, noisy: NoisySurface) -> SmoothNoise | None:
         """Measure the smooth noise on flat faces, in the surface's units; None without any."""
-        tuned = parameters()
-        assumed = NoiseCorrelation(deviation=tuned.assumed_deviation, passes=tuned.assumed_passes)
+        assumed = self.noisy.averaged(parameters().assumed_passes, self.parts.is_counted)
         faces = self.bank.flat_faces(self.track.start, self.frame, assumed)
         return face_noise(noisy, faces, self.parts.is_counted)

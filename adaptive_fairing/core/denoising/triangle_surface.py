@@ -94,7 +94,7 @@ class TriangleSurface:
         normal, twin = unit_vectors(self.triangle_normals()), self.topology.twin
         side = np.flatnonzero(twin > np.arange(len(twin)))  # every inner edge once
         cosine = dots(normal[side // 3], normal[twin[side] // 3])
-        return float(np.mean(cosine < np.cos(parameters().crease_angle))) if len(side) else 0.0
+        return float(np.mean(cosine < np.cos(parameters().short_fit_angle))) if len(side) else 0.0
 
     def has_creases(self) -> bool:
         """Whether enough edges are creases for the filters that sharpen them."""

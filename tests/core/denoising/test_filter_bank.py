@@ -14,6 +14,7 @@ from adaptive_fairing.core.denoising.filters import (
     FilterFamily,
     FlatFamily,
     NormalFamily,
+    gentle_diffusions,
     mesh_family,
 )
 from adaptive_fairing.core.denoising.lifted_metric import (
@@ -25,10 +26,9 @@ from adaptive_fairing.core.denoising.normal_filter import Smoothing
 from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 from adaptive_fairing.core.linalg.edge_matrix import EdgePattern
-from adaptive_fairing.core.linalg.krylov_filters import Diffusion
 
-EXACT = replace(PARAMETERS, filter_tolerance=1e-10, fit_tolerance=1e-10)
-FIRST = Diffusion(PARAMETERS.first_time, PARAMETERS.first_order, PARAMETERS.first_steps)
+EXACT = replace(PARAMETERS, filter_tolerance=1e-10)
+FIRST = mesh_family().diffusions[len(gentle_diffusions())]
 SHAPES = {"uneven": meshes.graded_sphere(2), "open": meshes.bumpy_disc(0)}
 
 
@@ -45,8 +45,7 @@ def diffused(diffusions, noisy, surface, metric, flux_fraction=0.0):
     squares = metric.lengths(surface)
     mass, stiffness = linear_elements(EdgePattern(surface.topology), squares)
     # Vertices whose edges are short beside those around them count for more.
-    ratio, most = noisy.smooth_spacing / noisy.spacing, PARAMETERS.largest_weight
-    root = np.sqrt(np.clip(ratio, 1 / most, most))
+    root = np.sqrt(noisy.smooth_spacing / noisy.spacing)
     stiffness = stiffness.full().toarray()
     values, vectors = eigh(stiffness, mass.full().toarray() * np.outer(root, root))
     values = np.maximum(values, 1e-9)

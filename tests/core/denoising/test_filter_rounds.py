@@ -12,6 +12,7 @@ from adaptive_fairing.core.denoising.filters import (
     mesh_family,
     rounds_for,
 )
+from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.plan import STRENGTHS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
@@ -62,8 +63,10 @@ def test_a_metric_that_does_not_bend_rounds_creases_and_the_narrowest_keeps_them
 
 
 def test_less_noise_makes_the_angles_smaller_in_proportion():
-    half, full = (rounds_for(noise) for noise in (0.1, 0.2))
-    assert rounds_for(0.25) == full  # as large as they get
+    half, full = (rounds_for(part * PARAMETERS.coarse_noise) for part in (0.5, 1.0))
+    # More noise leaves out the normals of the noisy mesh, nothing else.
+    more = rounds_for(2 * PARAMETERS.coarse_noise)
+    assert more == (*full[:2], full[2][:1], *full[3:])
     for some, others in zip(half, full, strict=True):
         for one, other in zip(some, others, strict=True):
             assert one.filters == other.filters

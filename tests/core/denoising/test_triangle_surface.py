@@ -56,7 +56,7 @@ def test_a_vertex_rises_over_the_mean_of_its_neighbours():
 def test_creases_are_the_edges_where_triangles_meet_at_an_angle(turn):
     """A sheet that is folded along its middle row of 8 edges."""
     points, faces = meshes.flat_grid(8, 8)
-    angle = PARAMETERS.crease_angle + turn
+    angle = PARAMETERS.short_fit_angle + turn
     middle = points[:, 1].max() / 2
     way = np.maximum(points[:, 1] - middle, 0)
     points[:, 1] -= way * (1 - np.cos(angle))

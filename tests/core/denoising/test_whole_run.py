@@ -110,7 +110,7 @@ def test_noise_is_judged_from_the_part_alone(whole):
 def test_a_part_that_is_noisier_than_the_rest_is_judged_by_itself(whole):
     mixed = CLEAN + np.where(WEIGHTS[:, None] > 0, 1, 0.4) * (NOISY - CLEAN)
     result = denoise(mixed, FACES, weights=WEIGHTS)
-    assert result.noise_level == pytest.approx(whole[1].noise_level, rel=0.15)
+    assert result.noise_level == pytest.approx(whole[1].noise_level, rel=0.2)
     assert roughness(result.positions) < 1.25 * roughness(whole[1].positions)
 
 

@@ -173,10 +173,9 @@ class OppositeLines:
         normal = self._frame.normals[self._middle]
         along = positions[self._end] - positions[self._start]
         along -= dots(along, normal)[:, None] * normal
-        margin = parameters().line_margin
         reach = dots(positions[self._middle] - positions[self._start], along)
         place = reach / np.maximum(dots(along, along), 1e-300)
-        return np.clip(place, margin, 1 - margin)
+        return np.clip(place, 0, 1)
 
     def least_deviation(self, positions: FloatArray, passing: FloatArray) -> FloatArray:
         """Height of each vertex over the line that it deviates least from, (n,).
@@ -240,8 +239,8 @@ class Fading:
         """Whether the roughness of vertices, (n,) bool, fades more than that of white noise."""
         tuned = parameters()
         _, kept = self.of_mesh(is_counted)
-        chance = tuned.fading_deviations / np.sqrt(np.count_nonzero(is_counted))
-        return kept < min(tuned.fading_kept, tuned.white_kept - chance)
+        chance = tuned.fading_chance / np.sqrt(np.count_nonzero(is_counted))
+        return kept < min(tuned.fading_kept, 1 - chance)
 
     def of_mesh(self, is_counted: BoolArray) -> tuple[float, float]:
         """Roughness in low order relative to white noise, and the fraction left in high order."""

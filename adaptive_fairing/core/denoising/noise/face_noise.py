@@ -54,7 +54,7 @@ def face_noise(
     tuned, planes = parameters(), faces.planes
     face = np.where(is_counted, faces.of_vertices(), -1)
     counts = np.bincount(face[face >= 0], minlength=len(planes))
-    is_small = np.append(counts < tuned.fewest_vertices, True)
+    is_small = np.append(counts < tuned.fewest, True)
     face[is_small[face]] = -1
     is_inner = face >= 0
     n_inner = int(np.count_nonzero(is_inner))

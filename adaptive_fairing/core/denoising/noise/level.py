@@ -77,7 +77,7 @@ def scan_level(
     of_length = np.sqrt(rough.fineness[is_counted])
     of_sight = cosines[is_counted] * of_length
     gain = _unlikelihood(rough, value, of_length) - _unlikelihood(rough, value, of_sight)
-    along_sight = gain > tuned.least_gain_of_sight * tuned.dependent_vertices
+    along_sight = gain > tuned.least_gain_of_sight
     expected = of_sight if along_sight else of_length
     size = float(np.median(value / expected)) / NORMAL_MEDIAN
     return size * (cosines if along_sight else 1) / frame.spacing
@@ -104,7 +104,6 @@ def _evidence(contrast: Contrast, bins: list[IndexArray], both: NoiseModel) -> f
     Features may be denser than the rest of a mesh and make the whole of it look so; but not within
     each bin as well, so both must agree.
     """
-    tuned = parameters()
     everywhere = np.concatenate(bins)
     expected = both.expected(contrast.fineness)
     if not expected[everywhere].all():
@@ -114,11 +113,11 @@ def _evidence(contrast: Contrast, bins: list[IndexArray], both: NoiseModel) -> f
         value = contrast.value[members]
         per_edge = _unlikelihood(contrast, value, np.ones_like(value))
         with_length = _unlikelihood(contrast, value, expected[members])
-        return (per_edge - with_length) / tuned.dependent_vertices
+        return per_edge - with_length
 
     overall = gain(everywhere) - np.log(len(everywhere)) / 2
     within = sum(gain(members) for members in bins)
-    return float(expit(min(overall, tuned.gain_factor * (within - tuned.least_gain))))
+    return float(expit(min(overall, within)))
 
 
 def _unlikelihood(contrast: Contrast, value: FloatArray, expected: FloatArray) -> float:
@@ -126,8 +125,7 @@ def _unlikelihood(contrast: Contrast, value: FloatArray, expected: FloatArray) -
     tuned = parameters()
     ratio = value / expected
     scale = max(contrast.deviation(ratio), tuned.clean_roughness**2)
-    each = np.minimum(np.square(ratio / scale) / 2, tuned.most_unlikely) + np.log(scale * expected)
-    return float(each.sum())
+    return float((np.square(ratio / scale) / 2 + np.log(scale * expected)).sum())
 
 
 def _quantile_fit(terms: FloatArray, variance: FloatArray) -> FloatArray:

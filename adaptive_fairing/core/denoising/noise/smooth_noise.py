@@ -126,7 +126,7 @@ def evidence_of_noise(misfit: float, evenness: float, outliers: float, lean: flo
     if not np.isfinite(misfit):
         return -np.inf
     measures = measures_of_noise(misfit, evenness, outliers, lean)
-    return float(tuned.evidence_constant + np.dot(tuned.evidence_weights, measures))
+    return float(np.dot(tuned.evidence_weights, (*measures, 1)))
 
 
 def measures_of_noise(
@@ -177,7 +177,7 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
         # The level is that of the noise itself, not what second differences see of it.
         NoiseCorrelation(seen=deviations[best], deviation=deviations[best], passes=PASSES[best]),
         misfit,
-        evenness=least_evenness(strength, of_noise, tuned.quieter_fraction),
+        evenness=least_evenness(strength, of_noise, tuned.low_quantile),
         outliers=float(np.quantile(np.abs(relative), TAIL, axis=1).max()) / NORMAL_TAIL,
         lean=leaning(relative),
         is_enough=np.count_nonzero(is_counted) >= tuned.fewest_to_tell_smooth,
@@ -206,13 +206,11 @@ def noise_of_width(
     width : float
         Distance in edges at which the correlation is 1 / e; 1 for white noise.
     """
-    frame, passes = noisy.frame, passes_of_width(width)
-    noise = NoiseCorrelation(passes=passes).applied(noisy.fading.white, frame)
-    deviation = float(np.std(noise[is_counted]))
-    level = _least_level(noisy, noise / deviation, is_counted, passes)
+    correlation = noisy.averaged(passes_of_width(width), is_counted)
+    level = _least_level(noisy, correlation, is_counted)
     if on_faces is not None:
         level = min(level, on_faces.level)
-    return level, NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
+    return level, correlation
 
 
 def passes_of_width(width: float) -> int:
@@ -220,12 +218,11 @@ def passes_of_width(width: float) -> int:
     return round(width**2) if width > 1 else 0
 
 
-def _least_level(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, passes: int) -> float:
-    """Least standard deviation that a band narrower than a noise and one as wide allow for it.
-
-    The noise (n,) is given with a standard deviation of 1.
-    """
-    tuned, frame, typical = parameters(), noisy.frame, max(passes, 1)
+def _least_level(noisy: NoisySurface, correlation: NoiseCorrelation, counted: BoolArray) -> float:
+    """Least standard deviation that a band narrower than a noise and one as wide allow for it."""
+    tuned, frame, passes = parameters(), noisy.frame, correlation.passes
+    noise = correlation.applied(noisy.fading.white, frame) / correlation.deviation
+    typical = max(passes, 1)
     bounds = (passes // 4, max(1, passes // 2)), (typical, 2 * typical)
     found, expected = (
         quiet_part(local_strengths(band_heights(positions, frame, bounds), frame, counted))

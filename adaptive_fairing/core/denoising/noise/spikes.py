@@ -23,8 +23,8 @@ from .noisy_surface import NoisySurface
 from .own_numbers import LINE_NOISE, SEEDS, WHITE_NOISE
 
 
-def impulsive_certainty(surface: NoisySurface, level: FloatArray, is_counted: BoolArray) -> float:
-    """Certainty, 0 to 1, that the noise is impulsive or has heavy tails.
+def is_impulsive(surface: NoisySurface, level: FloatArray, is_counted: BoolArray) -> bool:
+    """Whether the noise is impulsive or has heavy tails.
 
     It compares the ratio of the largest to the median deviation from the smoothest lines with that
     of normal noise on this mesh.  A spike hardly changes this measure at its neighbours, and
@@ -40,11 +40,11 @@ def impulsive_certainty(surface: NoisySurface, level: FloatArray, is_counted: Bo
     """
     tuned, lines = parameters(), surface.lines
     if not is_counted.any():
-        return 0.0
+        return False
     size = (lines.least / np.maximum(level, 1e-9))[is_counted]
     ratio = _tail(size) / max(_tail(lines.least_of_noise[is_counted]), 1e-9)
     chance = tuned.ratio_chance / np.sqrt(len(size))
-    return float(np.clip((ratio - tuned.normal_ratio - chance) / tuned.ratio_range, 0, 1))
+    return ratio > tuned.normal_ratio + chance
 
 
 def _tail(size: FloatArray) -> float:

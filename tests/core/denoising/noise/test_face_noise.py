@@ -18,7 +18,7 @@ CUBE, FACES = meshes.cube(5, unevenness=0.2)
 TOPOLOGY = TriangleTopology(FACES, len(CUBE))
 CLEAN = TriangleSurface(TOPOLOGY, CUBE)
 ON_FACE = np.isclose(np.abs(CUBE), 1)
-ASSUMED = NoiseCorrelation(deviation=PARAMETERS.assumed_deviation, passes=PARAMETERS.assumed_passes)
+ASSUMED = NoiseCorrelation(deviation=0.19, passes=PARAMETERS.assumed_passes)
 EVERYWHERE = np.ones(len(CUBE), dtype=bool)
 
 

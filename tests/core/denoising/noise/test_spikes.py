@@ -7,7 +7,7 @@ from support import meshes
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.noise.spikes import (
-    impulsive_certainty,
+    is_impulsive,
     left_of_spikes,
     spike_law,
     without_spikes,
@@ -31,20 +31,20 @@ def with_spikes(shape, below=0.0, seed=0):
     return vertices + frame_of(shape).raised(heights)
 
 
-def certainty(shape, heights):
+def are_spikes(shape, heights):
     """For heights (n,) in local edge lengths, with the level that their median tells."""
     frame = frame_of(shape)
     points = SHAPES[shape][0] + frame.raised(heights)
     level = np.full(len(heights), np.median(np.abs(heights)) / 0.6745)
     everywhere = np.ones(len(heights), dtype=bool)
-    return impulsive_certainty(NoisySurface(points, frame), level, everywhere)
+    return is_impulsive(NoisySurface(points, frame), level, everywhere)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("seed", range(10))
 def test_normal_noise_is_not_impulsive(shape, seed):
     n = len(SHAPES[shape][0])
-    assert certainty(shape, 0.2 * np.random.default_rng(seed).normal(size=n)) == 0
+    assert not are_spikes(shape, 0.2 * np.random.default_rng(seed).normal(size=n))
 
 
 @pytest.mark.parametrize("shape", SHAPES)
@@ -55,7 +55,7 @@ def test_heavy_tails_are_told_from_normal_noise(shape):
         generator = np.random.default_rng(seed)
         n = len(SHAPES[shape][0])
         scale = np.where(generator.random(n) < 0.1, 0.6, 0.2)
-        found.append(certainty(shape, scale * generator.normal(size=n)))
+        found.append(are_spikes(shape, scale * generator.normal(size=n)))
     # A few thousand vertices may look calm by chance.
     assert np.count_nonzero(found) >= 9
 
