@@ -145,13 +145,13 @@ def widest(ways: list[tuple[FloatArray, float]], noise: FloatArray) -> FloatArra
     ways : list of (r,) and float
         Moves to averages, from narrow to wide, and the fraction of white noise that each keeps.
     noise : (r,)
-        Standard deviation.
+        Standard deviation: half the width of the intervals.  With one and a half as much, 0.57
+        instead of 0.56 of the noise across boundaries was left, with twice as much 0.58.
     """
-    reach = parameters().curve_certainty * noise
-    low, high, chosen = -reach, reach, np.zeros(len(noise))
+    low, high, chosen = -noise, noise, np.zeros(len(noise))
     goes_on = noise > 0
     for way, kept in ways:
-        low, high = np.maximum(low, way - kept * reach), np.minimum(high, way + kept * reach)
+        low, high = np.maximum(low, way - kept * noise), np.minimum(high, way + kept * noise)
         goes_on = goes_on & (low <= high)
         chosen = np.where(goes_on, way, chosen)
     return chosen

@@ -67,7 +67,7 @@ class Sliding:
         self._topology, self._triangles = start.topology, start.topology.triangles
         self._positions, self._has_creases = start.positions, has_creases
         normals = start.normals
-        for _ in range(tuned.averaging_passes):
+        for _ in range(tuned.normal_passes):
             normals = unit_vectors(frame.spread(normals, 1))
         self._normals = normals
         self._rays = lines_of_sight(start.topology, start.positions)

@@ -85,7 +85,7 @@ class FlatFaces:
         self._reach = tuned.face_height * np.maximum(1, noise / tuned.coarse_noise) * self._spacing
         scaled = surface.triangle_normals()
         self._areas = np.sqrt(dots(scaled, scaled))
-        passes = tuned.face_passes * (1 + correlation.passes)
+        passes = tuned.short_fit_passes[-1] * (1 + correlation.passes)
         smoothing = Smoothing(tuned.short_fit_angle, (passes,))
         weights = weights_of_normals(topology, noise)
         (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing, weights)

@@ -51,11 +51,6 @@ class DenoiseParameters:
     # and one amplitude of 0.5 that left 0.76 of the error; 0.7 or 1.5 gave the same.
     most_edges: float = 1.0
 
-    # flat_faces. On shapes of flat faces, with normal noise and one amplitude of 0.2, a change of
-    # one of these by a third to a half changed the error by at most 2 % and the angle by at most
-    # 5 %, unless its comment says otherwise.
-    # Passes of the short smoothing of normals from which faces are found.
-    face_passes: int = 10
     # The normals of a flat face differ from that of its plane by at most this in the mean. With 3°
     # the error was 4 % larger, because faces were missed. With 8° it was 7 % larger on *lens* with
     # one amplitude of 0.5. With smooth noise 4° and 8° differed by 1 to 4 %.
@@ -106,7 +101,7 @@ class DenoiseParameters:
     # Normals that turn further than this are beyond a crease: for flat faces, for the short
     # smoothing of normals, and where creases are counted. By hand.
     short_fit_angle: float = math.radians(30)
-    # Passes of the short smoothing of normals, ascending. By hand.
+    # Passes of the short smoothing of normals, ascending. From the last faces are found. By hand.
     short_fit_passes: tuple[int, ...] = (2, 8)
     # The long smoothing of normals leaves out those that turn further than this. By hand.
     long_fit_angle: float = math.radians(60)
@@ -167,14 +162,14 @@ class DenoiseParameters:
     # boundary_curves. On seven open tuning shapes with six kinds of noise.
     # Passes of averaging along a curve, ascending. By hand.
     curve_passes: tuple[int, ...] = (1, 2, 4, 8, 16, 32)
-    # Half the width of confidence intervals in standard deviations. With 1 the noise across a
-    # boundary kept 0.64 instead of less than 0.6 in a test.
-    curve_certainty: float = 1.5
 
     # bounds
     # Vertices go this fraction of their way along the surface. On meshes with known noise that was
     # worth 4 % of the error and 7 % of the angle with noise of 0.05, 0 and 4 % with noise of 0.2.
     sliding_fraction: float = 0.75
+    # Passes of averaging until noise and folds hardly disturb the normals. With 3 free boundaries
+    # kept 0.69 of their noise, not 0.56.
+    normal_passes: int = 5
 
     # noise/clean_detail: what looks like noise on a clean mesh.
     # A low-poly model has at most this many vertices. Decimated and modelled shapes of 400 to 3000
@@ -210,6 +205,10 @@ class DenoiseParameters:
     # noise/level
     # Largest roughness of clean meshes in their quietest bin.
     clean_roughness: float = 0.04
+    # Minus the logarithm of the likelihood of one contrast is at most this. What lies further out
+    # than 2.4 standard deviations is a feature in any noise. Without it one amplitude of 0.1 stayed
+    # on shapes with creases.
+    most_unlikely: float = 3.0
     # Gain of the logarithm of the likelihood from which the noise of a scan has one strength along
     # the line of sight, instead of along the normals. Such noise had 30 to 350 on 26 shapes of 32,
     # a laser's at most 27.
@@ -233,8 +232,6 @@ class DenoiseParameters:
     # Contoured voxels have at least this many kinds of vertices for each kind of edges. Models have
     # fewer kinds of vertices than of edges. By hand.
     least_kinds_of_vertices: float = 3.0
-    # Contoured voxels face in at least this many directions, unlike boxes. By hand.
-    least_directions: int = 9
 
     # Noise of a given width.
     # Wide noise is removed on a coarser mesh, where it spans at least this many edges.

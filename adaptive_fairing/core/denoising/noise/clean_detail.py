@@ -6,8 +6,8 @@ With noise two triangles agree only by chance.  The number of chance pairs is es
 tolerance wider by a factor, which raises it by at least the square of the factor.
 
 Contours of whole voxels repeat themselves too, but their flat steps are noise and not shape.  Like
-those of a model, their triangles lie in few planes and have few kinds of edges.  But they face in
-more directions than boxes, and their vertices deviate in many more ways than there are edges.
+those of a model, their triangles have few kinds of edges.  But their vertices deviate in many more
+ways than there are edges.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ from functools import cached_property
 
 import numpy as np
 
-from ...mesh.normals import triangle_normals, unit_vectors
 from ...runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, LongArray
 from ..parameters import parameters
 from .noisy_surface import NoisySurface
@@ -26,7 +25,7 @@ from .noisy_surface import NoisySurface
 TOLERANCE = 8 * 2.0**-23
 WIDER = 64
 
-# Directions and edges are of one kind if they differ by at most this, relative to the longest edge.
+# Edges are of one kind if they differ by at most this, relative to the longest one.
 COARSE = 1e-3
 
 # Odd numbers without any relation to each other.
@@ -144,8 +143,6 @@ def is_voxel_contour(triangles: IntArray, positions: FloatArray) -> bool:
         return False
     n_edges = _n_kinds(edges / longest)
     if n_edges > most:
-        return False
-    if _n_kinds(unit_vectors(triangle_normals(positions, triangles))) < tuned.least_directions:
         return False
     # Every triangle adds its two edges at a corner.
     opened = 2 * corners - np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)

@@ -125,7 +125,8 @@ def _unlikelihood(contrast: Contrast, value: FloatArray, expected: FloatArray) -
     tuned = parameters()
     ratio = value / expected
     scale = max(contrast.deviation(ratio), tuned.clean_roughness**2)
-    return float((np.square(ratio / scale) / 2 + np.log(scale * expected)).sum())
+    each = np.minimum(np.square(ratio / scale) / 2, tuned.most_unlikely) + np.log(scale * expected)
+    return float(each.sum())
 
 
 def _quantile_fit(terms: FloatArray, variance: FloatArray) -> FloatArray:
