@@ -135,9 +135,8 @@ class FlatFaces:
         normals = np.append(self._normals, np.zeros((1, 3)), axis=0)
         for other in around:
             cosine = dots(self._normals, normals[other])
-            is_even &= (cosine > np.cos(tuned.narrow_angle)) | (
-                cosine < np.cos(tuned.short_fit_angle)
-            )
+            is_beyond = cosine < np.cos(tuned.short_fit_angle)
+            is_even &= is_beyond | (cosine > np.cos(tuned.narrow_angle))
         return is_even
 
     def _connected(self, is_even: BoolArray) -> IntArray:

@@ -129,7 +129,7 @@ class MeshParts:
                 noise[counted] = least_noise
         if impulsive.any() or noise.any():
             if n_counted < tuned.fewest_to_tell and keeps_clean:
-                return NoiseFound(0 * noise, impulsive & False, level, (self.too_few(),))
+                return NoiseFound(0 * noise, np.zeros_like(impulsive), level, (self.too_few(),))
             return NoiseFound(noise, impulsive, level)
         note = self.why_nothing(level, models)
         return NoiseFound(noise, impulsive, level, (note,))

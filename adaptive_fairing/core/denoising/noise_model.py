@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..runtime.arrays import FloatArray
+from ..runtime.arrays import BoolArray, FloatArray
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
@@ -79,3 +79,15 @@ class NoiseCorrelation(NamedTuple):
 
 WHITE = NoiseCorrelation()
 """Noise without correlation between neighbours."""
+
+
+def averaged_noise(
+    white: FloatArray, passes: int, frame: TriangleSurface, is_counted: BoolArray
+) -> tuple[FloatArray, NoiseCorrelation]:
+    """Average white noise (n,), and measure at vertices, (n,) bool, what is left of it.
+
+    Wide noise is seen as it is, not by second differences.
+    """
+    noise = NoiseCorrelation(passes=passes).applied(white, frame)
+    left = float(np.std(noise[is_counted]))
+    return noise, NoiseCorrelation(seen=left, deviation=left, passes=passes)

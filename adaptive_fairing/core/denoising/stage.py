@@ -16,6 +16,7 @@ from .noise.face_noise import face_noise
 from .noise.noisy_surface import NoisySurface
 from .noise.smooth_noise import SmoothNoise
 from .noise.spikes import without_spikes
+from .noise_model import averaged_noise
 from .parameters import parameters
 from .plan import DenoisePlan
 from .progress import ProgressReport
@@ -117,6 +118,7 @@ class Stage:
 
     def face_noise(self, noisy: NoisySurface) -> SmoothNoise | None:
         """Measure the smooth noise on flat faces, in the surface's units; None without any."""
-        assumed = self.noisy.averaged(parameters().assumed_passes, self.parts.is_counted)
+        white, counted = self.noisy.fading.white, self.parts.is_counted
+        _, assumed = averaged_noise(white, parameters().assumed_passes, self.frame, counted)
         faces = self.bank.flat_faces(self.track.start, self.frame, assumed)
-        return face_noise(noisy, faces, self.parts.is_counted)
+        return face_noise(noisy, faces, counted)

@@ -14,7 +14,7 @@ from scipy import sparse
 from ...mesh.normals import dots
 from ...runtime.arrays import BoolArray, FloatArray, IntArray
 from ..flat_faces import FlatFaces
-from ..noise_model import WHITE, NoiseCorrelation
+from ..noise_model import WHITE, NoiseCorrelation, averaged_noise
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .noisy_surface import NoisySurface
@@ -104,13 +104,11 @@ def _explained(
     found = np.log(np.maximum(typical_sizes(bands[:, is_inner]), 1e-12))
     best = WHITE, bands, np.inf
     for passes in PASSES:
-        noise = NoiseCorrelation(passes=passes).applied(surface.fading.white, frame)
-        deviation = float(np.std(noise[is_inner]))
-        of_noise = band_heights(frame.raised(noise / deviation), frame)
+        noise, correlation = averaged_noise(surface.fading.white, passes, frame, is_inner)
+        of_noise = band_heights(frame.raised(noise / correlation.deviation), frame)
         differences = found - np.log(typical_sizes(of_noise[:, is_inner]))
         misfit = float(WEIGHTS @ np.square(differences))
         if misfit < best[2]:
-            correlation = NoiseCorrelation(seen=deviation, deviation=deviation, passes=passes)
             best = correlation, of_noise, misfit
     return best
 

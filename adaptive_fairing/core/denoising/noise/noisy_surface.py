@@ -7,9 +7,8 @@ from functools import cached_property
 import numpy as np
 
 from ...mesh.normals import dots
-from ...runtime.arrays import BoolArray, FloatArray
+from ...runtime.arrays import FloatArray
 from ...runtime.threads import for_each
-from ..noise_model import NoiseCorrelation
 from ..triangle_surface import TriangleSurface
 from .contrast import Contrast, Fading, LineRoughness, hinges, roughness
 from .line_of_sight import LEAST_COSINE, lines_of_sight
@@ -43,15 +42,6 @@ class NoisySurface:
     def fading(self) -> Fading:
         """Decay of the roughness in differences of higher order."""
         return Fading(self.positions, self.frame, self.own.noise(WHITE_NOISE))
-
-    def averaged(self, passes: int, is_counted: BoolArray) -> NoiseCorrelation:
-        """Correlation of white noise after some averages, and what they leave of it on this mesh.
-
-        Measured at vertices, (n,) bool.  Wide noise is seen as it is, not by second differences.
-        """
-        noise = NoiseCorrelation(passes=passes).applied(self.fading.white, self.frame)
-        left = float(np.std(noise[is_counted]))
-        return NoiseCorrelation(seen=left, deviation=left, passes=passes)
 
     @cached_property
     def roughness(self) -> Contrast:

@@ -26,7 +26,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...runtime.arrays import BoolArray, FloatArray
-from ..noise_model import WHITE, NoiseCorrelation
+from ..noise_model import WHITE, NoiseCorrelation, averaged_noise
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .level import NORMAL_MEDIAN
@@ -157,7 +157,7 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     quiet = quiet_part(strength)
     unit = _of_white_noise(own, frame, is_counted)
     found = [_averaged(own, passes, frame, is_counted) for passes in PASSES]
-    deviations, bands, sizes = zip(*found, strict=True)
+    correlations, bands, sizes = zip(*found, strict=True)
     ratios = np.log(quiet / unit / sizes)
     best, level, misfit = _fit(ratios)
     # The widest band of one random noise is 4 % stronger or weaker than that of the next.
@@ -173,9 +173,8 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     relative = (heights[:2, is_counted] / strength[:2])[:, is_quiet]
     relative /= np.maximum(typical_sizes(relative), 1e-9)[:, None]
     return SmoothNoise(
-        float(np.exp(level)) * deviations[best],
-        # The level is that of the noise itself, not what second differences see of it.
-        NoiseCorrelation(seen=deviations[best], deviation=deviations[best], passes=PASSES[best]),
+        float(np.exp(level)) * correlations[best].deviation,
+        correlations[best],
         misfit,
         evenness=least_evenness(strength, of_noise, tuned.low_quantile),
         outliers=float(np.quantile(np.abs(relative), TAIL, axis=1).max()) / NORMAL_TAIL,
@@ -206,8 +205,9 @@ def noise_of_width(
     width : float
         Distance in edges at which the correlation is 1 / e; 1 for white noise.
     """
-    correlation = noisy.averaged(passes_of_width(width), is_counted)
-    level = _least_level(noisy, correlation, is_counted)
+    white, passes = noisy.fading.white, passes_of_width(width)
+    noise, correlation = averaged_noise(white, passes, noisy.frame, is_counted)
+    level = _least_level(noisy, noise / correlation.deviation, is_counted, passes)
     if on_faces is not None:
         level = min(level, on_faces.level)
     return level, correlation
@@ -218,11 +218,12 @@ def passes_of_width(width: float) -> int:
     return round(width**2) if width > 1 else 0
 
 
-def _least_level(noisy: NoisySurface, correlation: NoiseCorrelation, counted: BoolArray) -> float:
-    """Least standard deviation that a band narrower than a noise and one as wide allow for it."""
-    tuned, frame, passes = parameters(), noisy.frame, correlation.passes
-    noise = correlation.applied(noisy.fading.white, frame) / correlation.deviation
-    typical = max(passes, 1)
+def _least_level(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, passes: int) -> float:
+    """Least standard deviation that a band narrower than a noise and one as wide allow for it.
+
+    The noise (n,) is given with a standard deviation of 1.
+    """
+    tuned, frame, typical = parameters(), noisy.frame, max(passes, 1)
     bounds = (passes // 4, max(1, passes // 2)), (typical, 2 * typical)
     found, expected = (
         quiet_part(local_strengths(band_heights(positions, frame, bounds), frame, counted))
@@ -244,11 +245,11 @@ def _of_white_noise(white: FloatArray, frame: TriangleSurface, is_counted: BoolA
 
 def _averaged(
     white: FloatArray, passes: int, frame: TriangleSurface, is_counted: BoolArray
-) -> tuple[float, FloatArray, FloatArray]:
-    """Average white noise (n,): its standard deviation, its bands (k, n) and their sizes (k,)."""
-    noise = NoiseCorrelation(passes=passes).applied(white, frame)
+) -> tuple[NoiseCorrelation, FloatArray, FloatArray]:
+    """Average white noise (n,): its correlation, its bands (k, n) and their sizes (k,)."""
+    noise, correlation = averaged_noise(white, passes, frame, is_counted)
     bands = band_heights(frame.raised(noise), frame)
-    return float(np.std(noise[is_counted])), bands, typical_sizes(bands[:, is_counted])
+    return correlation, bands, typical_sizes(bands[:, is_counted])
 
 
 def _fit(ratios: FloatArray) -> tuple[int, float, float]:
