@@ -32,8 +32,8 @@ FILTERED = Margin(12)
 
 # With the plan of a whole mesh a run on the whole differs by the tolerance of the filters' solves,
 # which end by residuals of all vertices: by 1 to 4 % of what is removed, up to 12 % on very uneven
-# meshes. With `filter_tolerance` at 0.01 and `fit_tolerance` at 0.002 it is 0.3 to 1 % at so many
-# rings, 0.4 to 4 % at 12, 1 to 13 % at 8; but the whole then costs 1.06 to 1.19 times as much,
+# meshes. With solves five times as exact it is 0.3 to 1 % at so many rings, 0.4 to 4 % at 12, 1 to
+# 13 % at 8; but the whole then costs 1.06 to 1.19 times as much,
 # for no clear gain.
 FILTERED_AS_PLANNED = Margin(16)
 
