@@ -44,11 +44,6 @@ class Sliding:
         Surface before denoising.
     frame : TriangleSurface
         The same surface, slightly smoothed.
-    has_creases : bool
-        Whether the denoised surface has creases.  If so, its normals define the directions along
-        the surface, because a vertex on a flat face near a crease must not leave the face.
-        Otherwise the smoothed normals of the noisy surface do, which slivers and boundaries do not
-        disturb.
     noise : (n,)
         Standard deviation in local edge lengths.
     boundary_moves : bool
@@ -59,20 +54,18 @@ class Sliding:
         self,
         start: TriangleSurface,
         frame: TriangleSurface,
-        has_creases: bool,
         noise: FloatArray,
         boundary_moves: bool = False,
     ) -> None:
         tuned = parameters()
         self._topology, self._triangles = start.topology, start.topology.triangles
-        self._positions, self._has_creases = start.positions, has_creases
-        normals = start.normals
-        for _ in range(tuned.normal_passes):
-            normals = unit_vectors(frame.spread(normals, 1))
-        self._normals = normals
+        self._positions = start.positions
         self._rays = lines_of_sight(start.topology, start.positions)
         moves = boundary_moves and start.topology.on_boundary.any()
         self._curves = BoundaryCurves(start, noise) if moves else None
+        normals = start.normals
+        for _ in range(tuned.normal_passes):
+            normals = unit_vectors(frame.spread(normals, 1))
         self._upwards = unit_vectors(normals[self._triangles].sum(axis=1))
         was_upright = dots(start.triangle_normals(), self._upwards) > 0
         self._reach = noise * start.spacing
@@ -87,7 +80,8 @@ class Sliding:
         """
         tuned = parameters()
         move = faired - self._positions
-        normals = vertex_normals(self._topology, faired) if self._has_creases else self._normals
+        # Those of the denoised surface: a vertex near a crease must not leave its flat face.
+        normals = vertex_normals(self._topology, faired)
         along = move - dots(move, normals)[:, None] * normals
         length = np.linalg.norm(along, axis=1)
         too_far = 1 - np.minimum(1, self._reach / np.where(length > 0, length, 1))

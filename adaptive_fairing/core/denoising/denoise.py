@@ -37,6 +37,10 @@ FILTERED = Margin(12)
 # for no clear gain.
 FILTERED_AS_PLANNED = Margin(16)
 
+# Largest part of creases among the edges of a mesh that is said to be smooth.  Of 25 shapes the
+# smooth ones had at most 0.008 (one with slivers 0.027), those with creases at least 0.016.
+SMOOTH = 0.01
+
 # Rings for each edge of width, for noise of a given width.
 RINGS_OF_WIDTH = 4
 
@@ -172,9 +176,8 @@ def denoise(
         radius=outcome.plan.radius,
         sharp_part=_sharp_part(outcome.plan),
         crease_part=denoised.crease_part,
-        is_sharp=(
-            denoised.has_creases() if settings.features == "auto" else settings.features == "sharp"
-        ),
+        is_sharp=settings.features == "sharp"
+        or (settings.features == "auto" and denoised.crease_part > SMOOTH),
         initial=initial,
         measures=tuple(measures),
         solve=outcome.solve,

@@ -11,7 +11,7 @@ from scipy.sparse import csgraph
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
 from .mixture import RIDGE, Mixture, least_risk_coefficients
 from .noise.clean_detail import CleanDetail, is_voxel_contour
-from .noise.level import noise_model, scan_level
+from .noise.level import scan_level, variance_law
 from .noise.noisy_surface import NoisySurface
 from .noise.spikes import is_impulsive
 from .parameters import parameters
@@ -139,12 +139,12 @@ class MeshParts:
     ) -> tuple[FloatArray, FloatArray]:
         """Level and noise (c,) of some vertices, (n,) bool, by their roughness."""
         rough, frame = surface.roughness, surface.frame
-        model, spacing = noise_model(rough, counted), frame.spacing[counted]
-        level = model.level(spacing)
+        law, spacing = variance_law(rough, counted), frame.spacing[counted]
+        level = law.level(spacing)
         if np.median(level) > parameters().clean_roughness and surface.cosines is not None:
             level = scan_level(rough, frame, counted, surface.cosines)[counted]
             return level, level
-        return level, model.noise(spacing)
+        return level, law.noise(spacing)
 
     def _by_hinges(
         self, surface: NoisySurface, level: FloatArray, counted: BoolArray
@@ -157,11 +157,11 @@ class MeshParts:
         tuned, spacing = parameters(), surface.frame.spacing[counted]
         if not counted[surface.hinges.vertices].all(axis=1).any():
             return None
-        model = noise_model(surface.hinges, counted)
-        of_hinges = model.level(spacing)
+        law = variance_law(surface.hinges, counted)
+        of_hinges = law.level(spacing)
         # Noise that turns triangles over leaves nothing in their hinges.
         limit = min(tuned.clearly_less * np.median(level[counted]), tuned.coarse_noise)
-        return (of_hinges, model.noise(spacing)) if np.median(of_hinges) < limit else None
+        return (of_hinges, law.noise(spacing)) if np.median(of_hinges) < limit else None
 
     def too_few(self) -> str:
         """Note that there are too few vertices to judge from."""

@@ -4,17 +4,19 @@
 2.  Filter in the metrics of the slightly smoothed surface (`filters`).  Mix the filters so that
     the estimated distance to the surface without noise is least (`mixture`).
 3.  Filter in the metrics of that mixture, which shows the creases, and mix all filters so far.
-    Repeat this in a metric of a smaller angle, and last by fits to smoothed normals, twice where
-    there are creases.
+    Repeat this in a metric of a smaller angle, by fits to smoothed normals, and last on flat faces.
 
-How much of the noise a filter removes is measured by filtering a second time with a little noise
-added.  A formula for linear filters would be wrong, because the metrics depend on the noise too.
+How much of the noise a filter removes is measured by filtering again with a little noise added, the
+probe.  A formula for linear filters would be wrong, because the metrics depend on the noise too.
+Few vertices measure little, so small meshes are filtered with several probes.
 """
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import compress
+from itertools import compress, repeat
 from threading import Lock
 
 import numpy as np
@@ -34,7 +36,7 @@ from .settings import DenoiseSettings
 from .stage import Stage, Track
 from .triangle_surface import TriangleSurface
 
-# Vertices of a mesh up to which both runs filter at once, each with one thread.  Most of their
+# Vertices of a mesh up to which all runs filter at once, each with one thread.  Most of their
 # work is passes of numpy over all vertices, which no threads share.  Measured on 2 cores, relative
 # to one after the other: 0.64 to 0.98 of the time, and 1.2 to 1.34 of the memory on large meshes.
 MOST_SIDE_BY_SIDE = 1_000_000
@@ -135,7 +137,7 @@ def mixed_surfaces(
     else:
         progress.begin("mix")
         boundary_moves = settings.boundary == "free"
-        sliding = Sliding(start, stage.frame, plan.has_creases, plan.noise, boundary_moves)
+        sliding = Sliding(start, stage.frame, plan.noise, boundary_moves)
 
         def at_strength(number: int) -> FloatArray:
             mixed = stage.track.mixed(plan.mixtures[number])
@@ -166,11 +168,15 @@ def _planned(
     track, frame, parts = stage.track, stage.frame, stage.parts
     seen = verdict.level
     noise = verdict.whole(seen)
+    typical = float(np.median(noise[noise > 0]))
     stage.bank.know_noise(noise)
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
-    probe = tuned.probe_size * correlation.applied(stage.noisy.own.probe(), frame)
-    probed = TriangleSurface(frame.topology, track.start.positions + frame.raised(probe))
-    shadow = Track(stage.bank, probed)
+    size, n_counted = tuned.probe_size * typical, np.count_nonzero(parts.is_counted)
+    own_probes = stage.noisy.own.probes(math.ceil(tuned.least_probed / n_counted))
+    probes = [size * correlation.applied(each, frame) for each in own_probes]
+    probed = (track.start.positions + frame.raised(each) for each in probes)
+    shadows = [Track(stage.bank, TriangleSurface(frame.topology, each)) for each in probed]
+    tracks = track, *shadows
 
     # The risk is in local edge lengths, but not in less than the noise: else a few vertices of tiny
     # edges, with noise of many, would decide for all.
@@ -183,9 +189,10 @@ def _planned(
         """Measure the removed part of each new filter along the normals, and its divergence."""
 
         def measured(each: Filter) -> tuple[RealArray, RealArray]:
-            own, of_shadow = (one.removed(each, frame) for one in (track, shadow))
-            taken, gain = own / unit, filter_divergence(own, of_shadow, probe)
-            return taken.astype(np.float32), gain.astype(np.float32)
+            own, *others = (one.removed(each, frame) for one in tracks)
+            gains = map(filter_divergence, repeat(own), others, probes, repeat(size))
+            gain = np.mean(list(gains), axis=0)
+            return (own / unit).astype(np.float32), gain.astype(np.float32)
 
         for taken, gain in ordered_map(measured, list(track.taken)[len(removed) :]):
             removed.append(taken)
@@ -195,26 +202,20 @@ def _planned(
         return np.square(factor * tuned.noise_factor * seen / correlation.seen / unit)
 
     # The pilots are for the noise as it is, so that runs of all strengths mix the same filters.
-    typical = float(np.median(noise[noise > 0]))
     first, *others = rounds_for(typical, correlation)
-    saw_creases = False
     pilots: list[Mixture] = []
     progress.begin("filter", 1)
-    _filter_both(track, shadow, first)
+    _filter_all(tracks, first)
     for number, families in enumerate(others, start=2):
         progress.begin("filter", number)
-        # The last round makes flat faces flat, which round shapes have none of.
-        if number > len(others):
-            saw_creases = track.surface.has_creases()
-            if not saw_creases:
-                break
         measure()
         of_noise = variance(1)[None]
         pilots += parts.best_mixtures(removed, divergence, of_noise, tuned.pilot_ridge)
-        _filter_both(track, shadow, families, pilots[-1])
+        _filter_all(tracks, families, pilots[-1])
     progress.begin("mix")
     measure()
-    shadow.taken.clear()  # large, and not needed any more
+    for shadow in shadows:
+        shadow.taken.clear()  # large, and not needed any more
     filters = tuple(track.taken)
     usable = [each.serves(settings.features) for each in filters]
     rows = list(compress(removed, usable)), list(compress(divergence, usable))
@@ -227,7 +228,7 @@ def _planned(
     is_told = settings.clean == "denoise" or settings.width != "auto" or correlation.passes
     impulsive, clusters = verdict.impulsive, False
     if not is_told:
-        sliding = Sliding(track.start, frame, saw_creases, noise)
+        sliding = Sliding(track.start, frame, noise)
         after = sliding.limited(track.mixed(as_it_is.spread(usable)))
         as_noise = before.positions - frame.raised(verdict.example())
         # Smooth patches have no noise, and what is removed beside them no clusters.
@@ -257,29 +258,26 @@ def _planned(
         impulsive,
         verdict.whole(verdict.reach),
         typical,
-        saw_creases,
         correlation,
     )
     return plan, clusters
 
 
-def _filter_both(
-    track: Track, shadow: Track, families: Round, pilot: Mixture | None = None
-) -> None:
-    """Filter both surfaces in the next round, on the surfaces of a mixture if one is given."""
+def _filter_all(tracks: Sequence[Track], families: Round, pilot: Mixture | None = None) -> None:
+    """Filter all surfaces in the next round, on the surfaces of a mixture if one is given."""
 
     def filter_one(one: Track) -> None:
         one.filter(families, pilot)
 
-    if track.start.topology.n_vertices <= MOST_SIDE_BY_SIDE:
-        for_each(filter_one, (track, shadow))
+    if tracks[0].start.topology.n_vertices <= MOST_SIDE_BY_SIDE:
+        for_each(filter_one, tracks)
     else:
-        filter_one(track)
-        filter_one(shadow)
+        for each in tracks:
+            filter_one(each)
 
 
 class _Solves:
-    """Report of all linear solves, collected from both runs, each in its own thread."""
+    """Report of all linear solves, collected from all runs, each in its own thread."""
 
     def __init__(self, progress: ProgressReport) -> None:
         self._progress = progress

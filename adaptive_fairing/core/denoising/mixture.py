@@ -8,8 +8,8 @@ with the least distance to the unknown x₀ minimises
 whose expectation is the squared distance up to a constant, for normally distributed noise.  The
 divergence measures how much of the noise each filter removes.
 
-It has no formula for filters that are not linear, so it is measured by filtering a second time,
-with a little noise added.
+It has no formula for filters that are not linear, so it is measured by filtering again, with a
+little noise added.
 
 Source: C. Stein, Estimation of the mean of a multivariate normal distribution, 1981; mixtures of
 filters after T. Blu and F. Luisier, The SURE-LET approach to image denoising, 2007.
@@ -26,7 +26,6 @@ from scipy.optimize import nnls
 
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
 from ..runtime.threads import ordered_map
-from .parameters import parameters
 
 # Sums over the vertices are taken over this many at once, which bounds the memory.
 VERTICES_AT_ONCE = 16384
@@ -88,20 +87,22 @@ class Mixture(NamedTuple):
         return self._replace(by_class=by_class)
 
 
-def filter_divergence(removed: FloatArray, shadow: FloatArray, probe: FloatArray) -> FloatArray:
+def filter_divergence(
+    removed: FloatArray, shadow: FloatArray, probe: FloatArray, size: float
+) -> FloatArray:
     """Fraction (n,) of a vertex's own noise that a filter removes; 0 to 1 for white noise.
 
-    It follows from the parts (n,) that the filter removes without and with the probes added.  The
-    neighbours' probes contribute too, but cancel in sums over many vertices.
+    It follows from the parts (n,) that the filter removes without and with a probe (n,) added, the
+    numbers of which have a root mean square of `size`.  The neighbours' numbers contribute too, but
+    cancel in sums over many vertices.
 
     Source: S. Ramani, T. Blu and M. Unser, Monte-Carlo SURE, 2008.
     """
-    tuned = parameters()
-    size = probe / tuned.probe_size
+    relative = probe / size
     divergence = shadow - removed
-    divergence *= size / tuned.probe_size
-    # Large probes would count for more than small ones, mostly with the probe itself.
-    divergence -= np.square(size) - np.mean(np.square(size))
+    divergence *= relative / size
+    # Large numbers would count for more than small ones, mostly with the number itself.
+    divergence -= np.square(relative) - np.mean(np.square(relative))
     return divergence
 
 

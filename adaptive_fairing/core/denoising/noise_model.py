@@ -15,7 +15,7 @@ from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
 
-class NoiseModel(NamedTuple):
+class VarianceLaw(NamedTuple):
     """Noise that grows with the edges, or has one amplitude, or both.
 
     Attributes

@@ -31,6 +31,10 @@ TRIANGLES_PER_CHUNK = 32768
 # Relative: for noise that varies by less, weights are not worth their time.
 LEAST_RANGE = 0.01
 
+# 1 + cos of the angle of a turn is at least this: half a turn has no shortest way.  With a tenth of
+# it nothing changes.
+LEAST_OPENING = 0.1
+
 
 class Smoothing(NamedTuple):
     """Parameters of the smoothing of normals.
@@ -177,7 +181,7 @@ class TurningLoads:
         """
         # A turn from n to n' takes a tangent v to v - (n' · v) (n + n') / (1 + n · n').
         opening = 1 + dots(self.normals, turned)
-        middle = (self.normals + turned) / np.maximum(opening, parameters().least_opening)[:, None]
+        middle = (self.normals + turned) / np.maximum(opening, LEAST_OPENING)[:, None]
         change = np.einsum("dkf,fd->kf", self._pulls, turned)
         # Of edge k at its ends: what flows into corner k is what comes along edge k - 1 less
         # edge k.

@@ -39,8 +39,6 @@ class DenoisePlan:
         largest displacement of a vertex.
     typical_noise : float
         Median of the noise where it was judged, over the whole surface; it decides the filters.
-    has_creases : bool
-        Whether the last round was run, which is for creases.
     correlation : NoiseCorrelation
         Correlation of the noise at neighbours.
     level : CoarseLevel, optional
@@ -57,7 +55,6 @@ class DenoisePlan:
     impulsive: BoolArray
     reach: FloatArray
     typical_noise: float = 0.0
-    has_creases: bool = False
     correlation: NoiseCorrelation = WHITE
     level: CoarseLevel | None = None
     on_level: DenoisePlan | None = None

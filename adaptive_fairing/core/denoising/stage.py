@@ -58,11 +58,9 @@ class Track:
     def repeat(self, plan: DenoisePlan, progress: ProgressReport) -> None:
         """Filter in the same way as another frame of the surface."""
         self._bank.know_noise(plan.noise)
-        # Without creases there was no last round.
+        rounds = rounds_for(plan.typical_noise, plan.correlation)
         pilots = (None, *plan.pilots)
-        for number, (families, pilot) in enumerate(
-            zip(rounds_for(plan.typical_noise, plan.correlation), pilots, strict=False), start=1
-        ):
+        for number, (families, pilot) in enumerate(zip(rounds, pilots, strict=True), start=1):
             progress.begin("filter", number)
             self.filter(families, pilot)
 

@@ -95,7 +95,3 @@ class TriangleSurface:
         side = np.flatnonzero(twin > np.arange(len(twin)))  # every inner edge once
         cosine = dots(normal[side // 3], normal[twin[side] // 3])
         return float(np.mean(cosine < np.cos(parameters().short_fit_angle))) if len(side) else 0.0
-
-    def has_creases(self) -> bool:
-        """Whether enough edges are creases for the filters that sharpen them."""
-        return self.crease_part > parameters().fewest_creases

@@ -8,8 +8,10 @@ from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoising.filters import FilterBank, mesh_family
 from adaptive_fairing.core.denoising.mixture import filter_divergence
 from adaptive_fairing.core.denoising.noise.own_numbers import OwnNumbers
-from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
+
+SIZE = 0.02
+"""Of the probes, in local edge lengths."""
 
 
 def exact_filters(size, seed=0):
@@ -26,11 +28,11 @@ def test_a_probe_of_random_signs_finds_the_trace_of_a_linear_filter():
     size = 600
     generator = np.random.default_rng(0)
     positions = generator.normal(size=size)
-    probe = PARAMETERS.probe_size * generator.choice([-1.0, 1.0], size)
+    probe = SIZE * generator.choice([-1.0, 1.0], size)
     filters = exact_filters(size)
     removed = np.stack([each @ positions for each in filters])
     shadow = np.stack([each @ (positions + probe) for each in filters])
-    found = filter_divergence(removed, shadow, probe).sum(axis=1)
+    found = filter_divergence(removed, shadow, probe, SIZE).sum(axis=1)
     for total, each in zip(found, filters, strict=True):
         deviation = np.sqrt(2 * np.sum((each - np.diag(np.diag(each))) ** 2))
         assert abs(total - np.trace(each)) < 3 * deviation
@@ -42,17 +44,17 @@ def test_the_mean_over_all_probes_is_the_diagonal():
     positions = np.array([1.0, -2.0, 0.5])
     total = np.zeros(3)
     for bits in range(8):
-        probe = PARAMETERS.probe_size * np.where((bits >> np.arange(3)) & 1, 1.0, -1.0)
+        probe = SIZE * np.where((bits >> np.arange(3)) & 1, 1.0, -1.0)
         removed, shadow = (matrix @ each for each in (positions, positions + probe))
-        total += filter_divergence(removed[None], shadow[None], probe)[0]
+        total += filter_divergence(removed[None], shadow[None], probe, SIZE)[0]
     np.testing.assert_allclose(total / 8, np.diag(matrix), rtol=1e-12)
 
 
 def test_probes_of_different_sizes_count_alike():
     """A filter that removes everything removes all of the noise at each vertex."""
     waves = np.cos(np.random.default_rng(0).uniform(0, 2 * np.pi, 400))
-    probe = PARAMETERS.probe_size * waves / np.sqrt(np.mean(waves**2))
-    found = filter_divergence(np.zeros((1, 400)), probe[None].copy(), probe)
+    probe = SIZE * waves / np.sqrt(np.mean(waves**2))
+    found = filter_divergence(np.zeros((1, 400)), probe[None].copy(), probe, SIZE)
     np.testing.assert_allclose(found, 1, rtol=1e-12)
 
 
@@ -70,16 +72,17 @@ def test_the_probe_of_a_mesh_finds_the_trace_of_its_diffusions(shape):
         _, filtered = bank.started(TriangleSurface(topology, positions))
         return np.stack([frame.along_normal(positions - each) for each in filtered.values()])
 
-    probe = PARAMETERS.probe_size * OwnNumbers(vertices, frame).probe()
+    (probe,) = OwnNumbers(vertices, frame).probes(1)
+    probe *= SIZE
     removed = removed_from(vertices)
-    found = filter_divergence(removed, removed_from(vertices + frame.raised(probe)), probe)
+    found = filter_divergence(removed, removed_from(vertices + frame.raised(probe)), probe, SIZE)
     # The exact diagonal, vertex by vertex: the response to a step of one vertex alone.
     jacobian = np.empty((len(mesh_family().filters), n, n))
     for vertex in range(n):
         step = np.zeros(n)
-        step[vertex] = PARAMETERS.probe_size
+        step[vertex] = SIZE
         moved = removed_from(vertices + frame.raised(step)) - removed
-        jacobian[:, :, vertex] = moved / PARAMETERS.probe_size
+        jacobian[:, :, vertex] = moved / SIZE
     for row, matrix in zip(found, jacobian, strict=True):
         off = matrix - np.diag(np.diag(matrix))
         deviation = np.sqrt(np.sum(off**2) + np.sum(off * off.T))

@@ -114,14 +114,12 @@ def test_a_later_round_takes_its_metric_from_the_mixture_of_the_rounds_before(
     assert all(each.by_class.shape[-1] == len(so_far) for each in plan.mixtures)
 
 
-def test_the_last_round_is_for_creases():
-    """The ball has none; a plan of the cube repeats all rounds, bit by bit."""
-    assert len(denoise(POINTS, FACES).plan.pilots) == len(rounds_for(0.2)) - 2
-    cube, faces = noisy_cube(0.15)
-    prepared = PreparedMesh(cube, faces)
-    found = denoise(cube, faces, prepared=prepared)
+@pytest.mark.parametrize("points, faces", [(POINTS, FACES), noisy_cube(0.15)], ids=["ball", "cube"])
+def test_a_plan_repeats_all_rounds_bit_by_bit(points, faces):
+    prepared = PreparedMesh(points, faces)
+    found = denoise(points, faces, prepared=prepared)
     assert len(found.plan.pilots) == len(rounds_for(0.2)) - 1
-    again = denoise(cube, faces, prepared=prepared, plan=found.plan)
+    again = denoise(points, faces, prepared=prepared, plan=found.plan)
     assert np.array_equal(again.positions, found.positions)
 
 

@@ -5,7 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoising.noise_model import WHITE, NoiseCorrelation, NoiseModel
+from adaptive_fairing.core.denoising.noise_model import WHITE, NoiseCorrelation, VarianceLaw
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
@@ -46,12 +46,12 @@ def test_a_pass_averages_lengths_half_with_those_of_the_neighbours(passes):
 
 def test_the_roughness_of_clean_meshes_is_a_part_of_what_grows_with_the_edges():
     clean, spacing = PARAMETERS.clean_roughness, np.array([0.5, 1.0, 2.0, 4.0])
-    one_amplitude = NoiseModel(0.0, 0.01)
+    one_amplitude = VarianceLaw(0.0, 0.01)
     assert one_amplitude.noise(spacing) == pytest.approx(one_amplitude.level(spacing))
-    assert NoiseModel(0.09, 0.0).noise(spacing) == pytest.approx((0.3**4 - clean**4) ** 0.25)
-    assert not NoiseModel(0.99 * clean**2, 0.0).noise(spacing).any()
-    mixed = NoiseModel(clean**2, 0.01)
+    assert VarianceLaw(0.09, 0.0).noise(spacing) == pytest.approx((0.3**4 - clean**4) ** 0.25)
+    assert not VarianceLaw(0.99 * clean**2, 0.0).noise(spacing).any()
+    mixed = VarianceLaw(clean**2, 0.01)
     level = mixed.level(spacing)
     assert np.all(mixed.noise(spacing) > (level**4 - clean**4) ** 0.25)
     assert np.all(mixed.noise(spacing) < level)
-    assert not NoiseModel(0.0, 0.0).noise(spacing).any()
+    assert not VarianceLaw(0.0, 0.0).noise(spacing).any()

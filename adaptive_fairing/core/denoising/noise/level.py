@@ -7,7 +7,7 @@ from scipy.optimize import linprog
 from scipy.special import expit
 
 from ...runtime.arrays import BoolArray, FloatArray, IndexArray
-from ..noise_model import NoiseModel
+from ..noise_model import VarianceLaw
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .contrast import Contrast, half_normal
@@ -21,7 +21,7 @@ LEAST_OF = (0.0, 0.0, 0.564, 0.846, 0.297, 0.495)
 MEDIAN_ERROR = 1.167
 
 
-def noise_model(contrast: Contrast, is_counted: BoolArray) -> NoiseModel:
+def variance_law(contrast: Contrast, is_counted: BoolArray) -> VarianceLaw:
     """Estimate the noise along the normals from the contrasts of vertices, (n,) bool.
 
     This is an upper bound: quantiles ignore isolated features, but not a shape that bends
@@ -40,7 +40,7 @@ def noise_model(contrast: Contrast, is_counted: BoolArray) -> NoiseModel:
     """
     contrast = contrast.among(is_counted)
     if not len(contrast.value):
-        return NoiseModel(0.0, 0.0)
+        return VarianceLaw(0.0, 0.0)
     bins = _bins(contrast)
     variance = _variances(contrast, bins)
     (constant,) = _quantile_fit(np.ones((1, len(variance))), variance)
@@ -49,9 +49,9 @@ def noise_model(contrast: Contrast, is_counted: BoolArray) -> NoiseModel:
     alone = least if least <= parameters().clean_roughness ** 2 else float(constant)
     fineness = np.exp([np.median(np.log(contrast.fineness[members])) for members in bins])
     terms = np.stack([np.ones_like(fineness), fineness])
-    both = NoiseModel(*_quantile_fit(terms, variance))
+    both = VarianceLaw(*_quantile_fit(terms, variance))
     certainty = _evidence(contrast, bins, both)
-    return NoiseModel(
+    return VarianceLaw(
         certainty * both.per_edge + (1 - certainty) * alone,
         certainty * both.per_length,
     )
@@ -69,7 +69,7 @@ def scan_level(
     Parameters
     ----------
     rough, frame, is_counted
-        As for `noise_model`; at least one vertex is counted.
+        As for `variance_law`; at least one vertex is counted.
     cosines : (n,)
         Cosines of the angles between normals and line of sight, above 0.
     """
@@ -97,7 +97,7 @@ def _bins(contrast: Contrast) -> list[IndexArray]:
     return np.array_split(order, n_bins)
 
 
-def _evidence(contrast: Contrast, bins: list[IndexArray], both: NoiseModel) -> float:
+def _evidence(contrast: Contrast, bins: list[IndexArray], both: VarianceLaw) -> float:
     """Probability, 0 to 1, that the noise has one amplitude in part, and not only grows with edges.
 
     It compares the likelihoods of both models, summed over the contrasts.

@@ -63,15 +63,18 @@ class OwnNumbers:
         phases: FloatArray = turns - np.floor(turns)
         return phases
 
-    def probe(self) -> FloatArray:
-        """Return numbers of mean 0 and mean square 1, (n,), for steps along the normals.
+    def probes(self, count: int) -> list[FloatArray]:
+        """Return one to four rows of numbers (n,) for steps along the normals.
 
-        Mere signs would jump where rounding moves a phase past its end.  A number changes its sign
-        with the normal, so that the step is the same if the faces are reversed.
+        Each has mean 0 and mean square 1, and they are not correlated: sines and cosines of
+        multiples of the phases.  Mere signs would jump where rounding moves a phase past its end.
+        A number changes its sign with the normal, so that the step is the same if the faces are
+        reversed.
         """
-        waves = np.cos(2 * np.pi * self.phases(PROBE)) * self._sides
-        probe: FloatArray = waves / np.sqrt(np.mean(np.square(waves)))
-        return probe
+        turn = 2 * np.pi * self.phases(PROBE)
+        waves = np.cos(turn), np.sin(turn), np.cos(2 * turn), np.sin(2 * turn)
+        signed = (each * self._sides for each in waves[:count])
+        return [each / np.sqrt(np.mean(np.square(each))) for each in signed]
 
     def noise(self, use: float) -> FloatArray:
         """Return normal-distributed numbers of unit variance, (n,), for heights along normals."""

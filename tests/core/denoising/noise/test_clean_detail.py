@@ -7,7 +7,7 @@ from support import meshes
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.mesh_parts import MeshParts
 from adaptive_fairing.core.denoising.noise.contrast import roughness
-from adaptive_fairing.core.denoising.noise.level import noise_model
+from adaptive_fairing.core.denoising.noise.level import variance_law
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
@@ -41,7 +41,7 @@ def levels(shape, points):
     """Before and after detail was told from noise."""
     frame = frame_of(shape)
     inside = np.ones(len(points), dtype=bool)
-    model = noise_model(roughness(points, frame), inside)
+    model = variance_law(roughness(points, frame), inside)
     parts = MeshParts(frame, ~inside)
     found = parts.noise(NoisySurface(points, frame))
     return model.noise(frame.spacing), found.level

@@ -6,7 +6,7 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoising.noise.contrast import roughness
-from adaptive_fairing.core.denoising.noise.level import noise_model, scan_level
+from adaptive_fairing.core.denoising.noise.level import scan_level, variance_law
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
@@ -25,7 +25,7 @@ def level_of(vertices, frame, is_counted):
 
 def model_of(vertices, frame, is_counted):
     rough = roughness(vertices, frame)
-    return noise_model(rough, is_counted)
+    return variance_law(rough, is_counted)
 
 
 def noisy(amplitude, per_edge=True, seed=0):

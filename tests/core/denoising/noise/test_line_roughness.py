@@ -6,7 +6,7 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.noise.contrast import roughness
-from adaptive_fairing.core.denoising.noise.level import noise_model
+from adaptive_fairing.core.denoising.noise.level import variance_law
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
@@ -31,7 +31,7 @@ def levels(points, smooth, faces):
     topology = TriangleTopology(faces, len(points))
     frame = TriangleSurface(topology, smooth)
     inside = ~topology.on_boundary
-    model = noise_model(roughness(points, frame), inside)
+    model = variance_law(roughness(points, frame), inside)
     lines = NoisySurface(points, frame).lines
     return (
         np.median(model.level(frame.spacing)[inside]),

@@ -22,9 +22,9 @@ def frame_of(points, faces):
 
 
 def steps(points, faces):
-    """Vectors (n, 3) that the probe stands for."""
+    """Vectors (4, n, 3) that the probes stand for."""
     frame = frame_of(points, faces)
-    return frame.raised(OwnNumbers(points, frame).probe())
+    return np.stack([frame.raised(each) for each in OwnNumbers(points, frame).probes(4)])
 
 
 def test_they_are_spread_evenly_and_not_alike_at_neighbours():
@@ -49,6 +49,15 @@ def test_neighbours_differ_on_an_exactly_regular_mesh_too():
     assert len(np.unique(np.round(phases, 6))) > len(vertices) / 8
 
 
+def test_probes_are_of_one_size_and_not_alike():
+    for count in (1, 2, 3, 4, 9):
+        probes = OwnNumbers(POINTS, frame_of(POINTS, FACES)).probes(count)
+        assert len(probes) == min(count, 4)
+        np.testing.assert_allclose(np.mean(np.square(probes), axis=1), 1, rtol=1e-12)
+        alike = np.atleast_2d(np.corrcoef(probes)) - np.eye(len(probes))
+        assert np.abs(alike).max() < 4 / np.sqrt(len(POINTS))
+
+
 @pytest.mark.parametrize("what", ["turned", "mirrored", "other side", "renumbered", "scaled"])
 def test_steps_go_with_the_mesh(what):
     before = steps(POINTS, FACES)
@@ -64,7 +73,7 @@ def test_steps_go_with_the_mesh(what):
         after = steps(POINTS, FACES[:, ::-1])
     else:
         order = generator.permutation(len(POINTS))
-        after, before = steps(POINTS[order], np.argsort(order)[FACES]), before[order]
+        after, before = steps(POINTS[order], np.argsort(order)[FACES]), before[:, order]
     assert np.linalg.norm(after - before) < 1e-5 * np.linalg.norm(before)
 
 
