@@ -9,7 +9,7 @@ import numpy as np
 from scipy.sparse import csgraph
 
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
-from .mixture import RIDGE, Mixture, least_risk_coefficients
+from .mixture import Mixture, least_risk_coefficients
 from .noise.clean_detail import CleanDetail, is_voxel_contour
 from .noise.level import scan_level, variance_law
 from .noise.noisy_surface import NoisySurface
@@ -187,7 +187,6 @@ class MeshParts:
         removed: Sequence[RealArray],
         divergence: Sequence[RealArray],
         variances: FloatArray,
-        ridge: float = RIDGE,
     ) -> list[Mixture]:
         """Mix the filters for the least risk in every part.
 
@@ -205,7 +204,6 @@ class MeshParts:
                     [row[members] for row in divergence],
                     variances[:, members],
                     weights[used],
-                    ridge,
                 )
         return [Mixture(each, self._weights, self._part) for each in chosen]
 

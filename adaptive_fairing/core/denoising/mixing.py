@@ -209,8 +209,7 @@ def _planned(
     for number, families in enumerate(others, start=2):
         progress.begin("filter", number)
         measure()
-        of_noise = variance(1)[None]
-        pilots += parts.best_mixtures(removed, divergence, of_noise, tuned.pilot_ridge)
+        pilots += parts.best_mixtures(removed, divergence, variance(1)[None])
         _filter_all(tracks, families, pilots[-1])
     progress.begin("mix")
     measure()

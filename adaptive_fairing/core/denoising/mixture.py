@@ -111,7 +111,6 @@ def least_risk_coefficients(
     divergence: Sequence[RealArray],
     variances: FloatArray,
     classes: RealArray,
-    ridge: float = RIDGE,
 ) -> FloatArray:
     """Find the coefficients of the filters in the best mixture.
 
@@ -127,9 +126,6 @@ def least_risk_coefficients(
     classes : (c, n)
         Weights of the vertices in each density class, with the sum 1; 0 for vertices that do not
         count.  The coefficients at a vertex are the mean over the classes with these weights.
-    ridge : float
-        Weight of the squares of the coefficients.  A larger one keeps those of similar filters
-        alike, so that rounding does not choose between them.
 
     Returns
     -------
@@ -143,7 +139,7 @@ def least_risk_coefficients(
     result = np.zeros((len(variances), n_classes, n_filters))
     if not size > 0:
         return result
-    square[np.diag_indices(n)] += ridge * size
+    square[np.diag_indices(n)] += RIDGE * size
     # Not numpy's: its OpenBLAS starts threads for matrices as small as this.
     factor = cholesky(square, lower=True)
     # The sum of a class and a slack is 1, as further equations of great weight.

@@ -24,9 +24,9 @@ def test_no_vertex_has_more_weight_than_noise_of_one_edge_gives(monkeypatch):
     seen = []
     mixtures = MeshParts.best_mixtures
 
-    def observed(parts, removed, divergence, variances, *ridge):
+    def observed(parts, removed, divergence, variances):
         seen.append((removed, variances))
-        return mixtures(parts, removed, divergence, variances, *ridge)
+        return mixtures(parts, removed, divergence, variances)
 
     monkeypatch.setattr(MeshParts, "best_mixtures", observed)
     found = denoise(*sheet_with_a_speck())
