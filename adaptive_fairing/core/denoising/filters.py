@@ -198,13 +198,9 @@ def rounds_for(typical: float, correlation: NoiseCorrelation = WHITE) -> tuple[R
     tuned = parameters()
     factor = min(typical / tuned.coarse_noise, 1.0)
     wide, narrow = factor * tuned.wide_angle, factor * tuned.narrow_angle
-    of_noisy = NormalFamily(
-        "noisy normals", (Smoothing(tuned.long_fit_angle, tuned.long_fit_passes[-1:]),), True
-    )
-    smoothings = (
-        Smoothing(tuned.short_fit_angle, tuned.short_fit_passes),
-        Smoothing(tuned.long_fit_angle, tuned.long_fit_passes),
-    )
+    short = Smoothing(tuned.short_fit_angle, tuned.short_fit_passes)
+    long = Smoothing(tuned.long_fit_angle, (tuned.long_fit_passes,))
+    of_noisy = NormalFamily("noisy normals", (long,), is_of_noisy=True)
     every, gentle = all_diffusions(), gentle_diffusions()
     return (
         (FilterFamily("surface", IGNORES, LiftedMetric(1), every),),
@@ -213,7 +209,7 @@ def rounds_for(typical: float, correlation: NoiseCorrelation = WHITE) -> tuple[R
             FilterFamily("mesh, narrow angle", KEEPS, LiftedMetric(0, narrow), gentle),
             *((of_noisy,) if typical <= tuned.coarse_noise else ()),
         ),
-        (NormalFamily("normals", smoothings),),
+        (NormalFamily("normals", (short, long)),),
         (FlatFamily("flat faces", correlation),),
     )
 

@@ -229,18 +229,7 @@ def _planned(
     if not is_told:
         sliding = Sliding(track.start, frame, noise)
         after = sliding.limited(track.mixed(as_it_is.spread(usable)))
-        as_noise = before.positions - frame.raised(verdict.example())
-        # Smooth patches have no noise, and what is removed beside them no clusters.
-        there = np.where(parts.is_rough(before), noise, 0)
-        found, expected = (parts.clustering(before, each, there) for each in (after, as_noise))
-        # Many spikes leave many neighbours that stand out.
-        was_spike = (track.start.positions != before.positions).any(axis=1)
-        share = parts.counts(was_spike) / np.maximum(parts.counts(), 1)
-        excess = found - expected - share
-        keeps_detail = settings.clean == "detail"
-        is_noise = excess <= (tuned.clustered_detail if keeps_detail else tuned.most_clustered)
-        # Where nothing goes, nothing is alike.
-        clusters = bool((is_noise & (found > 0) & (excess > tuned.clustered_detail)).any())
+        is_noise, clusters = _look_like_noise(before, after, verdict, settings.clean)
         mixtures = [each.within(is_noise) for each in mixtures]
         impulsive = parts.at_vertices(is_noise) & impulsive
     counted, kept = parts.is_counted, np.ones(len(mixtures))
@@ -260,6 +249,28 @@ def _planned(
         correlation,
     )
     return plan, clusters
+
+
+def _look_like_noise(
+    before: TriangleSurface, after: FloatArray, verdict: NoiseVerdict, clean: str
+) -> tuple[BoolArray, bool]:
+    """Whether what was removed from each part is like noise, (p,), and some of it like detail.
+
+    The surface had positions (n, 3) after the removal.
+    """
+    tuned, stage, parts = parameters(), verdict.stage, verdict.stage.parts
+    as_noise = before.positions - stage.frame.raised(verdict.example())
+    # Smooth patches have no noise, and what is removed beside them no clusters.
+    there = np.where(parts.is_rough(before), verdict.whole(verdict.level), 0)
+    found, expected = (parts.clustering(before, each, there) for each in (after, as_noise))
+    # Many spikes leave many neighbours that stand out.
+    was_spike = (stage.track.start.positions != before.positions).any(axis=1)
+    share = parts.counts(was_spike) / np.maximum(parts.counts(), 1)
+    excess = found - expected - share
+    is_noise = excess <= (tuned.clustered_detail if clean == "detail" else tuned.most_clustered)
+    # Where nothing goes, nothing is alike.
+    clusters = is_noise & (found > 0) & (excess > tuned.clustered_detail)
+    return is_noise, bool(clusters.any())
 
 
 def _filter_all(tracks: Sequence[Track], families: Round, pilot: Mixture | None = None) -> None:

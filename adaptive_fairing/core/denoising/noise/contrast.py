@@ -239,7 +239,7 @@ class Fading:
         """Whether the roughness of vertices, (n,) bool, fades more than that of white noise."""
         tuned = parameters()
         _, kept = self.of_mesh(is_counted)
-        chance = tuned.fading_chance / np.sqrt(np.count_nonzero(is_counted))
+        chance = tuned.chance / np.sqrt(np.count_nonzero(is_counted))
         return kept < min(tuned.fading_kept, 1 - chance)
 
     def of_mesh(self, is_counted: BoolArray) -> tuple[float, float]:

@@ -64,7 +64,7 @@ def scan_level(
 
     The length of an edge depends on how steeply the surface was seen, not on the noise.  The noise
     is equally strong everywhere along the normals, like that of a laser, whose errors grow where
-    the surface is steep; or, if the likelihood is clear, along the line of sight.
+    the surface is steep, or along the line of sight: what is likelier.
 
     Parameters
     ----------
@@ -73,11 +73,10 @@ def scan_level(
     cosines : (n,)
         Cosines of the angles between normals and line of sight, above 0.
     """
-    tuned, value = parameters(), rough.value[is_counted]
+    value = rough.value[is_counted]
     of_length = np.sqrt(rough.fineness[is_counted])
     of_sight = cosines[is_counted] * of_length
-    gain = _unlikelihood(rough, value, of_length) - _unlikelihood(rough, value, of_sight)
-    along_sight = gain > tuned.least_gain_of_sight
+    along_sight = _unlikelihood(rough, value, of_sight) < _unlikelihood(rough, value, of_length)
     expected = of_sight if along_sight else of_length
     size = float(np.median(value / expected)) / NORMAL_MEDIAN
     return size * (cosines if along_sight else 1) / frame.spacing

@@ -43,7 +43,7 @@ def is_impulsive(surface: NoisySurface, level: FloatArray, is_counted: BoolArray
         return False
     size = (lines.least / np.maximum(level, 1e-9))[is_counted]
     ratio = _tail(size) / max(_tail(lines.least_of_noise[is_counted]), 1e-9)
-    chance = tuned.ratio_chance / np.sqrt(len(size))
+    chance = tuned.chance / np.sqrt(len(size))
     return ratio > tuned.normal_ratio + chance
 
 
