@@ -39,7 +39,7 @@ FILTERED_AS_PLANNED = Margin(16)
 
 # Largest part of creases among the edges of a mesh that is said to be smooth.  Of 25 shapes the
 # smooth ones had at most 0.008 (one with slivers 0.027), those with creases at least 0.016.
-SMOOTH = 0.01
+MOST_CREASES = 0.01
 
 # Rings for each edge of width, for noise of a given width.
 RINGS_OF_WIDTH = 4
@@ -177,7 +177,7 @@ def denoise(
         sharp_part=_sharp_part(outcome.plan),
         crease_part=denoised.crease_part,
         is_sharp=settings.features == "sharp"
-        or (settings.features == "auto" and denoised.crease_part > SMOOTH),
+        or (settings.features == "auto" and denoised.crease_part > MOST_CREASES),
         initial=initial,
         measures=tuple(measures),
         solve=outcome.solve,
