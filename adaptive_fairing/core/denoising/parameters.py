@@ -48,7 +48,8 @@ class DenoiseParameters:
     low_quantile: float = 0.3
     # A ratio of quantiles of n values may differ from that of noise by this over √n, by chance: for
     # spikes, and for fading in high order. Without it one amplitude of 0.05 on flat faces counted
-    # as spikes after jitter of 0.0001 of an edge. By hand; 4 and 2.5 gave the same.
+    # as spikes after jitter of 0.0001 of an edge. By hand; 4 for the one and 2.5 for the other
+    # gave the same.
     chance: float = 3.0
     # Triangles say nothing about noise of more local edges than this, or about planes further away.
     # Vertices with more noise may move without limits. On four shapes with specks of tiny triangles

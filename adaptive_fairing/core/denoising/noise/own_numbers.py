@@ -10,6 +10,8 @@ decide the result.
 
 from __future__ import annotations
 
+from itertools import islice
+
 import numpy as np
 from scipy.special import ndtri
 
@@ -71,9 +73,9 @@ class OwnNumbers:
         A number changes its sign with the normal, so that the step is the same if the faces are
         reversed.
         """
-        turn = 2 * np.pi * self.phases(PROBE)
-        waves = np.cos(turn), np.sin(turn), np.cos(2 * turn), np.sin(2 * turn)
-        signed = (each * self._sides for each in waves[:count])
+        turns = 2 * np.pi * self.phases(PROBE)
+        waves = ((wave, times) for times in (1, 2) for wave in (np.cos, np.sin))
+        signed = (wave(times * turns) * self._sides for wave, times in islice(waves, count))
         return [each / np.sqrt(np.mean(np.square(each))) for each in signed]
 
     def noise(self, use: float) -> FloatArray:
