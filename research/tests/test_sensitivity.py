@@ -28,11 +28,11 @@ def test_every_parameter_can_be_moved(factor):
 
 
 def test_one_row_for_each_parameter_with_what_it_changes():
-    """More noise than is estimated blurs a ball more; it has no boundary curves."""
+    """More noise than is estimated blurs a ball more; it has no spikes."""
     clean, faces = icosphere(3)
     noisy, _ = noisy_ball(3, 0.02)
     pair = Pair("ball", "sphere", "tuning", "normal:0.2", clean, noisy, faces)
-    names = ["noise_factor", "curve_passes"]
+    names = ["noise_factor", "most_unexplained"]
     moving, still = sensitivity.changes([pair], names, 1.25)
     assert len(moving) == 4
     assert all(abs(change) > 1e-4 for change in moving)

@@ -23,6 +23,9 @@ from .noise.level import NORMAL_MEDIAN
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
+# Passes of averaging along a curve, ascending: each twice as wide in its variance.
+PASSES = (1, 2, 4, 8, 16, 32)
+
 # Standard deviation that (1, -4, 6, -4, 1) / 4 makes of white noise.
 DIFFERENCE_OF_WHITE = 70**0.5 / 4
 
@@ -111,7 +114,7 @@ class BoundaryCurves:
         The filters are right about the shape of a curve, but they have drawn all of it inwards.
         """
         smooth, done, ways = filtered, 0, []
-        for passes in parameters().curve_passes:
+        for passes in PASSES:
             for _ in range(passes - done):
                 smooth = self._smoothed(smooth)
             done = passes
@@ -121,7 +124,7 @@ class BoundaryCurves:
     def _sideways(self, direction: FloatArray, noise: FloatArray) -> FloatArray:
         """Find the moves sideways, (r,), to averages 2 Kᵖ - K²ᵖ, which keep a bend."""
         smooth, ways = [self._points], []
-        for passes in parameters().curve_passes:
+        for passes in PASSES:
             while len(smooth) <= 2 * passes:
                 smooth.append(self._smoothed(smooth[-1]))
             average = 2 * smooth[passes] - smooth[2 * passes]

@@ -69,7 +69,8 @@ class Sliding:
         self._upwards = unit_vectors(normals[self._triangles].sum(axis=1))
         was_upright = dots(start.triangle_normals(), self._upwards) > 0
         self._reach = noise * start.spacing
-        self._is_free = noise > tuned.most_edges
+        # More noise than an edge leaves nothing to see in the triangles.
+        self._is_free = noise > 1
         is_told = ~self._is_free[self._triangles].any(axis=1)
         self._may_turn = is_told & was_upright
 

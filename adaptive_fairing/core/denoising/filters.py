@@ -40,6 +40,10 @@ from .triangle_surface import TriangleSurface
 # Behaviour of a filter at creases. Filters that see creases keep those that stand out of the noise.
 KEEPS, SEES, IGNORES = "keeps", "sees", "ignores"
 
+# Relative residual of the solves. A filter need not follow its formula exactly, because its effect
+# is measured. With 0.01 and 0.02 the results were no better.
+TOLERANCE = 0.05
+
 # The fit to normals is a step in the metric of the surface.
 FIT_METRIC = LiftedMetric(1)
 
@@ -287,7 +291,7 @@ class FilterBank:
             self._fit_system(surface, smooth),
             self._fit_loads(surface, smoothings, n_fits).T,
             is_held=self._is_loose,
-            tolerance=parameters().filter_tolerance,
+            tolerance=TOLERANCE,
             max_iterations=MAX_ITERATIONS,
         )
         self._on_solve(report)
@@ -341,7 +345,7 @@ class FilterBank:
             bending,
             self._is_loose,
             self._on_solve,
-            parameters().filter_tolerance,
+            TOLERANCE,
             self._precision,
         )
         for each in removed:

@@ -15,7 +15,7 @@ A vertex of one face then moves onto its plane, a vertex of several faces to whe
 from __future__ import annotations
 
 import numpy as np
-from scipy import sparse
+from scipy import sparse, special
 from scipy.sparse.csgraph import connected_components
 
 from ..mesh.normals import dots, unit_vectors
@@ -41,6 +41,10 @@ LEAST_DEVIATION = 1e-9
 # Nearly parallel planes do not say where they meet: a vertex between two planes at an angle of θ
 # goes half of its way to them if θ² / 2 is this.  With a tenth of it nothing changes.
 PARALLEL = 0.003
+
+# Probability with which a flat face passes the F test. Limits of F from 5.4 to 8, and such as grow
+# with the face, gave the same results.
+FLATNESS = 0.9999
 
 # Relative to the trace, keeps a system of a handful of vertices on one line definite.
 RIDGE = 1e-9
@@ -276,16 +280,17 @@ class PlaneFits:
         left = self._sums(weights * self._residuals**2) - by_quadric
         gain = (by_quadric - explained(3)) / 3
         freedom = np.maximum(self._count - 6, 1)
-        bent: BoolArray = own_part * gain * freedom > parameters().most_bend * np.maximum(left, 0)
+        limit = special.fdtri(3, freedom, FLATNESS)
+        bent: BoolArray = own_part * gain * freedom > limit * np.maximum(left, 0)
         return bent
 
     def onto(self, surface: FloatArray, spacing: FloatArray) -> FloatArray:
         """Move vertices of a surface (n, 3) the shortest way onto all of their planes.
 
         Between nearly parallel planes the vertex moves half-way. A vertex that would move further
-        than `most_edges` local edge lengths, (n,), stays.
+        than its local edge length, (n,), stays.
         """
-        tuned, n = parameters(), len(surface)
+        n = len(surface)
         normals = self.normals[self.face]
         heights = self.heights(surface[self.vertex], self.face)
         matrix, right = np.empty((n, 3, 3)), np.empty((n, 3))
@@ -296,7 +301,7 @@ class PlaneFits:
                 matrix[:, i, j] = matrix[:, j, i] = product
         matrix += PARALLEL * np.eye(3)
         way = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
-        is_near = np.linalg.norm(way, axis=1) <= tuned.most_edges * spacing
+        is_near = np.linalg.norm(way, axis=1) <= spacing
         return np.where(is_near[:, None], surface - way, surface)
 
     def _fit(self) -> None:

@@ -51,10 +51,11 @@ class DenoiseParameters:
     # as spikes after jitter of 0.0001 of an edge. By hand; 4 for the one and 2.5 for the other
     # gave the same.
     chance: float = 3.0
-    # Triangles say nothing about noise of more local edges than this, or about planes further away.
-    # Vertices with more noise may move without limits. On four shapes with specks of tiny triangles
-    # and one amplitude of 0.5 that left 0.76 of the error; 0.7 or 1.5 gave the same.
-    most_edges: float = 1.0
+    # What is below this part of its size in white noise is clearly less: the hinges against the
+    # roughness, which shape has raised then, and the differences of high order against those of low
+    # order, which fade then. White noise on many shapes kept 0.92 to 1.05 in high order, staircases
+    # 0.71 to 0.85. With 0.85 for hinges the results were the same.
+    clearly_less: float = 0.9
 
     # flat_faces. On shapes of flat faces, with normal noise and one amplitude of 0.2, a change of
     # one of these by a third to a half changed the error by at most 2 % and the angle by at most
@@ -65,14 +66,14 @@ class DenoiseParameters:
     most_uneven: float = math.radians(6)
     # Triangles with a vertex further from the plane than this are not taken. Where the noise is
     # more than `coarse_noise` it is larger in proportion: on ten CAD shapes with one amplitude of
-    # 0.2 the error was 0.98 of that with the same everywhere.
+    # 0.2 the error was 0.98 of that with the same everywhere. Smooth noise on faces is at most as
+    # strong: rocks and wrinkles all over four flat-sided shapes were taken for noise of 0.39 to
+    # 0.75, and noise of 0.3 that is alike over four edges for 0.32.
     face_height: float = 0.35
     # A mesh with a smaller part of its triangles on flat faces counts as round, and with a smaller
     # part of its vertices well inside them its noise is not told there. Seven organic shapes had at
     # most 0.12, parts with flat sides at least 0.25, one shape between them 0.15.
     least_flat: float = 0.15
-    # A face is bent if a quadric fits it better than a plane by more than this F statistic.
-    most_bend: float = 8.0
 
     # filters: times, orders and steps of the diffusions.
     # Times of the gentle filters, which every metric has. Creases need them. The last is also that
@@ -87,10 +88,6 @@ class DenoiseParameters:
     steep_order: int = 4
     # Steps of each gentle or steep filter. By hand.
     diffusion_steps: int = 4
-    # Relative residual of the filters' solves. A filter need not follow its formula exactly,
-    # because its effect is measured. With 0.01 and 0.02 the results were no better, and with 0.02
-    # jitter of 0.0001 of an edge changed one shape of eight by 4 % of what is removed, not by 1 %.
-    filter_tolerance: float = 0.05
     # Fraction of the flux through the boundary that does not count as bending. With 0 boundaries
     # are drawn inwards, with 1 their noise stays. Found on an open mesh with slivers on its
     # boundary, where 0 made the error larger by half.
@@ -129,11 +126,9 @@ class DenoiseParameters:
     # mesh_parts
     # Classes at most. By hand.
     most_classes: int = 3
-    # Fraction of the vertices beyond the middle of the first class, and of the last. By hand.
+    # Fraction of the vertices beyond the middle of the first class, and of the last. With a sixth
+    # 395 meshes were the same in the mean, but one uneven shape lost 2 to 8 %.
     class_margin: float = 0.05
-    # The noise is that of the hinges where it is below this part of that of the roughness, which
-    # shape has raised there. Elsewhere it is that of the roughness, measured at the vertices.
-    clearly_less: float = 0.85
     # A patch with less than this part of the median roughness is smooth. Without it two noisy
     # shapes, a fifth of each smooth, were left as they were. By hand.
     smooth_patch: float = 0.5
@@ -159,10 +154,6 @@ class DenoiseParameters:
     # shapes. The detail of two decimated scans had 0.23 and 0.25.
     clustered_detail: float = 0.18
 
-    # boundary_curves. On seven open tuning shapes with six kinds of noise.
-    # Passes of averaging along a curve, ascending. By hand.
-    curve_passes: tuple[int, ...] = (1, 2, 4, 8, 16, 32)
-
     # bounds
     # Vertices go this fraction of their way along the surface. On meshes with known noise that was
     # worth 4 % of the error and 7 % of the angle with noise of 0.05, 0 and 4 % with noise of 0.2.
@@ -178,7 +169,9 @@ class DenoiseParameters:
     # Least correlation of the bends at neighbours in a model: white noise has 0, smooth shapes 1.
     # Models had 0.65 to 0.95; with noise of 0.2 they had at most 0.58, except those with slivers.
     least_bend_correlation: float = 0.6
-    # What keeps less in differences of high order is smoother than a model's edges. By hand.
+
+    # What keeps less in differences of high order is smoother than a model's edges: noise over two
+    # edges on small meshes. With 0.9 two of 150 random models moved.
     least_kept: float = 0.75
 
     # noise/contrast: fading in differences of high order.
@@ -188,16 +181,10 @@ class DenoiseParameters:
     # Largest coefficient of the neighbours' mean in noise. Contoured voxels fade as noise with 0.55
     # to 0.63 would, but part of that is the fading of their shape.
     most_correlation: float = 0.56
-    # What keeps a smaller part in differences of high order fades. White noise on many shapes keeps
-    # 0.92 to 1.05, staircases 0.71 to 0.85.
-    fading_kept: float = 0.9
 
     # noise/face_noise
     # Flat faces are looked for as if the noise were smoothed by this many passes of averaging.
     assumed_passes: int = 8
-    # Rocks and wrinkles all over four flat-sided shapes were taken for noise of levels from 0.39 to
-    # 0.75. Noise of 0.3 that is alike over four edges had at most 0.32.
-    most_level_on_faces: float = 0.35
 
     # noise/level
     # Largest roughness of clean meshes in their quietest bin.
@@ -207,21 +194,11 @@ class DenoiseParameters:
     # on shapes with creases.
     most_unlikely: float = 3.0
 
-    # noise/line_of_sight
-    # Largest part of the gaps of parallelograms that is across the lines of sight. Depth images had
-    # 1e-15, two real scans 0.001 and 0.003, those of near cameras (up to 34° off the middle) 0.012,
-    # other meshes at least 0.43.
-    most_off_sight: float = 0.05
-
-    # Exact twins among triangles: at least this fraction of a model's triangles has one. In meshes
-    # with noise of 0.05 or more it is at most 0.001, with spikes alone more.
-    least_repeated: float = 0.1
+    # noise/clean_detail: exact twins among triangles.
     # A model has at least this many times the pairs that chance explains. A real scan with rounded
     # coordinates had 143 times as many. With this number nothing changes on 200 random models,
     # clean or noisy.
     least_over_chance: float = 512.0
-    # Contoured voxels have at most this many kinds of edges; marching cubes have 27.
-    most_kinds_of_edges: int = 100
     # Contoured voxels have at least this many kinds of vertices for each kind of edges. Models have
     # fewer kinds of vertices than of edges. By hand.
     least_kinds_of_vertices: float = 3.0
@@ -232,9 +209,6 @@ class DenoiseParameters:
     # What a shape has in the band narrower than the noise, over what it has in the band as wide as
     # the noise, each relative to noise. Five clean shapes had 0.2 to 0.56 for widths of 4 to 16.
     narrow_of_shape: float = 0.38
-    # At least this part of the narrow band is noise, also where shape would explain all of it. With
-    # none, more strength would remove nothing. By hand.
-    least_of_narrow: float = 0.3
 
     # No vertex of n moves further than √(2 ln n) standard deviations of the noise plus this many.
     extra_deviations: float = 1.0

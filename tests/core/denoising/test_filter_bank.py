@@ -1,13 +1,12 @@
 """Filter bank against its formulas, carried out on dense matrices."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from scipy.linalg import eigh
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
+from adaptive_fairing.core.denoising import filters
 from adaptive_fairing.core.denoising.filters import (
     IGNORES,
     FilterBank,
@@ -23,13 +22,18 @@ from adaptive_fairing.core.denoising.lifted_metric import (
     linear_elements,
 )
 from adaptive_fairing.core.denoising.normal_filter import Smoothing
-from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
+from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 from adaptive_fairing.core.linalg.edge_matrix import EdgePattern
 
-EXACT = replace(PARAMETERS, filter_tolerance=1e-10)
 FIRST = mesh_family().diffusions[len(gentle_diffusions())]
 SHAPES = {"uneven": meshes.graded_sphere(2), "open": meshes.bumpy_disc(0)}
+
+
+@pytest.fixture
+def exact(monkeypatch):
+    """Solves that follow the formulas to the last digits."""
+    monkeypatch.setattr(filters, "TOLERANCE", 1e-10)
 
 
 def surface_of(vertices, faces):
@@ -57,42 +61,42 @@ def diffused(diffusions, noisy, surface, metric, flux_fraction=0.0):
     ]
 
 
+@pytest.mark.usefixtures("exact")
 @pytest.mark.parametrize("shape", SHAPES)
 def test_the_first_filters_are_diffusions_in_the_metric_of_the_mesh(shape):
     noisy = surface_of(*SHAPES[shape])
-    with using(EXACT):
-        surface, filtered = bank_of(noisy).started(noisy)
+    surface, filtered = bank_of(noisy).started(noisy)
     assert tuple(filtered) == mesh_family().filters
     expected = diffused((FIRST, *mesh_family().diffusions), noisy, noisy, LiftedMetric())
     found = [surface.positions, *filtered.values()]
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7)
 
 
+@pytest.mark.usefixtures("exact")
 @pytest.mark.parametrize("shape", SHAPES)
 def test_later_filters_take_their_metric_from_the_surface_and_leave_out_its_boundary_flux(shape):
     noisy = surface_of(*SHAPES[shape])
     surface = TriangleSurface(noisy.topology, noisy.positions * [1, 1, 0.5])
     family = FilterFamily("wide", IGNORES, LiftedMetric(1, 0.3), mesh_family().diffusions)
-    with using(EXACT):
-        found = dict(bank_of(noisy).filtered(noisy, surface, (family,)))
+    found = dict(bank_of(noisy).filtered(noisy, surface, (family,)))
     assert tuple(found) == family.filters
     fraction = PARAMETERS.boundary_flux_fraction
     expected = diffused(family.diffusions, noisy, surface, family.metric, fraction)
     np.testing.assert_allclose(list(found.values()), expected, rtol=0, atol=1e-7)
 
 
+@pytest.mark.usefixtures("exact")
 def test_one_solve_for_all_fits_gives_what_each_gives_alone():
     noisy = surface_of(*meshes.noisy_ball(2, 0.05))
     smoothings = Smoothing(0.5, (1, 3)), Smoothing(1.0, (2,))
-    with using(EXACT):
-        together = bank_of(noisy).filtered(noisy, noisy, (NormalFamily("all", smoothings),))
-        families = [
-            NormalFamily("one", (Smoothing(each.angle, (passes,)),))
-            for each in smoothings
-            for passes in each.passes
-        ]
-        alone = bank_of(noisy).filtered(noisy, noisy, families)
-        found, expected = ([positions for _, positions in each] for each in (together, alone))
+    together = bank_of(noisy).filtered(noisy, noisy, (NormalFamily("all", smoothings),))
+    families = [
+        NormalFamily("one", (Smoothing(each.angle, (passes,)),))
+        for each in smoothings
+        for passes in each.passes
+    ]
+    alone = bank_of(noisy).filtered(noisy, noisy, families)
+    found, expected = ([positions for _, positions in each] for each in (together, alone))
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-8)
     assert np.abs(found[0] - found[1]).max() > 1e-3
 

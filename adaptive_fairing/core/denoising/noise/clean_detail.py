@@ -25,8 +25,16 @@ from .noisy_surface import NoisySurface
 TOLERANCE = 8 * 2.0**-23
 WIDER = 64
 
+# At least this fraction of a model's triangles has a twin. In meshes with noise of 0.05 or more at
+# most 0.001 have, with spikes alone more. With 0.03 and 0.3 no verdict on 447 clean meshes changed.
+LEAST_REPEATED = 0.1
+
 # Edges are of one kind if they differ by at most this, relative to the longest one.
 COARSE = 1e-3
+
+# Contoured voxels have at most so many kinds of edges; marching cubes have 27. Only a limit of the
+# time: with three and ten times as many every verdict on 447 clean meshes was the same.
+MOST_KINDS_OF_EDGES = 100
 
 # Odd numbers without any relation to each other.
 LABEL_FACTORS = np.random.default_rng(0).integers(1 << 61, 1 << 62, 3) | 1
@@ -126,7 +134,7 @@ def repeated_part(triangles: IntArray, positions: FloatArray) -> float:
     tolerance = TOLERANCE * float(np.abs(corners).max())
     pairs = _others_alike(lengths, tolerance)
     part = float(np.mean(pairs > 0))
-    if part < tuned.least_repeated:
+    if part < LEAST_REPEATED:
         return 0.0
     by_chance = np.mean(_others_alike(lengths, WIDER * tolerance)) / WIDER**2
     return part if np.mean(pairs) > tuned.least_over_chance * by_chance else 0.0
@@ -135,7 +143,7 @@ def repeated_part(triangles: IntArray, positions: FloatArray) -> float:
 def is_voxel_contour(triangles: IntArray, positions: FloatArray) -> bool:
     """Whether triangles (m, 3) are the contour of a volume of whole voxels."""
     tuned = parameters()
-    most = tuned.most_kinds_of_edges
+    most = MOST_KINDS_OF_EDGES
     corners = positions[triangles]
     edges = (corners - np.roll(corners, 1, axis=1)).reshape(-1, 3)
     longest = float(np.linalg.norm(edges, axis=1).max(initial=0))

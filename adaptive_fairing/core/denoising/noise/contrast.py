@@ -240,7 +240,7 @@ class Fading:
         tuned = parameters()
         _, kept = self.of_mesh(is_counted)
         chance = tuned.chance / np.sqrt(np.count_nonzero(is_counted))
-        return kept < min(tuned.fading_kept, 1 - chance)
+        return kept < min(tuned.clearly_less, 1 - chance)
 
     def of_mesh(self, is_counted: BoolArray) -> tuple[float, float]:
         """Roughness in low order relative to white noise, and the fraction left in high order."""

@@ -90,7 +90,7 @@ def face_noise(
         # Too few outliers are as little like noise as too many.
         outliers=float(np.maximum(tails, 1 / np.maximum(tails, 1e-9)).max()),
         lean=leaning(local),
-        is_enough=level <= tuned.most_level_on_faces,
+        is_enough=level <= tuned.face_height,
     )
 
 

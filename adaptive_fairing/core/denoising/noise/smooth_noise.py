@@ -232,8 +232,9 @@ def _least_level(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, pas
     narrow, wide = np.where(found > LEAST_STRENGTH, found, 0) / expected
     # Both bands have all of the noise, and the narrow one this part of what the wide has of shape.
     of_shape = tuned.narrow_of_shape**2
-    variance = max((narrow**2 - of_shape * wide**2) / (1 - of_shape), 0.0)
-    return float(max(np.sqrt(variance), tuned.least_of_narrow * narrow))
+    variance = (narrow**2 - of_shape * wide**2) / (1 - of_shape)
+    # And noise has at least as much of the narrow band: else more strength would remove nothing.
+    return float(np.sqrt(max(variance, of_shape * narrow**2)))
 
 
 def _of_white_noise(white: FloatArray, frame: TriangleSurface, is_counted: BoolArray) -> FloatArray:

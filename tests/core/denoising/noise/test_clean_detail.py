@@ -96,5 +96,5 @@ def test_few_vertices_of_white_noise_seem_to_fade_by_chance_and_are_not_taken_fo
     parts = np.array_split(np.arange(len(frame.spacing)), 40)
     counted = [np.isin(np.arange(len(frame.spacing)), part) for part in parts]
     kept = np.array([fading.of_mesh(part)[1] for part in counted])
-    assert np.count_nonzero(kept < PARAMETERS.fading_kept) >= 5
+    assert np.count_nonzero(kept < PARAMETERS.clearly_less) >= 5
     assert sum(fading.fades(part) for part in counted) <= 2
