@@ -177,6 +177,9 @@ def _with_smooth_noise(verdict: NoiseVerdict, clean: str) -> NoiseVerdict:
     stage, counted = verdict.stage, verdict.stage.parts.is_counted
     seen = stage.noisy.along_sight()
     anywhere = smooth_noise(seen, counted)
+    # Wider waves that are stronger and stronger are those of terrain, and this is none.
+    if stage.noisy.shows_object:
+        anywhere = anywhere._replace(excess=0.0)
     for smooth in (stage.face_noise(seen), anywhere):
         if smooth is not None and _is_removed(smooth, clean):
             level = _per_edge(smooth.level, seen, stage)

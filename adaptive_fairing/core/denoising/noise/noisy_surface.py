@@ -11,7 +11,7 @@ from ...runtime.arrays import FloatArray
 from ...runtime.threads import for_each
 from ..triangle_surface import TriangleSurface
 from .contrast import Contrast, Fading, LineRoughness, hinges, roughness
-from .line_of_sight import LEAST_COSINE, lines_of_sight
+from .line_of_sight import LEAST_COSINE, lines_of_sight, shows_object
 from .own_numbers import LINE_NOISE, WHITE_NOISE, OwnNumbers
 
 
@@ -65,11 +65,20 @@ class NoisySurface:
     @cached_property
     def cosines(self) -> FloatArray | None:
         """Cosines (n,) of the angles at which a scanner or a camera saw the surface, if one did."""
-        rays = lines_of_sight(self.topology, self.positions)
-        if rays is None:
+        if self._rays is None:
             return None
-        cosines: FloatArray = np.abs(dots(self.frame.normals, rays))
+        cosines: FloatArray = np.abs(dots(self.frame.normals, self._rays))
         return np.maximum(cosines, LEAST_COSINE)
+
+    @cached_property
+    def shows_object(self) -> bool:
+        """Whether a scanner or a camera saw an object here, and this is no terrain on a grid."""
+        rays = self._rays
+        return rays is not None and shows_object(self.topology, self.positions, rays)
+
+    @cached_property
+    def _rays(self) -> FloatArray | None:
+        return lines_of_sight(self.topology, self.positions)
 
     def along_sight(self) -> NoisySurface:
         """Return this surface with the unit of length in which a depth camera's noise is even.

@@ -5,7 +5,11 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
-from adaptive_fairing.core.denoising.noise.line_of_sight import lines_of_sight, on_rays
+from adaptive_fairing.core.denoising.noise.line_of_sight import (
+    lines_of_sight,
+    on_rays,
+    shows_object,
+)
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
@@ -62,6 +66,47 @@ def test_noise_in_rounded_depths_is_found():
     result = denoise(seen(depth), cut_either_way(), DenoiseSettings(boundary="free"))
     left = (result.positions - seen(bent)) @ SIGHT
     assert np.std(left) < 0.3 * np.std(depth - bent)
+
+
+def without_a_corner():
+    """Triangles of the grid but those at one of its corners: their outline is not convex."""
+    is_at_corner = (GRID[FACES, :2].mean(axis=1) > 50).all(axis=1)
+    return FACES[~is_at_corner]
+
+
+def terrain(seed):
+    """Heights whose waves grow in proportion to their length, three edges in all."""
+    n = 71
+    frequency = np.hypot(np.fft.fftfreq(n)[:, None], np.fft.fftfreq(n))
+    frequency[0, 0] = 1
+    white = np.fft.fft2(np.random.default_rng(seed).normal(size=(n, n)))
+    heights = np.fft.ifft2(white / frequency**2).real.ravel()
+    return 3 * heights / heights.std()
+
+
+def test_an_object_does_not_fill_its_outline_and_a_near_camera_sees_no_terrain():
+    points = seen(depths() + 0.3 * smooth())
+    assert not shows_object(TOPOLOGY, points, PARALLEL)
+    assert shows_object(TriangleTopology(without_a_corner(), len(GRID)), points, PARALLEL)
+    rays = near_rays() / np.linalg.norm(near_rays(), axis=1)[:, None]
+    assert shows_object(TOPOLOGY, 50 * rays, rays)
+
+
+def test_a_wall_that_is_seen_along_itself_shows_nothing():
+    along_wall = np.tile([0.0, 1.0, 0.0], (len(GRID), 1))
+    assert not shows_object(TOPOLOGY, GRID, along_wall)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_waves_that_grow_with_their_length_are_kept_on_terrain_alone(seed):
+    """On an object they may be the noise of structured light."""
+    whole, part = (
+        denoise(seen(terrain(seed)), faces, DenoiseSettings(boundary="free"))
+        for faces in (FACES, without_a_corner())
+    )
+    assert np.array_equal(whole.positions, seen(terrain(seed)))
+    assert "uniformly rough" in whole.notes[0]
+    assert "it was removed" in part.notes[0]
 
 
 def test_rays_of_a_near_camera_meet_where_it_is():
