@@ -169,7 +169,6 @@ class DenoiseParameters:
     # Least correlation of the bends at neighbours in a model: white noise has 0, smooth shapes 1.
     # Models had 0.65 to 0.95; with noise of 0.2 they had at most 0.58, except those with slivers.
     least_bend_correlation: float = 0.6
-
     # What keeps less in differences of high order is smoother than a model's edges: noise over two
     # edges on small meshes. With 0.9 two of 150 random models moved.
     least_kept: float = 0.75

@@ -143,14 +143,13 @@ def repeated_part(triangles: IntArray, positions: FloatArray) -> float:
 def is_voxel_contour(triangles: IntArray, positions: FloatArray) -> bool:
     """Whether triangles (m, 3) are the contour of a volume of whole voxels."""
     tuned = parameters()
-    most = MOST_KINDS_OF_EDGES
     corners = positions[triangles]
     edges = (corners - np.roll(corners, 1, axis=1)).reshape(-1, 3)
     longest = float(np.linalg.norm(edges, axis=1).max(initial=0))
-    if not longest > 0 or _n_kinds(edges[: 3 * FIRST_TRIANGLES] / longest) > most:
+    if not longest > 0 or _n_kinds(edges[: 3 * FIRST_TRIANGLES] / longest) > MOST_KINDS_OF_EDGES:
         return False
     n_edges = _n_kinds(edges / longest)
-    if n_edges > most:
+    if n_edges > MOST_KINDS_OF_EDGES:
         return False
     # Every triangle adds its two edges at a corner.
     opened = 2 * corners - np.roll(corners, 1, axis=1) - np.roll(corners, -1, axis=1)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from ...mesh.normals import dots, unit_vectors
+from ...mesh.normals import dots, triangle_normals, unit_vectors
 from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import FloatArray, IntArray
 from ..lifted_metric import squared_edges
@@ -85,18 +85,12 @@ def shows_object(topology: TriangleTopology, positions: FloatArray, rays: FloatA
     used = np.unique(topology.triangles)
     middle = rays[used].mean(axis=0)
     middle /= np.linalg.norm(middle)
-    cosines = rays @ middle
-    if cosines[used].min() < PARALLEL:
+    if (rays[used] @ middle).min() < PARALLEL:
         return True
-    # Along the rays onto the plane across their mean, in two coordinates.
-    along = positions @ middle / cosines
-    plane = np.linalg.svd(middle[None])[2][1:]
-    seen = (positions - along[:, None] * rays) @ plane.T
-    first, second, third = (seen[corner] for corner in topology.triangles.T)
-    (a, b), (c, d) = (second - first).T, (third - first).T
-    area = np.abs(a * d - b * c).sum() / 2
+    area = np.abs(triangle_normals(positions, topology.triangles) @ middle).sum() / 2
+    across = np.linalg.svd(middle[None])[2][1:]
     try:
-        outline = ConvexHull(seen[used])
+        outline = ConvexHull(positions[used] @ across.T)
     except QhullError:  # a plane that is seen along itself has no outline
         return False
     return bool(area < WHOLE_OUTLINE * outline.volume)
