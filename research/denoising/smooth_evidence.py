@@ -100,7 +100,8 @@ def measured(vertices: FloatArray, faces: Faces) -> tuple[tuple[float, ...] | No
     prepared = PreparedMesh.of(mesh)
     surface, positions = prepared.surface, prepared.frame(mesh.points, "box").inward(mesh.points)
     stage = Stage(surface.topology, positions, surface.is_cut, lambda _: None)
-    found = smooth_noise(stage.noisy.along_sight(), stage.parts.is_counted)
+    counted = stage.parts.is_counted
+    found = smooth_noise(stage.noisy.in_unit(counted), counted)
     if not found.may_be_noise:
         return None, False
     measures = measures_of_noise(found.misfit, found.evenness, found.outliers, found.lean)

@@ -103,7 +103,7 @@ def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> Noise
         none = np.zeros(len(counted))
         return NoiseVerdict(stage, none, None, none > 0, none, (stage.parts.too_few(),))
     if width is not None:
-        seen = stage.noisy.along_sight()
+        seen = stage.noisy.in_unit(counted)
         size, correlation = noise_of_width(seen, stage.face_noise(seen), counted, width)
         level = _per_edge(size, seen, stage)
         return NoiseVerdict(stage, level, correlation, np.zeros(len(level), bool), level, ())
@@ -175,7 +175,7 @@ def _without_spikes(
 def _with_smooth_noise(verdict: NoiseVerdict, clean: str) -> NoiseVerdict:
     """Look for noise that is smooth over several edges, on flat faces and elsewhere."""
     stage, counted = verdict.stage, verdict.stage.parts.is_counted
-    seen = stage.noisy.along_sight()
+    seen = stage.noisy.in_unit(counted)
     anywhere = smooth_noise(seen, counted)
     # Wider waves that are stronger and stronger are those of terrain, and this is none.
     if stage.noisy.shows_object:

@@ -7,10 +7,11 @@ from functools import cached_property
 import numpy as np
 
 from ...mesh.normals import dots
-from ...runtime.arrays import FloatArray
+from ...runtime.arrays import BoolArray, FloatArray
 from ...runtime.threads import for_each
 from ..triangle_surface import TriangleSurface
 from .contrast import Contrast, Fading, LineRoughness, hinges, roughness
+from .level import has_one_length
 from .line_of_sight import LEAST_COSINE, lines_of_sight, shows_object
 from .own_numbers import LINE_NOISE, WHITE_NOISE, OwnNumbers
 
@@ -80,13 +81,19 @@ class NoisySurface:
     def _rays(self) -> FloatArray | None:
         return lines_of_sight(self.topology, self.positions)
 
-    def along_sight(self) -> NoisySurface:
-        """Return this surface with the unit of length in which a depth camera's noise is even.
+    def in_unit(self, is_counted: BoolArray) -> NoisySurface:
+        """Return this surface with the unit of length in which its noise is even.
 
-        The median of that unit is that of the local edge length.  A surface that no camera saw is
-        returned unchanged.
+        Vertices, (n,) bool, tell whether that is one length everywhere.  If not, it goes with the
+        cosines where a camera saw the surface, and is the local edge length elsewhere.  The median
+        of the unit is that of the local edge length.
         """
-        if self.cosines is None:
+        spacing = self.frame.spacing
+        if has_one_length(self.roughness, is_counted, self.cosines):
+            unit = np.ones(len(spacing))
+        elif self.cosines is not None:
+            unit = self.cosines
+        else:
             return self
-        unit = self.cosines * (np.median(self.frame.spacing) / np.median(self.cosines))
+        unit = unit * (np.median(spacing) / np.median(unit))
         return NoisySurface(self.positions, self.frame.with_frame(spacing=unit))

@@ -6,7 +6,7 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoising.noise.contrast import roughness
-from adaptive_fairing.core.denoising.noise.level import scan_level, variance_law
+from adaptive_fairing.core.denoising.noise.level import has_one_length, scan_level, variance_law
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
@@ -142,3 +142,31 @@ def test_the_noise_of_a_scan_follows_the_angle_or_the_amplitude(power):
     found = scan_level(rough, frame, is_flat, cosines)
     expected = amplitude / frame.spacing
     np.testing.assert_allclose(found[is_flat], expected[is_flat], rtol=0.05)
+
+
+@pytest.mark.parametrize("per_edge", [True, False], ids=["per edge", "one length"])
+def test_noise_has_one_length_or_goes_with_the_edges(per_edge):
+    points, _ = noisy(0.05, per_edge)
+    topology = TriangleTopology(SPHERE[1], len(points))
+    rough = roughness(points, TriangleSurface(topology, SPHERE[0]))
+    assert has_one_length(rough, ~topology.on_boundary) == (not per_edge)
+
+
+@pytest.mark.parametrize("power", [-1, 1], ids=["structured light", "along the line of sight"])
+@pytest.mark.parametrize("slope", [0.9, 1.5])
+def test_what_is_seen_steeply_does_not_tell_that_noise_has_one_length(power, slope):
+    """Only the flat half of a roof tells where the other one is steeper than 45 degrees.
+
+    Structured light errs more where it grazes the surface.
+    """
+    grid, faces = meshes.flat_grid(70, 70)
+    roof = grid + np.maximum(slope * (grid[:, :1] - 35), 0) * [0, 0, 1]
+    topology = TriangleTopology(faces, len(grid))
+    frame = TriangleSurface(topology, roof)
+    cosines = frame.normals[:, 2]
+    noise = np.random.default_rng(0).normal(size=len(grid))
+    heights = 0.02 * cosines ** (power - 1) * noise
+    rough = roughness(roof + heights[:, None] * [0, 0, 1], frame)
+    is_flat = (np.abs(grid[:, 0] - 35) > 3) & ~topology.on_boundary
+    expected = power < 0 and slope < 1
+    assert has_one_length(rough, is_flat, cosines) == expected

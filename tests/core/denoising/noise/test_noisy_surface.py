@@ -39,7 +39,7 @@ def test_a_surface_seen_from_the_side_has_the_least_cosine():
 
 def test_in_the_unit_of_a_camera_the_spacing_goes_with_the_cosines():
     surface = surface_of(np.column_stack([GRID[:, :2], 0.02 * np.square(GRID[:, 0])]))
-    seen = surface.along_sight()
+    seen = surface.in_unit(np.ones(len(surface.positions), bool))
     ratio = seen.frame.spacing / surface.cosines
     np.testing.assert_allclose(ratio, ratio[0], rtol=1e-12)
     assert np.median(seen.frame.spacing) == pytest.approx(np.median(surface.frame.spacing))
@@ -47,11 +47,21 @@ def test_in_the_unit_of_a_camera_the_spacing_goes_with_the_cosines():
     assert np.array_equal(seen.frame.normals, surface.frame.normals)
 
 
+def test_noise_of_one_length_is_even_in_one_unit():
+    vertices, faces = meshes.graded_sphere(4)
+    topology = TriangleTopology(faces, len(vertices))
+    frame = TriangleSurface(topology, vertices)
+    lengths = 0.05 * np.median(frame.spacing) * np.random.default_rng(0).normal(size=len(vertices))
+    surface = NoisySurface(vertices + frame.raised(lengths / frame.spacing), frame)
+    unit = surface.in_unit(np.ones(len(vertices), bool)).frame.spacing
+    np.testing.assert_allclose(unit, np.median(frame.spacing), rtol=1e-12)
+
+
 def test_a_surface_that_no_camera_saw_keeps_its_unit():
     vertices, faces = meshes.noisy_ball(3, 0.02)
     surface = surface_of(vertices, TriangleTopology(faces, len(vertices)))
     assert surface.cosines is None
-    assert surface.along_sight() is surface
+    assert surface.in_unit(np.ones(len(vertices), bool)) is surface
 
 
 def test_contrasts_are_those_of_the_positions_in_units_of_the_frame():
