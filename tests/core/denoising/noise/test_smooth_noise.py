@@ -60,7 +60,7 @@ TOLD = SmoothNoise(
     outliers=1.0,
     lean=0.01,
     is_enough=True,
-    least_evidence=0.85,
+    least_evidence=0.7,
 )
 
 
