@@ -157,11 +157,11 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     quiet = quiet_part(strength)
     unit = _of_white_noise(own, frame, is_counted)
     found = [_averaged(own, passes, frame, is_counted) for passes in PASSES]
-    correlations, bands, typical = zip(*found, strict=True)
-    ratios = np.log(quiet / unit / typical)
-    best, quiet_level, misfit = _fit(ratios)
+    correlations, bands, sizes = zip(*found, strict=True)
+    ratios = np.log(quiet / unit / sizes)
+    best, level, misfit = _fit(ratios)
     # The widest band of one random noise is 4 % stronger or weaker than that of the next.
-    excesses = [ratios[best, N_NARROW] - quiet_level]
+    excesses = [ratios[best, N_NARROW] - level]
     for use in (LINE_NOISE, SEEDS):
         other = surface.own.noise(use)
         _, _, size = _averaged(other, PASSES[best], frame, is_counted)
@@ -169,10 +169,6 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
         excesses.append(ratio[N_NARROW] - np.average(ratio[:N_NARROW], weights=WEIGHTS))
     # Shape stands out: where it is quiet there is as much noise, and less of shape.
     of_noise = local_strengths(bands[best], frame, is_counted)
-    # The quiet part tells what noise this is.  How strong it is in most places, a quantile tells as
-    # it does of other noise: that of a real camera is stronger there than where it is quiet.
-    sizes = [np.quantile(each, tuned.low_quantile, axis=1) for each in (strength, of_noise)]
-    level = np.average(np.log(sizes[0] / sizes[1])[:N_NARROW], weights=WEIGHTS)
     is_quiet = strength[1] <= np.median(strength[1])
     relative = (heights[:2, is_counted] / strength[:2])[:, is_quiet]
     relative /= np.maximum(typical_sizes(relative), 1e-9)[:, None]
