@@ -20,14 +20,14 @@ LEAST_OF = (0.0, 0.0, 0.564, 0.846, 0.297, 0.495)
 # Relative standard error of the median absolute deviation of n values, times √n.
 MEDIAN_ERROR = 1.167
 
-# Noise has one length if that is likelier by this logarithm per vertex.  Noise of structured light
-# had 0.020 to 0.023 or more, and noise along the sight at most 0.012; 14 of 17 fused volumes had
-# more, and 5 of 76 meshes whose noise goes with the edges.
+# Noise has one length if that is likelier by this logarithm per vertex.  Structured light had at
+# least 0.020, noise along the sight at most 0.012, 14 of 17 fused volumes more than this, and so had
+# 5 of 76 meshes whose noise goes with the edges.  0.0125 and 0.019 gave the same results.
 LEAST_GAIN = 0.015
 
-# Cosine of the steepest angle at which a surface tells that: a shape bends most where it is seen
-# steeply, as if noise had one length.
-LEAST_COSINE = 0.7
+# Cosine of 45 degrees: what is seen more steeply does not tell that.  There a shape bends most, as
+# if noise had one length.
+FACING = 0.7
 
 
 def variance_law(contrast: Contrast, is_counted: BoolArray) -> VarianceLaw:
@@ -94,16 +94,16 @@ def scan_level(
 def has_one_length(
     rough: Contrast, is_counted: BoolArray, cosines: FloatArray | None = None
 ) -> bool:
-    """Whether noise has one length everywhere, and not along the lines of sight.
+    """Whether noise has one length everywhere, instead of going with the edges.
 
-    Without those: and not in local edge lengths.
+    Or, where a camera saw the surface, instead of being even along the lines of sight.
 
     Parameters
     ----------
     rough, is_counted, cosines
         As for `scan_level`.
     """
-    judged = is_counted if cosines is None else is_counted & (cosines > LEAST_COSINE)
+    judged = is_counted if cosines is None else is_counted & (cosines > FACING)
     if not judged.any():
         return False
     value, of_length = rough.value[judged], np.sqrt(rough.fineness[judged])
