@@ -21,7 +21,7 @@ LEAST_OF = (0.0, 0.0, 0.564, 0.846, 0.297, 0.495)
 MEDIAN_ERROR = 1.167
 
 # Noise has one length if that is likelier by this logarithm per vertex.  Structured light had at
-# least 0.020, noise along the sight at most 0.012, 14 of 17 fused volumes more than this, and so had
+# least 0.020, noise along the sight at most 0.012.  More than this had 14 of 17 fused volumes, and
 # 5 of 76 meshes whose noise goes with the edges.  0.0125 and 0.019 gave the same results.
 LEAST_GAIN = 0.015
 
