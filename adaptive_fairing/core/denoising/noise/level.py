@@ -85,7 +85,7 @@ def scan_level(
     value = rough.value[is_counted]
     of_length = np.sqrt(rough.fineness[is_counted])
     of_sight = cosines[is_counted] * of_length
-    along_sight = _unlikelihood(rough, value, of_sight) < _unlikelihood(rough, value, of_length)
+    along_sight = _gain(rough, value, of_length, of_sight) > 0
     expected = of_sight if along_sight else of_length
     size = float(np.median(value / expected)) / NORMAL_MEDIAN
     return size * (cosines if along_sight else 1) / frame.spacing
@@ -108,8 +108,7 @@ def has_one_length(
         return False
     value, of_length = rough.value[judged], np.sqrt(rough.fineness[judged])
     other = np.ones_like(of_length) if cosines is None else cosines[judged] * of_length
-    gain = _unlikelihood(rough, value, other) - _unlikelihood(rough, value, of_length)
-    return bool(gain > LEAST_GAIN * len(value))
+    return _gain(rough, value, other, of_length) > LEAST_GAIN * len(value)
 
 
 def _variances(contrast: Contrast, bins: list[IndexArray]) -> FloatArray:
@@ -140,13 +139,16 @@ def _evidence(contrast: Contrast, bins: list[IndexArray], both: VarianceLaw) -> 
 
     def gain(members: IndexArray) -> float:
         value = contrast.value[members]
-        per_edge = _unlikelihood(contrast, value, np.ones_like(value))
-        with_length = _unlikelihood(contrast, value, expected[members])
-        return per_edge - with_length
+        return _gain(contrast, value, np.ones_like(value), expected[members])
 
     overall = gain(everywhere) - np.log(len(everywhere)) / 2
     within = sum(gain(members) for members in bins)
     return float(expit(min(overall, within)))
+
+
+def _gain(contrast: Contrast, value: FloatArray, first: FloatArray, second: FloatArray) -> float:
+    """Logarithm by which the deviations `second` (k,) make the values likelier than `first` do."""
+    return _unlikelihood(contrast, value, first) - _unlikelihood(contrast, value, second)
 
 
 def _unlikelihood(contrast: Contrast, value: FloatArray, expected: FloatArray) -> float:
