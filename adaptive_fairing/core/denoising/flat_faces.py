@@ -46,6 +46,9 @@ PARALLEL = 0.003
 # with the face, gave the same results.
 FLATNESS = 0.9999
 
+# A vertex belongs to a face wholly up to a height of 1 - 1 / FADING of its reach, and less beyond.
+FADING = 3
+
 # Relative to the trace, keeps a system of a handful of vertices on one line definite.
 RIDGE = 1e-9
 
@@ -89,8 +92,9 @@ class FlatFaces:
         self._own_part = correlation.deviation**2 if correlation.passes else 1.0
         self._triangles, self._noisy = topology.triangles, noisy
         self._surface, self._spacing = surface.positions, surface.smooth_spacing
-        # Where the noise is stronger, more of it is left in the surface.
-        self._reach = tuned.face_height * np.maximum(1, noise / tuned.coarse_noise) * self._spacing
+        # Where the noise is stronger or smooth, more of it is left in the surface.
+        left = noise / (tuned.coarse_noise * np.sqrt(correlation.deviation))
+        self._reach = tuned.face_height * np.maximum(1, left) * self._spacing
         scaled = surface.triangle_normals()
         self._areas = np.sqrt(dots(scaled, scaled))
         passes = tuned.short_fit_passes[-1] * (1 + correlation.passes)
@@ -121,7 +125,7 @@ class FlatFaces:
         """
         if np.mean(self.face >= 0) < parameters().least_flat:
             return None
-        return self.planes.onto(self._surface, self._spacing)
+        return self.planes.onto(self._surface, self._reach)
 
     def of_vertices(self) -> IntArray:
         """Return the face of every vertex whose triangles are all on one, (n,), or `NO_FACE`."""
@@ -227,8 +231,9 @@ class PlaneFits:
     ) -> None:
         n_faces = int(face.max(initial=-1)) + 1
         has_face = face >= 0
-        corner = triangles[has_face].astype(np.int64) * n_faces + face[has_face][:, None]
-        self.vertex, self.face = np.divmod(np.unique(corner), max(n_faces, 1))
+        self._corners = triangles[has_face].astype(np.int64) * n_faces + face[has_face][:, None]
+        self._pairs = np.unique(self._corners)
+        self.vertex, self.face = np.divmod(self._pairs, max(n_faces, 1))
         self._count = np.bincount(self.face, minlength=n_faces)
         self._points, self._spacing = positions[self.vertex], spacing[self.vertex]
         self._weights = by_noise = 1 / self._spacing**2
@@ -284,25 +289,43 @@ class PlaneFits:
         bent: BoolArray = own_part * gain * freedom > limit * np.maximum(left, 0)
         return bent
 
-    def onto(self, surface: FloatArray, spacing: FloatArray) -> FloatArray:
+    def onto(self, surface: FloatArray, reach: FloatArray) -> FloatArray:
         """Move vertices of a surface (n, 3) the shortest way onto all of their planes.
 
-        Between nearly parallel planes the vertex moves half-way. A vertex that would move further
-        than its local edge length, (n,), stays.
+        Between nearly parallel planes the vertex moves half-way.  It is drawn to a plane the less
+        the less it belongs to the face, whose heights reach up to (n,).
         """
         n = len(surface)
         normals = self.normals[self.face]
         heights = self.heights(surface[self.vertex], self.face)
+        belonging = self._belonging(surface, reach)
+        # With one plane, the vertex moves by this part of the way to it.
+        weights = PARALLEL * belonging / (1 + PARALLEL - belonging)
         matrix, right = np.empty((n, 3, 3)), np.empty((n, 3))
         for i in range(3):
-            right[:, i] = np.bincount(self.vertex, normals[:, i] * heights, n)
+            right[:, i] = np.bincount(self.vertex, weights * normals[:, i] * heights, n)
             for j in range(i + 1):
-                product = np.bincount(self.vertex, normals[:, i] * normals[:, j], n)
+                product = np.bincount(self.vertex, weights * normals[:, i] * normals[:, j], n)
                 matrix[:, i, j] = matrix[:, j, i] = product
         matrix += PARALLEL * np.eye(3)
         way = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
-        is_near = np.linalg.norm(way, axis=1) <= spacing
-        return np.where(is_near[:, None], surface - way, surface)
+        on_planes: FloatArray = surface - way
+        return on_planes
+
+    def _belonging(self, surface: FloatArray, reach: FloatArray) -> FloatArray:
+        """How far each vertex belongs to each of its faces, 0 to 1, (p,).
+
+        A triangle belongs to its face the less the nearer its highest vertex is to the end of the
+        reach, and a vertex as far as the best of its triangles does.  So a triangle that joins or
+        leaves a face there changes nothing.
+        """
+        heights = np.abs(self.heights(surface[self.vertex], self.face)) / reach[self.vertex]
+        of_corners = np.searchsorted(self._pairs, self._corners)
+        of_triangles = np.clip(FADING * (1 - heights), 0, 1)[of_corners].min(axis=1)
+        belonging = np.zeros(len(heights))
+        for pair in of_corners.T:
+            np.maximum.at(belonging, pair, of_triangles)
+        return belonging
 
     def _fit(self) -> None:
         total = np.maximum(self._sums(self._weights), np.finfo(float).tiny)
