@@ -120,12 +120,13 @@ class FlatFaces:
     def flattened(self) -> FloatArray | None:
         """Move the vertices of the surface's flat faces onto their planes, (n, 3).
 
-        Others do not move.  None if so few triangles are on flat faces that the surface counts as
-        round.
+        Others do not move.  The fewer triangles are on flat faces, the likelier the surface is
+        round, and its faces are mistakes; None if it counts as round.
         """
-        if np.mean(self.face >= 0) < parameters().least_flat:
+        certainty = np.mean(self.face >= 0) / parameters().least_flat - 1
+        if certainty <= 0:
             return None
-        return self.planes.onto(self._surface, self._reach)
+        return self.planes.onto(self._surface, self._reach, min(certainty, 1))
 
     def of_vertices(self) -> IntArray:
         """Return the face of every vertex whose triangles are all on one, (n,), or `NO_FACE`."""
@@ -289,16 +290,17 @@ class PlaneFits:
         bent: BoolArray = own_part * gain * freedom > limit * np.maximum(left, 0)
         return bent
 
-    def onto(self, surface: FloatArray, reach: FloatArray) -> FloatArray:
+    def onto(self, surface: FloatArray, reach: FloatArray, certainty: float = 1.0) -> FloatArray:
         """Move vertices of a surface (n, 3) the shortest way onto all of their planes.
 
         Between nearly parallel planes the vertex moves half-way.  It is drawn to a plane the less
-        the less it belongs to the face, whose heights reach up to (n,).
+        the less it belongs to the face, whose heights reach up to (n,), and the less certain it is
+        that there are faces.
         """
         n = len(surface)
         normals = self.normals[self.face]
         heights = self.heights(surface[self.vertex], self.face)
-        belonging = self._belonging(surface, reach)
+        belonging = certainty * self._belonging(surface, reach)
         # With one plane, the vertex moves by this part of the way to it.
         weights = PARALLEL * belonging / (1 + PARALLEL - belonging)
         matrix, right = np.empty((n, 3, 3)), np.empty((n, 3))

@@ -73,7 +73,7 @@ class DenoiseParameters:
     # A mesh with a smaller part of its triangles on flat faces counts as round, and with a smaller
     # part of its vertices well inside them its noise is not told there. Seven organic shapes had at
     # most 0.12, parts with flat sides at least 0.25, one shape between them 0.15.
-    least_flat: float = 0.15
+    least_flat: float = 0.12
 
     # filters: times, orders and steps of the diffusions.
     # Times of the gentle filters, which every metric has. Creases need them. The last is also that
