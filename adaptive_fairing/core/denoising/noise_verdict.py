@@ -122,8 +122,8 @@ def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> Noise
             if not np.array_equal(impulsive, found.impulsive):
                 calm, after = calmed(impulsive)
             return _without_spikes(stage, calm, found, after, impulsive)
-        # Spikes of the shape: the noise is at most what is rough without them.
-        level, notes = np.minimum(found.level, after.level), after.notes
+        # Spikes of the shape: there is noise only where it is rough without them.
+        level, notes = np.where(after.level > 0, found.level, 0), after.notes
         if not (notes or level.any()):
             notes = (stage.parts.why_nothing(found.roughness),)
         found = found._replace(level=level, impulsive=impulsive, notes=notes)
