@@ -106,7 +106,7 @@ class FlatFaces:
         self.face = self._connected(self._even(around))
         self.planes = self._fitted()
         self._drop(self.planes.are_bent(self._own_part) | self._are_uneven())
-        found = self.face.copy()
+        found, self._grown_on = self.face.copy(), self.planes
         for _ in range(tuned.rounds):
             if not self._grow():
                 break
@@ -126,7 +126,7 @@ class FlatFaces:
         certainty = np.mean(self.face >= 0) / parameters().least_flat - 1
         if certainty <= 0:
             return None
-        return self.planes.onto(self._surface, self._reach, min(certainty, 1))
+        return self.planes.onto(self._surface, min(certainty, 1) * self._belonging())
 
     def of_vertices(self) -> IntArray:
         """Return the face of every vertex whose triangles are all on one, (n,), or `NO_FACE`."""
@@ -136,6 +136,17 @@ class FlatFaces:
             np.minimum.at(lowest, vertex, self.face)
             np.maximum.at(highest, vertex, self.face)
         return np.where(lowest == highest, highest, NO_FACE)
+
+    def _belonging(self) -> FloatArray:
+        """How far each vertex belongs to each of its faces, 0 to 1, (p,).
+
+        A triangle belongs to its face the less the nearer its highest vertex is to the end of the
+        reach, and a vertex as far as the best of its triangles does.  So a triangle that joins or
+        leaves a face there changes nothing.
+        """
+        vertex, face = self.planes.vertex, self.planes.face
+        heights = np.abs(self._grown_on.heights(self._surface[vertex], face)) / self._reach[vertex]
+        return self.planes.of_best_triangles(np.clip(FADING * (1 - heights), 0, 1))
 
     def _fitted(self) -> PlaneFits:
         return PlaneFits(self._noisy, self._spacing, self._triangles, self.face)
@@ -290,17 +301,27 @@ class PlaneFits:
         bent: BoolArray = own_part * gain * freedom > limit * np.maximum(left, 0)
         return bent
 
-    def onto(self, surface: FloatArray, reach: FloatArray, certainty: float = 1.0) -> FloatArray:
+    def of_best_triangles(self, values: FloatArray) -> FloatArray:
+        """Give each vertex of a face the best of its triangles' values there, (p,).
+
+        The value of a triangle is the least of those at its vertices, (p,) from 0 on.
+        """
+        corners = np.searchsorted(self._pairs, self._corners)
+        of_triangles = values[corners].min(axis=1)
+        best = np.zeros(len(values))
+        for pair in corners.T:
+            np.maximum.at(best, pair, of_triangles)
+        return best
+
+    def onto(self, surface: FloatArray, belonging: FloatArray) -> FloatArray:
         """Move vertices of a surface (n, 3) the shortest way onto all of their planes.
 
         Between nearly parallel planes the vertex moves half-way.  It is drawn to a plane the less
-        the less it belongs to the face, whose heights reach up to (n,), and the less certain it is
-        that there are faces.
+        the less it belongs to the face, (p,) from 0 to 1.
         """
         n = len(surface)
         normals = self.normals[self.face]
         heights = self.heights(surface[self.vertex], self.face)
-        belonging = certainty * self._belonging(surface, reach)
         # With one plane, the vertex moves by this part of the way to it.
         weights = PARALLEL * belonging / (1 + PARALLEL - belonging)
         matrix, right = np.empty((n, 3, 3)), np.empty((n, 3))
@@ -313,21 +334,6 @@ class PlaneFits:
         way = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]
         on_planes: FloatArray = surface - way
         return on_planes
-
-    def _belonging(self, surface: FloatArray, reach: FloatArray) -> FloatArray:
-        """How far each vertex belongs to each of its faces, 0 to 1, (p,).
-
-        A triangle belongs to its face the less the nearer its highest vertex is to the end of the
-        reach, and a vertex as far as the best of its triangles does.  So a triangle that joins or
-        leaves a face there changes nothing.
-        """
-        heights = np.abs(self.heights(surface[self.vertex], self.face)) / reach[self.vertex]
-        of_corners = np.searchsorted(self._pairs, self._corners)
-        of_triangles = np.clip(FADING * (1 - heights), 0, 1)[of_corners].min(axis=1)
-        belonging = np.zeros(len(heights))
-        for pair in of_corners.T:
-            np.maximum.at(belonging, pair, of_triangles)
-        return belonging
 
     def _fit(self) -> None:
         total = np.maximum(self._sums(self._weights), np.finfo(float).tiny)

@@ -1,13 +1,15 @@
 """Flat faces, found up to their creases and made flat, beside round shapes, which stay."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
-from adaptive_fairing.core.denoising.flat_faces import FlatFaces
+from adaptive_fairing.core.denoising.flat_faces import FADING, FlatFaces
 from adaptive_fairing.core.denoising.normal_filter import triangles_around
-from adaptive_fairing.core.denoising.parameters import PARAMETERS
+from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
 from adaptive_fairing.core.denoising.plan import STRENGTHS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
@@ -91,6 +93,38 @@ def test_an_open_noisy_sheet_becomes_flat():
     result = FlatFaces(*seen(sheet, faces, rough)).flattened()
     offset = result - result.mean(axis=0)
     assert np.linalg.svd(offset)[1][2] < 1e-2 * np.sqrt(len(flat))
+
+
+def test_a_vertex_that_rises_out_of_a_face_leaves_it_gradually():
+    """What it moves follows its height without a jump: rounding must not decide."""
+    flat, faces = meshes.flat_grid(24, 24)
+    middle = np.argmin(np.linalg.norm(flat - flat.mean(axis=0), axis=1))
+    noise = np.outer(np.random.default_rng(0).normal(0, 0.01, len(flat)), [0, 0, 1])
+    heights = np.linspace(0, 1.5 * PARAMETERS.face_height, 151)
+    moved = []
+    for height in heights:
+        surface = flat.copy()
+        surface[middle, 2] = height
+        flattened = FlatFaces(*seen(flat + noise, faces, surface)).flattened()
+        moved.append(height - flattened[middle, 2])
+    moved = np.array(moved)
+    inside = heights < (1 - 1 / FADING) * PARAMETERS.face_height
+    assert moved[inside] == pytest.approx(heights[inside], abs=0.01)
+    assert np.abs(moved[heights > 1.1 * PARAMETERS.face_height]).max() < 0.01
+    assert np.abs(np.diff(moved)).max() < 2 * FADING * heights[1]
+
+
+def test_the_fewer_flat_faces_there_are_the_less_they_count():
+    arguments = seen(noisy_cube(0.2), FACES, noisy_cube(0.04, seed=1))
+    start = arguments[0].positions
+    faces = FlatFaces(*arguments)
+    whole = faces.flattened() - start
+    share = np.mean(faces.face >= 0)
+    inside = faces.of_vertices() >= 0
+    for part in (0.25, 0.5, 0.75):
+        with using(replace(PARAMETERS, least_flat=share / (1 + part))):
+            moved = faces.flattened() - start
+        assert moved[inside] == pytest.approx(part * whole[inside], abs=1e-3 * EDGE)
 
 
 def test_flat_faces_are_a_large_part_of_the_mixture_on_a_cube():

@@ -63,7 +63,7 @@ def test_vertices_go_the_shortest_way_to_where_their_planes_meet():
     spacing = np.full(len(points), np.sqrt(2) / 8)
     planes = PlaneFits(points, spacing, faces, number)
     moved = points + np.random.default_rng(0).normal(0, 0.02, points.shape)
-    result = planes.onto(moved, spacing)
+    result = planes.onto(moved, np.ones(len(planes.vertex)))
     # Less than a hundredth of the way is left, so that nearly parallel planes do not matter.
     height = np.abs(np.abs(result).sum(axis=1) - 1)
     assert height.max() < 0.01 * np.abs(np.abs(moved).sum(axis=1) - 1).max()
@@ -75,7 +75,18 @@ def test_vertices_go_the_shortest_way_to_where_their_planes_meet():
     assert np.abs(across).max() < 1e-6
 
 
-def test_vertices_far_from_their_planes_stay():
-    far = raised(np.where(np.arange(len(GRID)) == 300, 5.0, 0.0))
-    result = fits(GRID).onto(far, EDGE)
-    assert np.array_equal(result[300], far[300])
+def test_vertices_go_the_part_of_the_way_by_which_they_belong():
+    heights = noise(1)
+    planes = fits(GRID)
+    part = np.random.default_rng(0).random(len(GRID))
+    result = planes.onto(raised(heights), part)
+    # The term for nearly parallel planes leaves some thousandths of the way.
+    assert result[:, 2] == pytest.approx((1 - part) * heights * EDGE, abs=0.005 * EDGE[0])
+
+
+def test_a_vertex_belongs_as_far_as_the_lowest_corner_of_its_best_triangle():
+    values = np.random.default_rng(0).random(len(GRID))
+    best = fits(GRID).of_best_triangles(values)
+    lowest = values[FACES].min(axis=1)
+    of_each = [lowest[(FACES == vertex).any(axis=1)].max() for vertex in range(len(GRID))]
+    assert np.array_equal(best, of_each)
