@@ -123,10 +123,10 @@ class FlatFaces:
         Others do not move.  The fewer triangles are on flat faces, the likelier the surface is
         round, and its faces are mistakes; None if it counts as round.
         """
-        certainty = np.mean(self.face >= 0) / parameters().least_flat - 1
+        certainty = float(np.mean(self.face >= 0)) / parameters().least_flat - 1
         if certainty <= 0:
             return None
-        return self.planes.onto(self._surface, min(certainty, 1) * self._belonging())
+        return self.planes.onto(self._surface, min(certainty, 1.0) * self._belonging())
 
     def of_vertices(self) -> IntArray:
         """Return the face of every vertex whose triangles are all on one, (n,), or `NO_FACE`."""
