@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -108,21 +108,29 @@ class FlatFamily(NamedTuple):
     name : str
     correlation : NoiseCorrelation
         Correlation of smooth noise in which faces are to be found; no correlation otherwise.
+    faces : FlatFaces, optional
+        Faces that were found already, on a surface much like the one to flatten.
     """
 
     name: str
     correlation: NoiseCorrelation = WHITE
+    faces: FlatFaces | None = None
 
     @property
     def filters(self) -> tuple[Filter, ...]:
         """The only filter."""
         return (Filter(self.name, KEEPS),)
 
+    def found(self, bank: FilterBank, noisy: TriangleSurface, surface: TriangleSurface) -> Self:
+        """Return the family with the faces of a surface."""
+        return self._replace(faces=bank.flat_faces(noisy, surface, self.correlation))
+
     def filtered(
         self, bank: FilterBank, noisy: TriangleSurface, surface: TriangleSurface
     ) -> Iterator[FloatArray]:
         """Flatten the faces of a surface into planes fitted to the noisy positions, (n, 3)."""
-        flat = bank.flat_faces(noisy, surface, self.correlation).flattened()
+        faces = self.faces or bank.flat_faces(noisy, surface, self.correlation)
+        flat = faces.flattened(noisy.positions, surface.positions)
         # Not the noisy positions: another frame's plan may rely on this filter.
         yield surface.positions if flat is None else flat
 

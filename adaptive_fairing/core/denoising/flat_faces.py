@@ -90,7 +90,7 @@ class FlatFaces:
             noise = np.zeros(topology.n_vertices)
         # Neighbours with smooth noise say less than as many of their own would.
         self._own_part = correlation.deviation**2 if correlation.passes else 1.0
-        self._triangles, self._noisy = topology.triangles, noisy
+        self._triangles = topology.triangles
         self._surface, self._spacing = surface.positions, surface.smooth_spacing
         # Where the noise is stronger or smooth, more of it is left in the surface.
         left = noise / (tuned.coarse_noise * np.sqrt(correlation.deviation))
@@ -104,52 +104,54 @@ class FlatFaces:
         side = np.flatnonzero(topology.twin >= 0)
         self._beside = side // 3, topology.twin[side] // 3
         self.face = self._connected(self._even(around))
-        self.planes = self._fitted()
+        self.planes = self._fitted(noisy)
         self._drop(self.planes.are_bent(self._own_part) | self._are_uneven())
         found, self._grown_on = self.face.copy(), self.planes
         for _ in range(tuned.rounds):
             if not self._grow():
                 break
-        self.planes = self._fitted()
+        self.planes = self._fitted(noisy)
         # Faces that are bent now have grown too far, onto a round part.
         has_grown_too_far = self._of_triangles(self.planes.are_bent(self._own_part))
         if has_grown_too_far.any():
             self.face = np.where(has_grown_too_far, found, self.face)
-            self.planes = self._fitted()
+            self.planes = self._fitted(noisy)
 
-    def flattened(self) -> FloatArray | None:
-        """Move the vertices of the surface's flat faces onto their planes, (n, 3).
+    def flattened(self, noisy: FloatArray, surface: FloatArray) -> FloatArray | None:
+        """Move the vertices of flat faces onto planes fitted to the noisy positions, (n, 3) each.
 
-        Others do not move.  The fewer triangles are on flat faces, the likelier the surface is
-        round, and its faces are mistakes; None if it counts as round.
+        The surface may be a little different from that on which the faces were found.  Others of
+        its vertices do not move.  The fewer triangles are on flat faces, the likelier the surface
+        is round, and its faces are mistakes; None if it counts as round.
         """
         certainty = float(np.mean(self.face >= 0)) / parameters().least_flat - 1
         if certainty <= 0:
             return None
-        return self.planes.onto(self._surface, min(certainty, 1.0) * self._belonging())
+        planes = self._fitted(noisy)
+        return planes.onto(surface, min(certainty, 1.0) * self._belonging(planes, surface))
 
     def of_vertices(self) -> IntArray:
         """Return the face of every vertex whose triangles are all on one, (n,), or `NO_FACE`."""
-        lowest = np.full(len(self._noisy), len(self.planes), dtype=self.face.dtype)
+        lowest = np.full(len(self._spacing), len(self.planes), dtype=self.face.dtype)
         highest = np.full_like(lowest, NO_FACE)
         for vertex in self._triangles.T:
             np.minimum.at(lowest, vertex, self.face)
             np.maximum.at(highest, vertex, self.face)
         return np.where(lowest == highest, highest, NO_FACE)
 
-    def _belonging(self) -> FloatArray:
+    def _belonging(self, planes: PlaneFits, surface: FloatArray) -> FloatArray:
         """How far each vertex belongs to each of its faces, 0 to 1, (p,).
 
         A triangle belongs to its face the less the nearer its highest vertex is to the end of the
         reach, and a vertex as far as the best of its triangles does.  So a triangle that joins or
         leaves a face there changes nothing.
         """
-        vertex, face = self.planes.vertex, self.planes.face
-        heights = np.abs(self._grown_on.heights(self._surface[vertex], face)) / self._reach[vertex]
-        return self.planes.of_best_triangles(np.clip(FADING * (1 - heights), 0, 1))
+        vertex, face = planes.vertex, planes.face
+        heights = np.abs(self._grown_on.heights(surface[vertex], face)) / self._reach[vertex]
+        return planes.of_best_triangles(np.clip(FADING * (1 - heights), 0, 1))
 
-    def _fitted(self) -> PlaneFits:
-        return PlaneFits(self._noisy, self._spacing, self._triangles, self.face)
+    def _fitted(self, noisy: FloatArray) -> PlaneFits:
+        return PlaneFits(noisy, self._spacing, self._triangles, self.face)
 
     def _even(self, around: IntArray) -> BoolArray:
         """Whether no triangle around each one turns away, those beyond creases aside, (m,)."""

@@ -14,7 +14,7 @@ Few vertices measure little, so small meshes are filtered with several probes.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import compress, repeat
 from threading import Lock
@@ -274,16 +274,24 @@ def _look_like_noise(
 
 
 def _filter_all(tracks: Sequence[Track], families: Round, pilot: Mixture | None = None) -> None:
-    """Filter all surfaces in the next round, on the surfaces of a mixture if one is given."""
+    """Filter all surfaces in the next round, on the surfaces of a mixture if one is given.
 
-    def filter_one(one: Track) -> None:
-        one.filter(families, pilot)
+    All have the flat faces of the first: a probe tells what flattening them removes, not which
+    other faces may be found.
+    """
+    if pilot is not None:
+        _for_all(tracks, lambda one: one.mix(pilot))
+    found = tracks[0].with_faces(families)
+    _for_all(tracks, lambda one: one.filter(found))
 
+
+def _for_all(tracks: Sequence[Track], work: Callable[[Track], None]) -> None:
+    """Work on all surfaces, side by side if they are not too large."""
     if tracks[0].start.topology.n_vertices <= MOST_SIDE_BY_SIDE:
-        for_each(filter_one, tracks)
+        for_each(work, tracks)
     else:
         for each in tracks:
-            filter_one(each)
+            work(each)
 
 
 class _Solves:

@@ -9,7 +9,7 @@ import numpy as np
 from ..linalg.conjugate_gradients import SolveReport
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
-from .filters import Filter, FilterBank, Round, rounds_for
+from .filters import Filter, FilterBank, FlatFamily, Round, rounds_for
 from .mesh_parts import MeshParts
 from .mixture import Mixture
 from .noise.face_noise import face_noise
@@ -48,10 +48,21 @@ class Track:
             each: self._taken_by(result) for each, result in filtered.items()
         }
 
-    def filter(self, families: Round, pilot: Mixture | None = None) -> None:
-        """Add the filters of a round, on the surface of a mixture if one is given."""
-        if pilot is not None:
-            self.surface = TriangleSurface(self.start.topology, self.mixed(pilot))
+    def mix(self, pilot: Mixture) -> None:
+        """Take the metrics and normals of the next filters from a mixture of those so far."""
+        self.surface = TriangleSurface(self.start.topology, self.mixed(pilot))
+
+    def with_faces(self, families: Round) -> Round:
+        """Find the flat faces of the surface for those of the next filters that flatten them."""
+        return tuple(
+            each.found(self._bank, self.start, self.surface)
+            if isinstance(each, FlatFamily)
+            else each
+            for each in families
+        )
+
+    def filter(self, families: Round) -> None:
+        """Add the filters of a round."""
         for each, result in self._bank.filtered(self.start, self.surface, families):
             self.taken[each] = self._taken_by(result)
 
@@ -62,7 +73,9 @@ class Track:
         pilots = (None, *plan.pilots)
         for number, (families, pilot) in enumerate(zip(rounds, pilots, strict=True), start=1):
             progress.begin("filter", number)
-            self.filter(families, pilot)
+            if pilot is not None:
+                self.mix(pilot)
+            self.filter(families)
 
     def removed(self, each: Filter, frame: TriangleSurface) -> FloatArray:
         """Measure the normal component (n,) of the part that a filter removes, in local edges."""

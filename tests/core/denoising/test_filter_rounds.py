@@ -12,6 +12,7 @@ from adaptive_fairing.core.denoising.filters import (
     mesh_family,
     rounds_for,
 )
+from adaptive_fairing.core.denoising.flat_faces import FlatFaces
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.plan import STRENGTHS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
@@ -121,6 +122,20 @@ def test_a_plan_repeats_all_rounds_bit_by_bit(points, faces):
     assert len(found.plan.pilots) == len(rounds_for(0.2)) - 1
     again = denoise(points, faces, prepared=prepared, plan=found.plan)
     assert np.array_equal(again.positions, found.positions)
+
+
+def test_probes_are_flattened_on_the_faces_of_the_surface_itself(monkeypatch):
+    used = []
+    flattened = FlatFaces.flattened
+
+    def recorded(self, noisy, surface):
+        used.append((self, noisy))
+        return flattened(self, noisy, surface)
+
+    monkeypatch.setattr(FlatFaces, "flattened", recorded)
+    denoise(*noisy_cube(0.15))
+    assert len({id(noisy) for _, noisy in used}) == len(used) > 1
+    assert len({id(faces) for faces, _ in used}) == 1
 
 
 @pytest.mark.parametrize("noise, is_used", [(0.1, True), (0.4, False)])

@@ -42,6 +42,11 @@ def seen(positions, faces, surface):
     return TriangleSurface(topology, surface), positions, triangles_around(topology)
 
 
+def flattened(positions, faces, surface):
+    """The surface after its flat faces were made flat."""
+    return FlatFaces(*seen(positions, faces, surface)).flattened(positions, surface)
+
+
 def off_the_cube(positions):
     """Distance of the vertices from the planes of the faces they belong to, largest first."""
     on_face = np.isclose(np.abs(CUBE), 1)
@@ -60,7 +65,7 @@ def test_the_faces_of_a_cube_end_at_its_creases():
 
 def test_vertices_lie_on_the_planes_of_their_faces():
     """Planes of n = 289 vertices are as exact as √(3 / n) of the noise, 0.2 of an edge."""
-    result = FlatFaces(*seen(noisy_cube(0.2), FACES, noisy_cube(0.04, seed=1))).flattened()
+    result = flattened(noisy_cube(0.2), FACES, noisy_cube(0.04, seed=1))
     error = np.sqrt(np.mean(off_the_cube(result) ** 2)) / EDGE
     assert error < 2 * 0.2 * np.sqrt(3 / 289)
 
@@ -68,16 +73,16 @@ def test_vertices_lie_on_the_planes_of_their_faces():
 @pytest.mark.parametrize("shape", [meshes.icosphere(4), meshes.torus(60, 30)])
 def test_round_shapes_stay(shape):
     points, faces = shape
-    assert FlatFaces(*seen(points, faces, points)).flattened() is None
+    assert flattened(points, faces, points) is None
 
 
 @pytest.mark.parametrize("radius", [6, 12])
 def test_a_rounded_edge_keeps_its_shape_between_flat_faces(radius):
     points, faces, is_round = bent_sheet(radius)
     noise = np.random.default_rng(0).normal(0, 0.1, points.shape)
-    arguments = seen(points + noise, faces, points)
-    assert len(np.unique(FlatFaces(*arguments).face)) == 3  # with what is on no face
-    moved = np.linalg.norm(FlatFaces(*arguments).flattened() - points, axis=1)
+    found = FlatFaces(*seen(points + noise, faces, points))
+    assert len(np.unique(found.face)) == 3  # with what is on no face
+    moved = np.linalg.norm(flattened(points + noise, faces, points) - points, axis=1)
     # Faces grow over what is nearer to their planes than `face_height`: a strip on either side.
     strip = np.sqrt(2 * PARAMETERS.face_height * radius) + 1
     assert np.mean(moved[is_round] > 0) < 2 * strip / (radius * np.pi / 2)
@@ -90,7 +95,7 @@ def test_an_open_noisy_sheet_becomes_flat():
     heights = np.random.default_rng(0).normal(0, 0.2, len(flat))
     sheet = flat + np.outer(heights, [0, 0, 1])
     rough = flat + 0.2 * np.outer(heights, [0, 0, 1])
-    result = FlatFaces(*seen(sheet, faces, rough)).flattened()
+    result = flattened(sheet, faces, rough)
     offset = result - result.mean(axis=0)
     assert np.linalg.svd(offset)[1][2] < 1e-2 * np.sqrt(len(flat))
 
@@ -105,8 +110,7 @@ def test_a_vertex_that_rises_out_of_a_face_leaves_it_gradually():
     for height in heights:
         surface = flat.copy()
         surface[middle, 2] = height
-        flattened = FlatFaces(*seen(flat + noise, faces, surface)).flattened()
-        moved.append(height - flattened[middle, 2])
+        moved.append(height - flattened(flat + noise, faces, surface)[middle, 2])
     moved = np.array(moved)
     inside = heights < (1 - 1 / FADING) * PARAMETERS.face_height
     assert moved[inside] == pytest.approx(heights[inside], abs=0.01)
@@ -115,15 +119,14 @@ def test_a_vertex_that_rises_out_of_a_face_leaves_it_gradually():
 
 
 def test_the_fewer_flat_faces_there_are_the_less_they_count():
-    arguments = seen(noisy_cube(0.2), FACES, noisy_cube(0.04, seed=1))
-    start = arguments[0].positions
-    faces = FlatFaces(*arguments)
-    whole = faces.flattened() - start
+    noisy, start = noisy_cube(0.2), noisy_cube(0.04, seed=1)
+    faces = FlatFaces(*seen(noisy, FACES, start))
+    whole = faces.flattened(noisy, start) - start
     share = np.mean(faces.face >= 0)
     inside = faces.of_vertices() >= 0
     for part in (0.25, 0.5, 0.75):
         with using(replace(PARAMETERS, least_flat=share / (1 + part))):
-            moved = faces.flattened() - start
+            moved = faces.flattened(noisy, start) - start
         assert moved[inside] == pytest.approx(part * whole[inside], abs=1e-3 * EDGE)
 
 
