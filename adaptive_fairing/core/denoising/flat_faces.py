@@ -46,8 +46,11 @@ PARALLEL = 0.003
 # with the face, gave the same results.
 FLATNESS = 0.9999
 
-# A vertex belongs to a face wholly up to a height of 1 - 1 / FADING of its reach, and less beyond.
+# What is near to a limit counts less, from 1 - 1 / FADING of it on: else rounding would decide.
 FADING = 3
+
+# Rings of triangles by which a face grows at most.  With 8, the error was 0.2 % larger.
+MOST_RINGS = 32
 
 # Relative to the trace, keeps a system of a handful of vertices on one line definite.
 RIDGE = 1e-9
@@ -107,7 +110,10 @@ class FlatFaces:
         self.planes = self._fitted(noisy)
         self._drop(self.planes.are_bent(self._own_part) | self._are_uneven())
         found, self._grown_on = self.face.copy(), self.planes
-        for _ in range(tuned.rounds):
+        # One triangle less, and the smallest ones would not be faces.
+        sizes = np.bincount(found[found >= 0], minlength=len(self.planes))
+        self._certainty = fading(tuned.fewest / np.maximum(sizes, 1))
+        for _ in range(MOST_RINGS):
             if not self._grow():
                 break
         self.planes = self._fitted(noisy)
@@ -124,11 +130,11 @@ class FlatFaces:
         its vertices do not move.  The fewer triangles are on flat faces, the likelier the surface
         is round, and its faces are mistakes; None if it counts as round.
         """
-        certainty = float(np.mean(self.face >= 0)) / parameters().least_flat - 1
-        if certainty <= 0:
+        flatness = float(np.mean(self.face >= 0)) / parameters().least_flat - 1
+        if flatness <= 0:
             return None
         planes = self._fitted(noisy)
-        return planes.onto(surface, min(certainty, 1.0) * self._belonging(planes, surface))
+        return planes.onto(surface, min(flatness, 1.0) * self._belonging(planes, surface))
 
     def of_vertices(self) -> IntArray:
         """Return the face of every vertex whose triangles are all on one, (n,), or `NO_FACE`."""
@@ -144,11 +150,11 @@ class FlatFaces:
 
         A triangle belongs to its face the less the nearer its highest vertex is to the end of the
         reach, and a vertex as far as the best of its triangles does.  So a triangle that joins or
-        leaves a face there changes nothing.
+        leaves a face there changes nothing.  Small faces count less as a whole.
         """
         vertex, face = planes.vertex, planes.face
         heights = np.abs(self._grown_on.heights(surface[vertex], face)) / self._reach[vertex]
-        return planes.of_best_triangles(np.clip(FADING * (1 - heights), 0, 1))
+        return planes.of_best_triangles(fading(heights)) * self._certainty[face]
 
     def _fitted(self, noisy: FloatArray) -> PlaneFits:
         return PlaneFits(noisy, self._spacing, self._triangles, self.face)
@@ -218,6 +224,12 @@ class FlatFaces:
         result = np.full(len(face), NO_FACE)
         result[has_face] = np.unique(face[has_face], return_inverse=True)[1]
         return result
+
+
+def fading(parts: FloatArray) -> FloatArray:
+    """Weights (k,) of what reached these parts of a limit: 0 from 1 on."""
+    weights: FloatArray = np.clip(FADING * (1 - parts), 0, 1)
+    return weights
 
 
 class PlaneFits:

@@ -35,10 +35,10 @@ class DenoiseParameters:
     # the noise is estimated. By hand; with 300 the lower of two bins gave 0.16 and 0.17 for noise
     # of 0.2.
     own_estimate: int = 400
-    # Rounds of each loop that ends when nothing changes: flat faces grow, spikes go back and
-    # settle, folds open, and motion that turns triangles over is halved, first along the surface,
-    # then along the normal too. On seven shapes spikes that settle in 3, 10, 20 and 40 rounds left
-    # 0.90, 0.86, 0.85 and 0.85 of the error without settling. Folds were the same with 5 and 20.
+    # Rounds of each loop that ends when nothing changes: spikes go back and settle, folds open, and
+    # motion that turns triangles over is halved, first along the surface, then along the normal
+    # too. On seven shapes spikes that settle in 3, 10, 20 and 40 rounds left 0.90, 0.86, 0.85 and
+    # 0.85 of the error without settling. Folds were the same with 5 and 20.
     rounds: int = 8
     # Passes of averaging over the neighbours that smooth the local edge length. By hand.
     averaging_passes: int = 3
@@ -70,9 +70,9 @@ class DenoiseParameters:
     # strong: rocks and wrinkles all over four flat-sided shapes were taken for noise of 0.39 to
     # 0.75, and noise of 0.3 that is alike over four edges for 0.32.
     face_height: float = 0.35
-    # A mesh with a smaller part of its triangles on flat faces counts as round, and with a smaller
-    # part of its vertices well inside them its noise is not told there. Seven organic shapes had at
-    # most 0.12, parts with flat sides at least 0.25, one shape between them 0.15.
+    # A mesh with a smaller part of its triangles on flat faces counts as round. From here to twice
+    # as much, its faces count for more and more. Seven organic shapes had at most 0.12, parts with
+    # flat sides at least 0.25, one shape between them 0.15.
     least_flat: float = 0.12
 
     # filters: times, orders and steps of the diffusions.

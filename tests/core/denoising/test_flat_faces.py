@@ -130,6 +130,16 @@ def test_the_fewer_flat_faces_there_are_the_less_they_count():
         assert moved[inside] == pytest.approx(part * whole[inside], abs=1e-3 * EDGE)
 
 
+def test_a_face_that_is_hardly_large_enough_counts_for_less():
+    flat, faces = meshes.flat_grid(24, 24)
+    noise = np.outer(np.random.default_rng(0).normal(0, 0.05, len(flat)), [0, 0, 1])
+    whole = flattened(flat + noise, faces, flat + noise) - flat
+    with using(replace(PARAMETERS, fewest=round(0.8 * len(faces)))):
+        moved = flattened(flat + noise, faces, flat + noise) - flat
+    part = FADING * (1 - 0.8)
+    assert moved == pytest.approx((1 - part) * noise + part * whole, abs=1e-3)
+
+
 def test_flat_faces_are_a_large_part_of_the_mixture_on_a_cube():
     found = denoise(noisy_cube(0.2), FACES)
     names = [each.name for each in found.plan.filters]
