@@ -9,7 +9,9 @@ Faces are found in four steps.
 4.  Let the others grow, ring by ring, up to where the surface leaves their planes.  A face that is
     bent afterwards returns to what it was before.
 
-A vertex of one face then moves onto its plane, a vertex of several faces to where they meet.
+A vertex of one face then moves onto its plane, a vertex of several faces to where they meet.  It
+moves less where a face is hardly large enough, or the vertex is hardly near enough to it: what
+rounding decides should change nothing.
 """
 
 from __future__ import annotations
@@ -227,7 +229,7 @@ class FlatFaces:
 
 
 def fading(parts: FloatArray) -> FloatArray:
-    """Weights (k,) of what reached these parts of a limit: 0 from 1 on."""
+    """Weights (k,) of what comes to these parts of a limit: 0 at the limit and beyond."""
     weights: FloatArray = np.clip(FADING * (1 - parts), 0, 1)
     return weights
 
