@@ -95,7 +95,7 @@ class FlatFaces:
             noise = np.zeros(topology.n_vertices)
         # Neighbours with smooth noise say less than as many of their own would.
         self._own_part = correlation.deviation**2 if correlation.passes else 1.0
-        self._triangles = topology.triangles
+        self._triangles, self._noisy = topology.triangles, noisy
         self._surface, self._spacing = surface.positions, surface.smooth_spacing
         # Where the noise is stronger or smooth, more of it is left in the surface.
         left = noise / (tuned.coarse_noise * np.sqrt(correlation.deviation))
@@ -135,7 +135,7 @@ class FlatFaces:
         flatness = float(np.mean(self.face >= 0)) / parameters().least_flat - 1
         if flatness <= 0:
             return None
-        planes = self._fitted(noisy)
+        planes = self.planes if noisy is self._noisy else self._fitted(noisy)
         return planes.onto(surface, min(flatness, 1.0) * self._belonging(planes, surface))
 
     def of_vertices(self) -> IntArray:

@@ -82,7 +82,7 @@ def test_a_rounded_edge_keeps_its_shape_between_flat_faces(radius):
     noise = np.random.default_rng(0).normal(0, 0.1, points.shape)
     found = FlatFaces(*seen(points + noise, faces, points))
     assert len(np.unique(found.face)) == 3  # with what is on no face
-    moved = np.linalg.norm(flattened(points + noise, faces, points) - points, axis=1)
+    moved = np.linalg.norm(found.flattened(points + noise, points) - points, axis=1)
     # Faces grow over what is nearer to their planes than `face_height`: a strip on either side.
     strip = np.sqrt(2 * PARAMETERS.face_height * radius) + 1
     assert np.mean(moved[is_round] > 0) < 2 * strip / (radius * np.pi / 2)
