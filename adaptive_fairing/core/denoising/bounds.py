@@ -74,10 +74,10 @@ class Sliding:
         is_told = ~self._is_free[self._triangles].any(axis=1)
         self._may_turn = is_told & was_upright
 
-    def limited(self, faired: FloatArray, strength: float = 1.0) -> FloatArray:
+    def limited(self, faired: FloatArray, strength: float | None = None) -> FloatArray:
         """Return denoised positions (n, 3) with less sliding, if possible without turned triangles.
 
-        Boundaries are denoised by the noise times `strength`.
+        Boundaries are denoised by the noise times `strength`; without one they are as filtered.
         """
         tuned = parameters()
         move = faired - self._positions
@@ -89,7 +89,7 @@ class Sliding:
         beyond = along * too_far[:, None]
         move, along = move - beyond, along - beyond
         along_kept, kept = np.full(len(faired), tuned.sliding_fraction), np.ones(len(faired))
-        if self._curves is not None:
+        if self._curves is not None and strength is not None:
             boundary = self._curves.vertices
             way = self._curves.moves(move[boundary], normals[boundary], strength)
             along[boundary] = way - dots(way, normals[boundary])[:, None] * normals[boundary]

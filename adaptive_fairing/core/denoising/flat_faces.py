@@ -22,12 +22,15 @@ from scipy.sparse.csgraph import connected_components
 
 from ..mesh.normals import dots, unit_vectors
 from ..runtime.arrays import BoolArray, FloatArray, IntArray
+from ..runtime.threads import chunks, for_each
 from .noise_model import WHITE, NoiseCorrelation
 from .normal_filter import Smoothing, smoothed_normals, weights_of_normals
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
 NO_FACE = -1
+
+TRIANGLES_PER_CHUNK = 32768
 
 # Ratio of the median of absolute values to the standard deviation, for normal noise.
 MEDIAN_TO_DEVIATION = 1.4826
@@ -164,24 +167,29 @@ class FlatFaces:
     def _even(self, around: IntArray) -> BoolArray:
         """Whether no triangle around each one turns away, those beyond creases aside, (m,)."""
         tuned = parameters()
+        crease, even = np.cos(tuned.short_fit_angle), np.cos(tuned.narrow_angle)
         is_even = np.ones(len(self._triangles), dtype=bool)
         # Without another triangle the product with the last row is 0, as at a crease.
         normals = np.append(self._normals, np.zeros((1, 3)), axis=0)
-        for other in around:
-            cosine = dots(self._normals, normals[other])
-            is_beyond = cosine < np.cos(tuned.short_fit_angle)
-            is_even &= is_beyond | (cosine > np.cos(tuned.narrow_angle))
+
+        def of_chunk(chunk: slice) -> None:
+            for other in around[:, chunk]:
+                cosine = dots(normals[chunk], normals[other])
+                is_even[chunk] &= (cosine < crease) | (cosine > even)
+
+        for_each(of_chunk, chunks(len(is_even), TRIANGLES_PER_CHUNK))
         return is_even
 
     def _connected(self, is_even: BoolArray) -> IntArray:
         """Find the sets of even triangles that are connected without a crease."""
         first, second = self._beside
+        # Every edge once, between even triangles.
+        inside = np.flatnonzero((first < second) & is_even[first] & is_even[second])
+        first, second = first[inside], second[inside]
         cosine = dots(self._normals[first], self._normals[second])
-        is_inside = is_even[first] & is_even[second] & (cosine > np.cos(parameters().narrow_angle))
+        alike = np.flatnonzero(cosine > np.cos(parameters().narrow_angle))
         m = len(is_even)
-        links = sparse.coo_array(
-            (np.ones(np.count_nonzero(is_inside)), (first[is_inside], second[is_inside])), (m, m)
-        )
+        links = sparse.coo_array((np.ones(len(alike)), (first[alike], second[alike])), (m, m))
         number = connected_components(links, directed=False)[1]
         is_large = np.bincount(number) >= parameters().fewest
         return self._renumbered(np.where(is_even & is_large[number], number, NO_FACE))

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csgraph
 
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
+from ..runtime.threads import ordered_map
 from .mixture import Mixture, least_risk_coefficients
-from .noise.clean_detail import CleanDetail, is_voxel_contour
+from .noise.clean_detail import CleanDetail
 from .noise.level import scan_level, variance_law
 from .noise.noisy_surface import NoisySurface
 from .noise.spikes import is_impulsive
@@ -94,8 +96,6 @@ class MeshParts:
         n_counted = int(np.count_nonzero(self.is_counted))
         noise, level = np.zeros((2, len(self.is_counted)))
         impulsive = np.zeros(len(level), dtype=bool)
-        if np.median(surface.roughness.value[self.is_counted]) > clean:
-            surface.measure()
         detail = CleanDetail(surface, self.is_counted)
         models = []
         for members in self._members:
@@ -107,21 +107,29 @@ class MeshParts:
             level[counted], rough_noise = self._by_roughness(surface, counted)
             if np.median(level[counted]) <= clean:
                 continue
+            # Not all are needed on every surface, but side by side they cost little.
+            signs = (
+                partial(self._by_hinges, surface, level),
+                partial(is_impulsive, surface, level),
+                surface.fading.fades,
+                detail.is_contour,
+                detail.copies,
+            )
+            of_hinges, stands_out, fades, is_contour, copies = ordered_map(
+                lambda sign, some=counted: sign(some), signs
+            )
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
-            if not surface.fading.fades(counted):
-                impulsive[members] = self.may_move[members] & is_impulsive(surface, level, counted)
+            if stands_out and not fades:
+                impulsive[members] = self.may_move[members]
             if not keeps_clean:
                 noise[counted] = level[counted]
                 continue
-            triangles = surface.topology.triangles
-            around = triangles[counted[triangles].any(axis=1)]
-            is_contour = is_voxel_contour(around, surface.positions)
-            by_hinges = None if is_contour else self._by_hinges(surface, level, counted)
+            by_hinges = None if is_contour else of_hinges
             least, least_noise = by_hinges or (level[counted], rough_noise)
             # The fading of the roughness tells nothing of what the hinges see.
             is_detail = by_hinges is None and detail.fades(counted)
             if not (is_detail or impulsive[members].any() or is_contour):
-                reason = detail.copies(counted) or detail.bends(counted)
+                reason = copies or detail.bends(counted)
                 if reason:
                     models.append(reason)
                     is_detail = True

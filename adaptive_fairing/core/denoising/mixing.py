@@ -105,13 +105,17 @@ def mixed_surfaces(
     before = stage.track.start
     notes: tuple[str, ...] = ()
     other_readings: tuple[str, ...] = ()
+    boundary_moves = settings.boundary == "free"
+    sliding: Sliding | None = None
     if plan is None:
         verdict = noise_verdict(stage, settings.clean, width)
         stage, level, impulsive = verdict.stage, verdict.level, verdict.impulsive
         notes, other_readings = verdict.notes, verdict.other_readings
         plan = DenoisePlan.idle(level, impulsive, verdict.reach)
         if level.any():
-            plan, clusters = _planned(before, verdict, settings, progress)
+            noise = verdict.whole(level)
+            sliding = Sliding(stage.track.start, stage.frame, noise, boundary_moves)
+            plan, clusters = _planned(before, verdict, noise, sliding, settings, progress)
             if plan.is_idle:
                 notes, other_readings = (UNLIKE_NOISE,), ("denoise",)
             elif clusters:
@@ -136,12 +140,11 @@ def mixed_surfaces(
         results = [without_folds(start.positions)] * len(STRENGTHS)
     else:
         progress.begin("mix")
-        boundary_moves = settings.boundary == "free"
-        sliding = Sliding(start, stage.frame, plan.noise, boundary_moves)
+        limits = sliding or Sliding(start, stage.frame, plan.noise, boundary_moves)
 
         def at_strength(number: int) -> FloatArray:
             mixed = stage.track.mixed(plan.mixtures[number])
-            return without_folds(sliding.limited(mixed, STRENGTHS[number] * settings.strength))
+            return without_folds(limits.limited(mixed, STRENGTHS[number] * settings.strength))
 
         results = list(ordered_map(at_strength, numbers))
     bounds = Bounds(before, stage.frame, stage.parts.is_counted, start.positions, plan.reach)
@@ -156,6 +159,8 @@ def mixed_surfaces(
 def _planned(
     before: TriangleSurface,
     verdict: NoiseVerdict,
+    noise: FloatArray,
+    sliding: Sliding,
     settings: DenoiseSettings,
     progress: ProgressReport,
 ) -> tuple[DenoisePlan, bool]:
@@ -167,7 +172,6 @@ def _planned(
     tuned, stage, correlation = parameters(), verdict.stage, verdict.correlation
     track, frame, parts = stage.track, stage.frame, stage.parts
     seen = verdict.level
-    noise = verdict.whole(seen)
     typical = float(np.median(noise[noise > 0]))
     stage.bank.know_noise(noise)
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
@@ -227,7 +231,6 @@ def _planned(
     is_told = settings.clean == "denoise" or settings.width != "auto" or correlation.passes
     impulsive, clusters = verdict.impulsive, False
     if not is_told:
-        sliding = Sliding(track.start, frame, noise)
         after = sliding.limited(track.mixed(as_it_is.spread(usable)))
         is_noise, clusters = _look_like_noise(before, after, verdict, settings.clean)
         mixtures = [each.within(is_noise) for each in mixtures]
@@ -262,7 +265,9 @@ def _look_like_noise(
     as_noise = before.positions - stage.frame.raised(verdict.example())
     # Smooth patches have no noise, and what is removed beside them no clusters.
     there = np.where(parts.is_rough(before), verdict.whole(verdict.level), 0)
-    found, expected = (parts.clustering(before, each, there) for each in (after, as_noise))
+    found, expected = ordered_map(
+        lambda surface: parts.clustering(before, surface, there), (after, as_noise)
+    )
     # Many spikes leave many neighbours that stand out.
     was_spike = (stage.track.start.positions != before.positions).any(axis=1)
     share = parts.counts(was_spike) / np.maximum(parts.counts(), 1)

@@ -70,12 +70,15 @@ class CleanDetail:
 
         Meshes of a camera or a scanner with rounded depths have copies too.
         """
-        surface, triangles = self._surface, self._surface.topology.triangles
+        surface = self._surface
         if surface.cosines is not None:
             return ""
-        some = triangles[is_counted[triangles].any(axis=1)]
-        part = repeated_part(some, surface.positions)
+        part = repeated_part(self._triangles_at(is_counted), surface.positions)
         return f"{100 * part:.0f} % of its triangles are exact copies of others" if part else ""
+
+    def is_contour(self, is_counted: BoolArray) -> bool:
+        """Whether the triangles at vertices, (n,) bool, are the contour of whole voxels."""
+        return is_voxel_contour(self._triangles_at(is_counted), self._surface.positions)
 
     def bends(self, is_counted: BoolArray) -> str:
         """Text on signs that vertices, (n,) bool, belong to a bent low-poly model; "" without any.
@@ -87,6 +90,10 @@ class CleanDetail:
             return self._of_whole
         _, kept = self._surface.fading.of_mesh(is_counted)
         return self._said_of(is_counted) if kept > tuned.least_kept else ""
+
+    def _triangles_at(self, is_counted: BoolArray) -> IntArray:
+        triangles = self._surface.topology.triangles
+        return triangles[is_counted[triangles].any(axis=1)]
 
     @cached_property
     def _of_whole(self) -> str:

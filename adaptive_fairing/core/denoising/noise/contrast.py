@@ -23,6 +23,7 @@ from scipy.special import ndtri
 
 from ...mesh.normals import dots
 from ...runtime.arrays import BoolArray, FloatArray, IntArray
+from ...runtime.threads import chunks, for_each
 from ..noise_model import WHITE, NoiseCorrelation
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
@@ -32,6 +33,8 @@ LOW, HIGH = 2, 5
 
 # Number of coefficients of the neighbours' mean that are tried; the first is 0, for white noise.
 N_TRIED = 8
+
+VERTICES_PER_CHUNK, EDGES_PER_CHUNK = 8192, 16384
 
 
 class Contrast(NamedTuple):
@@ -86,19 +89,23 @@ def roughness(positions: FloatArray, frame: TriangleSurface) -> Contrast:
     frame : TriangleSurface
         The same surface, slightly smoothed.
     """
-    difference = sparse.identity(len(positions), format="csr") - frame.mean
-    twice = sparse.csr_array(difference @ difference)
-    magnitude = np.abs(frame.along_normal(twice @ positions))
+    n, normals = len(positions), frame.normals
+    difference = sparse.csr_array(sparse.identity(n, format="csr") - frame.mean)
     # Squares of factors and of cosines between normals, summed up over each row: the square of
     # m · n is n' N n with N = m m'.
-    np.square(twice.data, out=twice.data)
-    n, normals = len(positions), frame.normals
     outer = (normals[:, :, None] * normals[:, None]).reshape(n, 9)
     lengths = np.square(frame.spacing)[:, None]
-    per_length, per_edge = (
-        np.einsum("ni,ni->n", outer, twice @ each) / lengths[:, 0]
-        for each in (outer, lengths * outer)
-    )
+    outer_lengths = lengths * outer
+    magnitude, per_length, per_edge = np.empty((3, n))
+
+    def of_chunk(own: slice) -> None:
+        twice = sparse.csr_array(difference[own] @ difference)
+        magnitude[own] = np.abs(dots(twice @ positions, normals[own]) / frame.spacing[own])
+        np.square(twice.data, out=twice.data)
+        for result, each in ((per_length, outer), (per_edge, outer_lengths)):
+            result[own] = np.einsum("ni,ni->n", outer[own], twice @ each) / lengths[own, 0]
+
+    for_each(of_chunk, chunks(n, VERTICES_PER_CHUNK))
     edge_variance = np.maximum(per_edge, 1e-12)
     fineness = np.maximum(per_length / edge_variance, 1e-12)
     return Contrast(
@@ -121,30 +128,41 @@ def hinges(positions: FloatArray, frame: TriangleSurface) -> Contrast:
     frame : TriangleSurface
         The same surface, slightly smoothed.
     """
-    topology = frame.topology
-    side = np.flatnonzero(topology.twin > np.arange(len(topology.twin)))
-    other, corners = topology.twin[side], topology.triangles.ravel()
-    start, end, apex = (corners[side // 3 * 3 + (side + step) % 3] for step in range(3))
-    beyond = corners[other // 3 * 3 + (other + 2) % 3]
-    along, first, second = (positions[each] - positions[start] for each in (end, apex, beyond))
-    # The volume is linear in each position; its derivatives are these normals.
-    slopes = [np.cross(first, second), np.cross(second, along), np.cross(along, first)]
-    volume = np.abs(dots(second, slopes[2]))
-    slopes.append(-(slopes[0] + slopes[1] + slopes[2]))
-    per_edge, per_length = np.zeros((2, len(side)))
-    for vertex, slope in zip((end, apex, beyond, start), slopes, strict=True):
-        part = np.square(dots(slope, frame.normals[vertex]))
-        per_length += part
-        per_edge += part * np.square(frame.spacing[vertex])
+    topology, normals = frame.topology, frame.normals
+    corners, lengths = topology.triangles.ravel(), np.square(frame.spacing)
+    sides = np.flatnonzero(topology.twin > np.arange(len(topology.twin)))
+    ends = np.empty((len(sides), 2), corners.dtype)
+    volume, per_edge, per_length = np.empty((3, len(sides)))
+
+    def of_chunk(own: slice) -> None:
+        side, other = sides[own], topology.twin[sides[own]]
+        start, end, apex = (corners[side // 3 * 3 + (side + step) % 3] for step in range(3))
+        beyond = corners[other // 3 * 3 + (other + 2) % 3]
+        ends[own, 0], ends[own, 1] = start, end
+        along, first, second = (positions[each] - positions[start] for each in (end, apex, beyond))
+        # The volume is linear in each position; its derivatives are these normals.
+        slopes = [np.cross(first, second), np.cross(second, along), np.cross(along, first)]
+        volume[own] = np.abs(dots(second, slopes[2]))
+        slopes.append(-(slopes[0] + slopes[1] + slopes[2]))
+        vertices = end, apex, beyond, start
+        squares = [
+            np.square(dots(slope, normals[vertex]))
+            for vertex, slope in zip(vertices, slopes, strict=True)
+        ]
+        per_length[own] = sum(squares)
+        per_edge[own] = sum(
+            part * lengths[vertex] for vertex, part in zip(vertices, squares, strict=True)
+        )
+
+    for_each(of_chunk, chunks(len(sides), EDGES_PER_CHUNK))
     # Triangles without an area see nothing.
     seen = np.flatnonzero(per_edge > 0)
-    ends = np.stack([start[seen], end[seen]], axis=1)
     size = frame.spread(np.log(frame.spacing), parameters().averaging_passes)
     return Contrast(
         volume[seen] / np.sqrt(per_edge[seen]),
         per_length[seen] / per_edge[seen],
-        size[ends].mean(axis=1),
-        ends,
+        size[ends[seen]].mean(axis=1),
+        ends[seen],
         parameters().low_quantile,
     )
 
@@ -158,43 +176,57 @@ class OppositeLines:
     """
 
     def __init__(self, frame: TriangleSurface) -> None:
-        topology = frame.topology
-        self._sizes = sizes = topology.ring_size
-        self._middle = np.repeat(np.arange(topology.n_vertices), sizes)
-        first = np.repeat(topology.ring_start[:-1], sizes)
-        place = np.arange(len(self._middle)) - first
-        size = sizes[self._middle]
-        self._start = topology.ring
-        self._end = topology.ring[first + (place + size // 2) % size]
-        self._frame = frame
+        self._frame, self._ring_start = frame, frame.topology.ring_start
+        self._chunks = chunks(frame.topology.n_vertices, VERTICES_PER_CHUNK)
 
     def passing(self, positions: FloatArray) -> FloatArray:
         """Place of each vertex of `positions` (n, 3) along its lines, 0 to 1."""
-        normal = self._frame.normals[self._middle]
-        along = positions[self._end] - positions[self._start]
-        along -= dots(along, normal)[:, None] * normal
-        reach = dots(positions[self._middle] - positions[self._start], along)
-        place = reach / np.maximum(dots(along, along), 1e-300)
-        return np.clip(place, 0, 1)
+        place = np.empty(self._ring_start[-1])
+
+        def of_chunk(own: slice) -> None:
+            lines, middle, start, end = self._of(own)
+            normal = self._frame.normals[middle]
+            along = positions[end] - positions[start]
+            along -= dots(along, normal)[:, None] * normal
+            reach = dots(positions[middle] - positions[start], along)
+            place[lines] = reach / np.maximum(dots(along, along), 1e-300)
+
+        for_each(of_chunk, self._chunks)
+        return np.clip(place, 0, 1, out=place)
 
     def least_deviation(self, positions: FloatArray, passing: FloatArray) -> FloatArray:
         """Height of each vertex over the line that it deviates least from, (n,).
 
         Along the normals, in local edge lengths; 0 at vertices without neighbours.
         """
-        line = positions[self._start]
-        line = line + passing[:, None] * (positions[self._end] - line)
-        deviation = np.einsum(
-            "ed,ed->e", positions[self._middle] - line, self._frame.normals[self._middle]
-        )
-        magnitude, least = np.abs(deviation), np.zeros(len(positions))
-        used = np.flatnonzero(self._sizes)
-        first = np.cumsum(self._sizes)[used] - self._sizes[used]
-        if len(used):
-            smallest = np.repeat(np.minimum.reduceat(magnitude, first), self._sizes[used])
-            candidates = np.where(magnitude == smallest, deviation, np.inf)
-            least[used] = np.minimum.reduceat(candidates, first)
-        return least / self._frame.spacing
+        least = np.zeros(len(positions))
+
+        def of_chunk(own: slice) -> None:
+            lines, middle, start, end = self._of(own)
+            line = positions[start]
+            line += passing[lines, None] * (positions[end] - line)
+            deviation = dots(positions[middle] - line, self._frame.normals[middle])
+            used = own.start + np.flatnonzero(np.diff(self._ring_start[own.start : own.stop + 1]))
+            if len(used):
+                first = self._ring_start[used] - lines.start
+                above = np.minimum.reduceat(np.where(deviation >= 0, deviation, np.inf), first)
+                below = np.maximum.reduceat(np.where(deviation < 0, deviation, -np.inf), first)
+                least[used] = np.where(above < -below, above, below)
+
+        for_each(of_chunk, self._chunks)
+        least /= self._frame.spacing
+        return least
+
+    def _of(self, own: slice) -> tuple[slice, IntArray, IntArray, IntArray]:
+        """Lines through some vertices: their slice, and the vertices of each (k,) along it."""
+        topology = self._frame.topology
+        sizes = topology.ring_size[own]
+        lines = slice(*self._ring_start[[own.start, own.stop]])
+        middle = np.repeat(np.arange(own.start, own.stop), sizes)
+        first, size = self._ring_start[middle], np.repeat(sizes, sizes)
+        place = np.arange(lines.start, lines.stop) - first
+        opposite = first + (place + size // 2) % size
+        return lines, middle, topology.ring[lines], topology.ring[opposite]
 
 
 class LineRoughness:

@@ -8,7 +8,6 @@ import numpy as np
 
 from ...mesh.normals import dots
 from ...runtime.arrays import BoolArray, FloatArray
-from ...runtime.threads import for_each
 from ..triangle_surface import TriangleSurface
 from .contrast import Contrast, Fading, LineRoughness, hinges, roughness
 from .level import has_one_length
@@ -29,10 +28,6 @@ class NoisySurface:
     def __init__(self, positions: FloatArray, frame: TriangleSurface) -> None:
         self.positions, self.frame = positions, frame
         self.topology = frame.topology
-
-    def measure(self) -> None:
-        """Compute, by several threads, what the judgement of every rough surface needs."""
-        for_each(lambda name: getattr(self, name), ("lines", "hinges"))
 
     @cached_property
     def own(self) -> OwnNumbers:
