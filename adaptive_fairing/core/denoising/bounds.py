@@ -66,7 +66,8 @@ class Sliding:
         normals = start.normals
         for _ in range(tuned.normal_passes):
             normals = unit_vectors(frame.spread(normals, 1))
-        self._upwards = unit_vectors(normals[self._triangles].sum(axis=1))
+        first, second, third = self._triangles.T
+        self._upwards = unit_vectors(normals[first] + normals[second] + normals[third])
         was_upright = dots(start.triangle_normals(), self._upwards) > 0
         self._reach = noise * start.spacing
         # More noise than an edge leaves nothing to see in the triangles.
