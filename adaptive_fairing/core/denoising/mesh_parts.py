@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import operator
+from collections.abc import Callable, Sequence
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.sparse import csgraph
@@ -108,16 +109,14 @@ class MeshParts:
             if np.median(level[counted]) <= clean:
                 continue
             # Not all are needed on every surface, but side by side they cost little.
-            signs = (
-                partial(self._by_hinges, surface, level),
-                partial(is_impulsive, surface, level),
-                surface.fading.fades,
-                detail.is_contour,
-                detail.copies,
+            signs: tuple[Callable[[], Any], ...] = (
+                partial(self._by_hinges, surface, level, counted),
+                partial(is_impulsive, surface, level, counted),
+                partial(surface.fading.fades, counted),
+                partial(detail.is_contour, counted),
+                partial(detail.copies, counted),
             )
-            of_hinges, stands_out, fades, is_contour, copies = ordered_map(
-                lambda sign, some=counted: sign(some), signs
-            )
+            of_hinges, stands_out, fades, is_contour, copies = ordered_map(operator.call, signs)
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
             if stands_out and not fades:
                 impulsive[members] = self.may_move[members]
@@ -267,8 +266,12 @@ class MeshParts:
 
     def counts(self, is_one: BoolArray | None = None) -> FloatArray:
         """Count the counted vertices of every part, (p,), among some vertices, (n,) bool."""
-        some = self.is_counted if is_one is None else is_one & self.is_counted
-        return np.bincount(self._part, some, len(self._members)).astype(np.float64, copy=False)
+        return self.sums(np.ones(len(self._part)) if is_one is None else is_one.astype(float))
+
+    def sums(self, values: FloatArray) -> FloatArray:
+        """Add up values (n,) at the counted vertices of every part, (p,)."""
+        counted = np.where(self.is_counted, values, 0)
+        return np.bincount(self._part, counted, len(self._members)).astype(np.float64, copy=False)
 
     def at_vertices(self, of_parts: BoolArray) -> BoolArray:
         """Pass flags (p,) of the parts on to their vertices, (n,)."""

@@ -12,7 +12,7 @@ from .mesh_parts import NoiseFound
 from .noise.noisy_surface import NoisySurface
 from .noise.own_numbers import WHITE_NOISE
 from .noise.smooth_noise import SmoothNoise, noise_of_width, smooth_noise
-from .noise.spikes import left_of_spikes
+from .noise.spikes import left_of_spikes, put_back_of_noise
 from .noise_model import NoiseCorrelation
 from .parameters import parameters
 from .stage import Stage
@@ -152,8 +152,13 @@ def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFoun
     least = np.maximum(found.roughness, tuned.clean_roughness)
     clustering = parts.clustering(stage.track.start, calm.noisy.positions, least)
     are_anywhere = clustering <= n_moved / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
+    # Normal noise has vertices that stand out, too.
+    by_noise = put_back_of_noise(calm.noisy, after.level, parts.is_counted, parts.may_move)
+    moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
+    explained, squares = (parts.sums(np.square(each)) for each in (by_noise, moved))
+    are_more = explained <= tuned.most_explained * squares
     is_noise = parts.at_vertices(are_many) | (after.level > 0)
-    is_noise &= parts.at_vertices(are_anywhere) & (after.roughness <= most)
+    is_noise &= parts.at_vertices(are_anywhere & are_more) & (after.roughness <= most)
     noisy: BoolArray = is_noise & found.impulsive
     return noisy
 

@@ -222,6 +222,11 @@ class DenoiseParameters:
     # decimated shapes had 0.03 to 0.4.
     most_clustered_spikes: float = 0.05
 
+    # And normal noise alone, put back in the same way, moves by at most this part of the squares:
+    # its own tails stand out too. Heavy tails and spikes on six shapes had at most 0.07, noise of
+    # one amplitude on two uneven ones, which had been taken for impulsive, 0.45 to 1.2.
+    most_explained: float = 0.4
+
     # noise/smooth_noise
     # Bands are compared over neighbourhoods of this many passes of averaging. By hand.
     band_passes: int = 30

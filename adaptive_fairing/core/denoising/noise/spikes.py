@@ -97,6 +97,21 @@ def _put_back(
     return result
 
 
+def put_back_of_noise(
+    calm: NoisySurface, level: FloatArray, is_counted: BoolArray, may_move: BoolArray
+) -> FloatArray:
+    """How far vertices of normal noise alone are put back, (n,), in local edge lengths.
+
+    Parameters
+    ----------
+    calm, level, is_counted, may_move
+        As of `left_of_spikes`.
+    """
+    frame = calm.frame
+    noisy = frame.positions + frame.raised(level * calm.own.noise(WHITE_NOISE))
+    return frame.along_normal(noisy - _put_back(calm, noisy, is_counted, may_move))
+
+
 def left_of_spikes(
     calm: NoisySurface,
     moved: FloatArray,
