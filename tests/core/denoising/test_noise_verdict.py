@@ -5,6 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
+from adaptive_fairing.core.denoising import mesh_parts
 from adaptive_fairing.core.denoising import noise_verdict as verdicts
 from adaptive_fairing.core.denoising.noise_verdict import (
     IMPULSIVE,
@@ -97,6 +98,22 @@ def test_spikes_of_the_shape_do_not_choose_the_level(monkeypatch):
     assert not verdict.impulsive.any()
     assert np.median(found.level) > 1.02 * np.median(after.level) > 0
     assert np.array_equal(verdict.level, found.level)
+
+
+def test_the_tails_of_normal_noise_are_no_spikes(monkeypatch):
+    """Some of its vertices stand out, too; to put them back would make the rest a different noise."""
+    monkeypatch.setattr(mesh_parts, "is_impulsive", lambda *surface: True)
+    stage = stage_of(0.2 * WHITE)
+    verdict = noise_verdict(stage, "keep")
+    calm = stage.calmed(np.ones(len(VERTICES), bool))
+    assert (calm.noisy.positions != stage.noisy.positions).any()
+    assert not verdict.impulsive.any()
+    assert verdict.notes == ()
+    assert np.array_equal(verdict.level, stage.parts.noise(stage.noisy).level)
+    # With as many spikes as noise has vertices in its tails, it has more than them.
+    verdict = noise_verdict(stage_of(0.2 * WHITE + spikes(1.0, 0.02)), "keep")
+    assert verdict.impulsive.any()
+    assert verdict.notes == (IMPULSIVE,)
 
 
 def test_a_clean_surface_has_none_and_says_so():

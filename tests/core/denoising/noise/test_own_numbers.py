@@ -82,3 +82,19 @@ def test_rounding_to_single_precision_moves_a_probe_by_little():
     before = steps(POINTS, FACES)
     after = steps(POINTS.astype(np.float32).astype(float), FACES)
     assert 0 < np.linalg.norm(after - before) < 0.01 * np.linalg.norm(before)
+
+
+def test_on_a_noisy_mesh_jitter_moves_a_probe_by_less():
+    """Neighbours differ by more than enough there, so that fewer turns make probes random."""
+    generator, changes = np.random.default_rng(4), []
+    frame = frame_of(VERTICES, FACES)
+    jitter = 1e-4 * frame.spacing[:, None] * generator.normal(size=VERTICES.shape)
+    for level in (0.1, 0.4):
+        points = VERTICES + frame.raised(level * generator.normal(size=len(VERTICES)))
+        before, after = steps(points, FACES), steps(points + jitter, FACES)
+        changes.append(np.linalg.norm(after - before) / np.linalg.norm(before))
+        noisy = frame_of(points, FACES)
+        for probe in OwnNumbers(points, noisy).probes(4):
+            alike = np.corrcoef(probe, noisy.mean @ probe)[0, 1]
+            assert abs(alike) < 4 / np.sqrt(len(points))
+    assert changes[1] < 0.5 * changes[0]
