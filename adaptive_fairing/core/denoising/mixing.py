@@ -176,7 +176,7 @@ def _planned(
     stage.bank.know_noise(noise)
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
     size, n_counted = tuned.probe_size * typical, np.count_nonzero(parts.is_counted)
-    own_probes = stage.noisy.own.probes(math.ceil(tuned.least_probed / n_counted))
+    own_probes = stage.noisy.own.probes(math.ceil(tuned.least_probed / n_counted), typical)
     probes = [size * correlation.applied(each, frame) for each in own_probes]
     probed = (track.start.positions + frame.raised(each) for each in probes)
     shadows = [Track(stage.bank, TriangleSurface(frame.topology, each)) for each in probed]

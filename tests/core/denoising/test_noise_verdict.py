@@ -101,7 +101,7 @@ def test_spikes_of_the_shape_do_not_choose_the_level(monkeypatch):
 
 
 def test_the_tails_of_normal_noise_are_no_spikes(monkeypatch):
-    """Some of its vertices stand out, too; to put them back would make the rest a different noise."""
+    """Some vertices stand out, too; to put them back would make the rest another noise."""
     monkeypatch.setattr(mesh_parts, "is_impulsive", lambda *surface: True)
     stage = stage_of(0.2 * WHITE)
     verdict = noise_verdict(stage, "keep")

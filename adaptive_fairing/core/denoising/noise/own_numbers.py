@@ -27,10 +27,10 @@ TURNS = (24.0, 15.0 * np.sqrt(2))
 # that is linear in the position would be one wave on a lattice.
 TURNS_FROM_CENTRE = 0.02 * np.sqrt(3)
 
-# A probe takes at most this many turns for the typical rise of a vertex over its neighbours.
-# Where noise is strong neighbours are not alike with fewer turns, and more would only enlarge what
-# rounding changes.  With 0.5 to 1.3 the errors were the same.
-TURNS_OF_RISE = 0.9
+# A probe takes at most this many turns for the noise.  Where that is strong neighbours are not
+# alike with fewer turns, and more would only enlarge what rounding changes.  With 0.5 to 1.3 the
+# errors were the same.
+TURNS_OF_NOISE = 0.9
 
 # Different numbers for different uses: so many times the turns.  Fewest for the probe, which
 # decides what is mixed; noise to compare with must be even everywhere.
@@ -64,24 +64,29 @@ class OwnNumbers:
         self._from_centre = square / np.mean(frame.spacing[used]) ** 2
         self._typical_rise = float(np.median(np.abs(self.rises[used])))
 
-    def phases(self, use: float) -> FloatArray:
-        """Return numbers in [0, 1), (n,), for `PROBE`, `WHITE_NOISE`, `LINE_NOISE` or `SEEDS`."""
-        turns = TURNS[0] * self._to_middle + TURNS[1] * self._spread
-        if use == PROBE:
-            turns *= min(1.0, TURNS_OF_RISE / max(TURNS[0] * self._typical_rise, 1e-9))
+    def phases(self, use: float, part: float = 1.0) -> FloatArray:
+        """Return numbers in [0, 1), (n,), for `PROBE`, `WHITE_NOISE`, `LINE_NOISE` or `SEEDS`.
+
+        From a part of the usual turns, 0 to 1, if wanted.
+        """
+        turns = part * (TURNS[0] * self._to_middle + TURNS[1] * self._spread)
         turns = use * (turns + TURNS_FROM_CENTRE * self._from_centre)
         phases: FloatArray = turns - np.floor(turns)
         return phases
 
-    def probes(self, count: int) -> list[FloatArray]:
+    def probes(self, count: int, noise: float) -> list[FloatArray]:
         """Return one to four rows of numbers (n,) for steps along the normals.
 
         Each has mean 0 and mean square 1, and they are not correlated: sines and cosines of
         multiples of the phases.  Mere signs would jump where rounding moves a phase past its end.
         A number changes its sign with the normal, so that the step is the same if the faces are
         reversed.
+
+        Noise of a typical size in local edge lengths moves vertices apart by that, unless it is
+        smooth: then they rise less over their neighbours.
         """
-        turns = 2 * np.pi * self.phases(PROBE)
+        apart = max(min(noise, self._typical_rise), 1e-9)
+        turns = 2 * np.pi * self.phases(PROBE, min(1.0, TURNS_OF_NOISE / (TURNS[0] * apart)))
         waves = ((wave, times) for times in (1, 2) for wave in (np.cos, np.sin))
         signed = (wave(times * turns) * self._sides for wave, times in islice(waves, count))
         return [each / np.sqrt(np.mean(np.square(each))) for each in signed]

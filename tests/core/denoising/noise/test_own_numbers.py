@@ -21,10 +21,10 @@ def frame_of(points, faces):
     return TriangleSurface(TriangleTopology(faces, len(points)), points)
 
 
-def steps(points, faces):
+def steps(points, faces, noise=0.01):
     """Vectors (4, n, 3) that the probes stand for."""
     frame = frame_of(points, faces)
-    return np.stack([frame.raised(each) for each in OwnNumbers(points, frame).probes(4)])
+    return np.stack([frame.raised(each) for each in OwnNumbers(points, frame).probes(4, noise)])
 
 
 def test_they_are_spread_evenly_and_not_alike_at_neighbours():
@@ -51,7 +51,7 @@ def test_neighbours_differ_on_an_exactly_regular_mesh_too():
 
 def test_probes_are_of_one_size_and_not_alike():
     for count in (1, 2, 3, 4, 9):
-        probes = OwnNumbers(POINTS, frame_of(POINTS, FACES)).probes(count)
+        probes = OwnNumbers(POINTS, frame_of(POINTS, FACES)).probes(count, 0.01)
         assert len(probes) == min(count, 4)
         np.testing.assert_allclose(np.mean(np.square(probes), axis=1), 1, rtol=1e-12)
         alike = np.atleast_2d(np.corrcoef(probes)) - np.eye(len(probes))
@@ -91,10 +91,10 @@ def test_on_a_noisy_mesh_jitter_moves_a_probe_by_less():
     jitter = 1e-4 * frame.spacing[:, None] * generator.normal(size=VERTICES.shape)
     for level in (0.1, 0.4):
         points = VERTICES + frame.raised(level * generator.normal(size=len(VERTICES)))
-        before, after = steps(points, FACES), steps(points + jitter, FACES)
+        before, after = (steps(each, FACES, level) for each in (points, points + jitter))
         changes.append(np.linalg.norm(after - before) / np.linalg.norm(before))
         noisy = frame_of(points, FACES)
-        for probe in OwnNumbers(points, noisy).probes(4):
+        for probe in OwnNumbers(points, noisy).probes(4, level):
             alike = np.corrcoef(probe, noisy.mean @ probe)[0, 1]
             assert abs(alike) < 4 / np.sqrt(len(points))
     assert changes[1] < 0.5 * changes[0]
