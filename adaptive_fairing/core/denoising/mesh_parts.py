@@ -266,9 +266,9 @@ class MeshParts:
 
     def counts(self, is_one: BoolArray | None = None) -> FloatArray:
         """Count the counted vertices of every part, (p,), among some vertices, (n,) bool."""
-        return self.sums(np.ones(len(self._part)) if is_one is None else is_one.astype(float))
+        return self.sums(self.is_counted if is_one is None else is_one)
 
-    def sums(self, values: FloatArray) -> FloatArray:
+    def sums(self, values: FloatArray | BoolArray) -> FloatArray:
         """Add up values (n,) at the counted vertices of every part, (p,)."""
         counted = np.where(self.is_counted, values, 0)
         return np.bincount(self._part, counted, len(self._members)).astype(np.float64, copy=False)

@@ -12,7 +12,7 @@ from .mesh_parts import NoiseFound
 from .noise.noisy_surface import NoisySurface
 from .noise.own_numbers import WHITE_NOISE
 from .noise.smooth_noise import SmoothNoise, noise_of_width, smooth_noise
-from .noise.spikes import left_of_spikes, put_back_of_noise
+from .noise.spikes import left_of_spikes, put_back_of
 from .noise_model import NoiseCorrelation
 from .parameters import parameters
 from .stage import Stage
@@ -153,7 +153,8 @@ def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFoun
     clustering = parts.clustering(stage.track.start, calm.noisy.positions, least)
     are_anywhere = clustering <= n_moved / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
     # Normal noise has vertices that stand out, too.
-    by_noise = put_back_of_noise(calm.noisy, after.level, parts.is_counted, parts.may_move)
+    noise = after.level * calm.noisy.own.noise(WHITE_NOISE)
+    by_noise = put_back_of(noise, calm.noisy, parts.is_counted, parts.may_move)
     moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
     explained, squares = (parts.sums(np.square(each)) for each in (by_noise, moved))
     are_more = explained <= tuned.most_explained * squares

@@ -97,18 +97,15 @@ def _put_back(
     return result
 
 
-def put_back_of_noise(
-    calm: NoisySurface, level: FloatArray, is_counted: BoolArray, may_move: BoolArray
+def put_back_of(
+    heights: FloatArray, calm: NoisySurface, is_counted: BoolArray, may_move: BoolArray
 ) -> FloatArray:
-    """How far vertices of normal noise alone are put back, (n,), in local edge lengths.
+    """How far vertices of known heights (n,) over the slightly smoothed surface are put back, (n,).
 
-    Parameters
-    ----------
-    calm, level, is_counted, may_move
-        As of `left_of_spikes`.
+    In local edge lengths; the other parameters are those of `left_of_spikes`.
     """
     frame = calm.frame
-    noisy = frame.positions + frame.raised(level * calm.own.noise(WHITE_NOISE))
+    noisy = frame.positions + frame.raised(heights)
     return frame.along_normal(noisy - _put_back(calm, noisy, is_counted, may_move))
 
 
@@ -142,16 +139,14 @@ def left_of_spikes(
     more : float
         By how much its spikes, put back, make the variance of the noise larger.
     """
-    frame = calm.frame
     size, part = spike_law(np.abs(moved[is_counted]))
     other = level * calm.own.noise(WHITE_NOISE)
     is_hit = may_move & (calm.own.phases(SEEDS) < part)
     noise = other + np.where(is_hit, size * calm.own.noise(LINE_NOISE), 0)
 
     def left(heights: FloatArray) -> float:
-        noisy = frame.positions + frame.raised(heights)
-        put_back = _put_back(calm, noisy, is_counted, may_move)
-        return float(np.mean(np.square(frame.along_normal(put_back - frame.positions)[is_counted])))
+        rest = heights - put_back_of(heights, calm, is_counted, may_move)
+        return float(np.mean(np.square(rest[is_counted])))
 
     return noise, max(left(noise) - left(other), 0.0)
 
