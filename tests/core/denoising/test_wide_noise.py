@@ -26,17 +26,28 @@ def error(surface, positions):
 
 
 @cache
-def denoised_ball(width):
-    """The result for a sphere with noise of a width, the clean surface, and the preparation."""
+def denoised_ball(width, factor=1.0):
+    """The result for a sphere with noise of a width, the clean surface, and the preparation.
+
+    The width that is told is larger by a factor.
+    """
     x, faces, clean = with_noise(icosphere(6 if width == 8 else 5), width, 0.3)
-    prepared = PreparedMesh(x, faces)
-    return denoise(x, faces, DenoiseSettings(width=width), prepared=prepared), clean, prepared
+    prepared, settings = PreparedMesh(x, faces), DenoiseSettings(width=factor * width)
+    return denoise(x, faces, settings, prepared=prepared), clean, prepared
 
 
 @pytest.mark.parametrize("width", [1, 2, 4, 8])
 def test_the_level_is_that_of_the_noise(width):
     result, _, _ = denoised_ball(width)
     assert result.noise_level == pytest.approx(0.3, rel=0.35)
+
+
+@pytest.mark.parametrize("width", [2, 4, 8])
+def test_a_width_may_be_told_too_large(width):
+    """As if it were as wide, noise would seem 1.5 to 1.7 times as strong."""
+    result, clean, _ = denoised_ball(width, 1.25)
+    assert result.noise_level == pytest.approx(0.3, rel=0.35)
+    assert error(clean, result.positions) < 0.6 * error(clean, result.start)
 
 
 @pytest.mark.parametrize("width", [2, 4, 8])

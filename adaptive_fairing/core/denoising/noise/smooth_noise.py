@@ -21,6 +21,7 @@ Of noise whose width the user has told only the level is estimated (`noise_of_wi
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -42,6 +43,9 @@ PASSES = (0, 1, 2, 3, 4, 6, 8, 12, 16)
 FEWEST_PASSES = 2
 # Weights of the narrow bands in the fit: the narrowest shows the edges of the mesh as well.
 WEIGHTS = np.array([0.5, 1.0, 1.0])
+
+# Passes that are tried for noise of a given width, over those of that width: down to 0.65 of it.
+PARTS_OF_PASSES = (1.0, 0.75, 0.56, 0.42)
 
 # Weaker bands are rounding. They count as so strong, since logarithms and quotients are taken.
 LEAST_STRENGTH = 1e-12
@@ -188,12 +192,16 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
 def noise_of_width(
     noisy: NoisySurface, on_faces: SmoothNoise | None, is_counted: BoolArray, width: float
 ) -> tuple[float, NoiseCorrelation]:
-    """Level, in the surface's unit of length, and correlation of noise if all of it has one width.
+    """Level, in the surface's unit of length, and correlation of noise of about a given width.
 
-    Noise of width w has the correlation exp(-r² / w²) at a distance of r edges.  The contrasts that
-    see it best are differences between averages that are narrower than it, and heights over flat
-    faces.  Each is an upper bound of the level, as always (`noise.contrast`): shape and finer noise
-    only add to it.  The least of them is the level: noise of a given width is not questioned.
+    Noise of width w has the correlation exp(-r² / w²) at a distance of r edges.  A user tells it
+    roughly, and noise that is narrower than assumed seems much stronger than it is.  So the noise
+    is as wide as fits best, from 0.65 of the given width on.
+
+    The contrasts that see it best are differences between averages that are narrower than it, and
+    heights over flat faces.  Each is an upper bound of the level, as always (`noise.contrast`):
+    shape and finer noise only add to it.  The least of them is the level: whether it is noise is
+    not questioned.
 
     Parameters
     ----------
@@ -203,10 +211,10 @@ def noise_of_width(
     is_counted : (n,) bool
         Vertices to judge from, several.
     width : float
-        Distance in edges at which the correlation is 1 / e; 1 for white noise.
+        Distance in edges at which the correlation is about 1 / e; 1 for white noise.
     """
-    white, passes = noisy.fading.white, passes_of_width(width)
-    noise, correlation = averaged_noise(white, passes, noisy.frame, is_counted)
+    passes = _likeliest_passes(noisy, is_counted, passes_of_width(width))
+    noise, correlation = averaged_noise(noisy.fading.white, passes, noisy.frame, is_counted)
     level = _least_level(noisy, noise / correlation.deviation, is_counted, passes)
     if on_faces is not None:
         level = min(level, on_faces.level)
@@ -218,6 +226,29 @@ def passes_of_width(width: float) -> int:
     return round(width**2) if width > 1 else 0
 
 
+def _likeliest_passes(noisy: NoisySurface, is_counted: BoolArray, most: int) -> int:
+    """Count the averages that give noise whose bands fit best, at most as many as for the width."""
+    frame, white = noisy.frame, noisy.fading.white
+    bands = tuple(pairwise(sorted({most // 8, most // 4, most // 2, most})))
+    if not bands:
+        return most
+    found = quiet_strengths(noisy.positions, frame, bands, is_counted)
+
+    def misfit(passes: int) -> float:
+        noise, _ = averaged_noise(white, passes, frame, is_counted)
+        expected = quiet_strengths(frame.raised(noise), frame, bands, is_counted)
+        return float(np.var(np.log(found / expected)))
+
+    misfits = [misfit(round(part * most)) for part in PARTS_OF_PASSES]
+    middle = int(np.clip(np.argmin(misfits), 1, len(misfits) - 2))
+    near, logarithms = slice(middle - 1, middle + 2), np.log(PARTS_OF_PASSES)
+    square, slope, _ = np.polyfit(logarithms[near], misfits[near], 2)
+    if square <= 0:
+        return most
+    best = np.clip(-slope / (2 * square), logarithms[-1], 0)
+    return round(most * float(np.exp(best)))
+
+
 def _least_level(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, passes: int) -> float:
     """Least standard deviation that a band narrower than a noise and one as wide allow for it.
 
@@ -226,7 +257,7 @@ def _least_level(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, pas
     tuned, frame, typical = parameters(), noisy.frame, max(passes, 1)
     bounds = (passes // 4, max(1, passes // 2)), (typical, 2 * typical)
     found, expected = (
-        quiet_part(local_strengths(band_heights(positions, frame, bounds), frame, counted))
+        quiet_strengths(positions, frame, bounds, counted)
         for positions in (noisy.positions, frame.raised(noise))
     )
     narrow, wide = np.where(found > LEAST_STRENGTH, found, 0) / expected
@@ -269,6 +300,17 @@ def quiet_part(strength: FloatArray) -> FloatArray:
     """Strength (k,) of the bands in the quietest part of the surface."""
     quiet: FloatArray = np.quantile(strength, parameters().quiet_fraction, axis=1)
     return quiet
+
+
+def quiet_strengths(
+    positions: FloatArray,
+    frame: TriangleSurface,
+    bands: tuple[tuple[int, int], ...],
+    is_counted: BoolArray,
+) -> FloatArray:
+    """Strength (k,) of bands of positions (n, 3) in the quietest part of the counted vertices."""
+    heights = band_heights(positions, frame, bands)
+    return quiet_part(local_strengths(heights, frame, is_counted))
 
 
 def least_evenness(strength: FloatArray, of_noise: FloatArray, fraction: float) -> float:
