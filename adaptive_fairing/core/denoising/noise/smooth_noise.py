@@ -264,8 +264,8 @@ def _least_level(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, pas
     # Both bands have all of the noise, and the narrow one this part of what the wide has of shape.
     of_shape = tuned.narrow_of_shape**2
     variance = (narrow**2 - of_shape * wide**2) / (1 - of_shape)
-    # And noise has at least as much of the narrow band: else more strength would remove nothing.
-    return float(np.sqrt(max(variance, of_shape * narrow**2)))
+    # Some of it may always be noise, the less the more there is of shape.
+    return float(np.sqrt((variance + np.hypot(variance, of_shape * narrow**2)) / 2))
 
 
 def _of_white_noise(white: FloatArray, frame: TriangleSurface, is_counted: BoolArray) -> FloatArray:
