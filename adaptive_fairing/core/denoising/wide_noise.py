@@ -74,14 +74,15 @@ def denoised_surfaces(
 def level_of_width(fine: TriangleSurface, width: float | None) -> CoarseLevel | None:
     """Make the coarsest level on which noise of a width, in edges, spans enough edges.
 
-    None if that is the surface itself, or if every level would have too few vertices.
+    None if that is the surface itself, or if every level would have too few vertices: on those the
+    shape looks like noise.
     """
     if width is None:
         return None
     tuned = parameters()
     for hops in range(most_hops(width / tuned.level_edges_of_width), 0, -1):
         level = CoarseLevel.over(fine, hops)
-        if np.count_nonzero(level.is_known) >= tuned.fewest_to_tell:
+        if np.count_nonzero(level.is_known) >= tuned.fewest_to_tell_smooth:
             return level
     return None
 

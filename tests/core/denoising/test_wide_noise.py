@@ -8,6 +8,7 @@ from support.meshes import flat_grid, icosphere
 
 from adaptive_fairing.core import DenoiseSettings, PreparedMesh, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.noise.smooth_noise import passes_of_width
+from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
 
@@ -109,6 +110,12 @@ def test_more_strength_removes_more_and_a_limit_holds():
     settings = DenoiseSettings(width=8, max_deviation=limit)
     bounded = denoise(x, prepared.triangles, settings, prepared=prepared).positions
     assert np.linalg.norm(bounded - x, axis=1).max() <= limit * (1 + 1e-9)
+
+
+def test_a_level_has_vertices_enough_to_tell_noise_from_shape():
+    x, faces, _ = with_noise(icosphere(5), 16, 0.3)
+    level = denoise(x, faces, DenoiseSettings(width=16)).plan.level
+    assert level.topology.n_vertices >= PARAMETERS.fewest_to_tell_smooth
 
 
 @pytest.mark.parametrize("width", [2.0, 16.0])
