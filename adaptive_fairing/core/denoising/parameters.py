@@ -238,8 +238,8 @@ class DenoiseParameters:
     # shape of ten with noise of 0.05 ended at 4.9 times its error.
     most_misfit: float = 0.15
     # On fewer vertices coarse round shapes are as even as noise, so wide noise is removed on levels
-    # of as many. With levels of 300 the errors of 19 shapes with noise over 6 to 16 edges, told as 8
-    # to 16, were 1.05 to 1.17 times as large.
+    # of as many. With levels of 300 the errors of 19 shapes with noise over 6 to 16 edges were 1.05
+    # to 1.17 times as large.
     fewest_to_tell_smooth: int = 1500
     # The next wider band is stronger than noise by at most this, as a logarithm. Noise of depth
     # cameras has at most 0.53. Fractal terrain, which all other evidence takes for noise, has 0.65

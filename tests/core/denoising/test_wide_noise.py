@@ -58,6 +58,12 @@ def test_noise_of_the_width_goes(width):
     assert (result.plan.level is not None) == (width == 8)
 
 
+def test_white_noise_stays_white_if_a_width_is_told():
+    x, faces, _ = with_noise(icosphere(5), 1, 0.3)
+    smooth, white = (denoise(x, faces, DenoiseSettings(width=each)) for each in (2, 1))
+    assert np.array_equal(smooth.positions, white.positions)
+
+
 def test_wide_noise_is_left_alone_unless_it_is_told():
     x, faces, _ = with_noise(icosphere(5), 8, 0.3)
     assert not denoise(x, faces).is_changed

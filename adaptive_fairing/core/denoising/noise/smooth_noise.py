@@ -196,7 +196,7 @@ def noise_of_width(
 
     Noise of width w has the correlation exp(-r² / w²) at a distance of r edges.  A user tells it
     roughly, and noise that is narrower than assumed seems much stronger than it is.  So the noise
-    is as wide as fits best, from 0.65 of the given width on.
+    is as wide as fits best, from 0.65 of the given width on, or white.
 
     The contrasts that see it best are differences between averages that are narrower than it, and
     heights over flat faces.  Each is an upper bound of the level, as always (`noise.contrast`):
@@ -240,6 +240,8 @@ def _likeliest_passes(noisy: NoisySurface, is_counted: BoolArray, most: int) -> 
         return float(np.var(np.log(found / expected)))
 
     misfits = [misfit(round(part * most)) for part in PARTS_OF_PASSES]
+    if misfit(0) < min(misfits):
+        return 0
     middle = int(np.clip(np.argmin(misfits), 1, len(misfits) - 2))
     near, logarithms = slice(middle - 1, middle + 2), np.log(PARTS_OF_PASSES)
     square, slope, _ = np.polyfit(logarithms[near], misfits[near], 2)
