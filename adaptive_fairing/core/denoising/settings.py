@@ -34,9 +34,10 @@ class DenoiseSettings:
         as noise.
     width : "auto" or float
         Width of the noise: the distance in edges, from 1 to 16, at which its correlation is 1 / e;
-        about half the size of its bumps. White noise has 1. Noise of a given width is removed even
-        from a mesh that looks clean: `clean` is not used. "auto" finds noise up to four edges wide
-        where it differs from shape.
+        about half the size of its bumps. White noise has 1. It may be told up to half too large,
+        which is recognised, but not too small. Noise of a given width is removed even from a mesh
+        that looks clean: `clean` is not used. "auto" finds noise up to four edges wide where it
+        differs from shape.
     max_deviation : float, optional
         No vertex ends further than this length, in object units, from its input position.
 
