@@ -166,9 +166,9 @@ def _add_denoise(parser: Parser, common: Any) -> None:
         dest="width",
         type=_auto_or_number,
         metavar="auto|EDGES",
-        help="width of the noise, 1 to 16 edges: about half the size of its bumps, rather too large "
-        "than too small; a number removes noise of that width even from a mesh that looks clean "
-        "(default: auto)",
+        help="width of the noise, 1 to 16 edges: about half the size of its bumps, rather too "
+        "large than too small; a number removes noise of that width even from a mesh that looks "
+        "clean (default: auto)",
     )
     _add_max_deviation(common)
     _add_boundary(common)

@@ -46,6 +46,8 @@ WEIGHTS = np.array([0.5, 1.0, 1.0])
 
 # Passes that are tried for noise of a given width, over those of that width: down to 0.65 of it.
 PARTS_OF_PASSES = (1.0, 0.75, 0.56, 0.42)
+# Weight of the narrowest band in that fit: finer noise and rounded depths show there as well.
+WEIGHT_OF_NARROWEST = 0.25
 
 # Weaker bands are rounding. They count as so strong, since logarithms and quotients are taken.
 LEAST_STRENGTH = 1e-12
@@ -233,11 +235,13 @@ def _likeliest_passes(noisy: NoisySurface, is_counted: BoolArray, most: int) -> 
     if not bands:
         return most
     found = quiet_strengths(noisy.positions, frame, bands, is_counted)
+    weights = np.ones(len(bands))
+    weights[0] = WEIGHT_OF_NARROWEST
 
     def misfit(passes: int) -> float:
         noise, _ = averaged_noise(white, passes, frame, is_counted)
         expected = quiet_strengths(frame.raised(noise), frame, bands, is_counted)
-        return float(np.var(np.log(found / expected)))
+        return float(np.cov(np.log(found / expected), aweights=weights, ddof=0))
 
     misfits = [misfit(round(part * most)) for part in PARTS_OF_PASSES]
     if misfit(0) < min(misfits):
