@@ -16,7 +16,8 @@ growing.
 
 Detail as fine, as even and as random as noise, such as the grain of a rock, looks the same.
 
-Of noise whose width the user has told only the level is estimated (`noise_of_width`).
+Of noise whose width the user has told, only the level is estimated, and whether it is narrower than
+told (`noise_of_width`).
 """
 
 from __future__ import annotations
