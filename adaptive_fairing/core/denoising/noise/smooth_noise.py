@@ -22,6 +22,7 @@ told (`noise_of_width`).
 
 from __future__ import annotations
 
+from functools import cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -231,21 +232,22 @@ def passes_of_width(width: float) -> int:
 
 def _likeliest_passes(noisy: NoisySurface, is_counted: BoolArray, most: int) -> int:
     """Count the averages that give noise whose bands fit best, at most as many as for the width."""
+    if most == 0:
+        return 0
     frame, white = noisy.frame, noisy.fading.white
     bands = tuple(pairwise(sorted({most // 8, most // 4, most // 2, most})))
-    if not bands:
-        return most
-    found = quiet_strengths(noisy.positions, frame, bands, is_counted)
     weights = np.ones(len(bands))
     weights[0] = WEIGHT_OF_NARROWEST
+    found = quiet_strengths(noisy.positions, frame, bands, is_counted)
 
-    def misfit(passes: int) -> float:
+    @cache  # of a small width some are tried twice
+    def ratios(passes: int) -> FloatArray:
         noise, _ = averaged_noise(white, passes, frame, is_counted)
-        expected = quiet_strengths(frame.raised(noise), frame, bands, is_counted)
-        return float(np.cov(np.log(found / expected), aweights=weights, ddof=0))
+        return np.log(found / quiet_strengths(frame.raised(noise), frame, bands, is_counted))
 
-    misfits = [misfit(round(part * most)) for part in PARTS_OF_PASSES]
-    if misfit(0) < min(misfits):
+    tried = (*(round(part * most) for part in PARTS_OF_PASSES), 0)
+    _, (*misfits, of_white) = _levels_and_misfits(np.stack(list(map(ratios, tried))), weights)
+    if of_white < min(misfits):
         return 0
     middle = int(np.clip(np.argmin(misfits), 1, len(misfits) - 2))
     near, logarithms = slice(middle - 1, middle + 2), np.log(PARTS_OF_PASSES)
@@ -296,11 +298,15 @@ def _fit(ratios: FloatArray) -> tuple[int, float, float]:
 
     The argument has the logarithms of the bands' strengths relative to every noise, (p, k).
     """
-    narrow = ratios[:, :N_NARROW]
-    levels = np.average(narrow, axis=1, weights=WEIGHTS)
-    misfits = np.square(narrow - levels[:, None]) @ WEIGHTS
+    levels, misfits = _levels_and_misfits(ratios[:, :N_NARROW], WEIGHTS)
     best = int(np.argmin(misfits))
     return best, float(levels[best]), float(misfits[best])
+
+
+def _levels_and_misfits(ratios: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Mean logarithm of every noise's bands, (p, k), and the squares by which they differ, (p,)."""
+    levels = np.average(ratios, axis=1, weights=weights)
+    return levels, np.square(ratios - levels[:, None]) @ weights
 
 
 def quiet_part(strength: FloatArray) -> FloatArray:
