@@ -176,7 +176,7 @@ def _planned(
     stage.bank.know_noise(noise)
     # The divergence weighted with the correlation of the noise comes from probes that have it too.
     size, n_counted = tuned.probe_size * typical, np.count_nonzero(parts.is_counted)
-    own_probes = stage.noisy.own.probes(math.ceil(tuned.least_probed / n_counted), typical)
+    own_probes = stage.noisy.own.probes(math.ceil(tuned.least_probed / n_counted))
     probes = [size * correlation.applied(each, frame) for each in own_probes]
     probed = (track.start.positions + frame.raised(each) for each in probes)
     shadows = [Track(stage.bank, TriangleSurface(frame.topology, each)) for each in probed]
@@ -262,16 +262,16 @@ def _look_like_noise(
     The surface had positions (n, 3) after the removal.
     """
     tuned, stage, parts = parameters(), verdict.stage, verdict.stage.parts
-    as_noise = before.positions - stage.frame.raised(verdict.example())
+    like_noise = [before.positions - stage.frame.raised(each) for each in verdict.examples()]
     # Smooth patches have no noise, and what is removed beside them no clusters.
     there = np.where(parts.is_rough(before), verdict.whole(verdict.level), 0)
-    found, expected = ordered_map(
-        lambda surface: parts.clustering(before, surface, there), (after, as_noise)
+    found, *of_noise = ordered_map(
+        lambda surface: parts.clustering(before, surface, there), (after, *like_noise)
     )
     # Many spikes leave many neighbours that stand out.
     was_spike = (stage.track.start.positions != before.positions).any(axis=1)
     share = parts.counts(was_spike) / np.maximum(parts.counts(), 1)
-    excess = found - expected - share
+    excess = found - np.mean(of_noise, axis=0) - share
     is_noise = excess <= (tuned.clustered_detail if clean == "detail" else tuned.most_clustered)
     # Where nothing goes, nothing is alike.
     clusters = is_noise & (found > 0) & (excess > tuned.clustered_detail)

@@ -10,7 +10,7 @@ import numpy as np
 from ..runtime.arrays import BoolArray, FloatArray
 from .mesh_parts import NoiseFound
 from .noise.noisy_surface import NoisySurface
-from .noise.own_numbers import WHITE_NOISE
+from .noise.own_numbers import SEVERAL_NOISES, WHITE_NOISE
 from .noise.smooth_noise import SmoothNoise, noise_of_width, smooth_noise
 from .noise.spikes import left_of_spikes, put_back_of
 from .noise_model import NoiseCorrelation
@@ -78,13 +78,15 @@ class NoiseVerdict:
         """
         return seen / self.correlation.seen * self.correlation.deviation
 
-    def example(self) -> FloatArray:
-        """Return random noise like all that was found: heights in local edge lengths, (n,)."""
+    def examples(self) -> list[FloatArray]:
+        """Return random noises like all that was found: heights in local edge lengths, (n,)."""
         if self.spiky is not None:
-            return self.spiky
+            return [self.spiky]
         noisy, correlation = self.stage.noisy, self.correlation
-        white = noisy.own.noise(WHITE_NOISE)
-        return self.level / correlation.seen * correlation.applied(white, noisy.frame)
+        return [
+            self.level / correlation.seen * correlation.applied(noisy.own.noise(use), noisy.frame)
+            for use in SEVERAL_NOISES
+        ]
 
 
 def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> NoiseVerdict:

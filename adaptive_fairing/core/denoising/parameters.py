@@ -250,7 +250,7 @@ class DenoiseParameters:
     # seven kinds of smooth noise and 14 of detail, some too weak to be told.
     # `research.denoising.smooth_evidence` judges them.
     evidence_weights: tuple[float, ...] = (-0.25, 4.4, -3.0, -0.62, -5.96)
-    least_evidence: float = 0.7
+    least_evidence: float = 0.75
 
     # noise/spikes
     # This quantile of the deviations from lines is divided by their median, and the quotient by

@@ -14,6 +14,7 @@ from .mesh_parts import MeshParts
 from .mixture import Mixture
 from .noise.face_noise import face_noise
 from .noise.noisy_surface import NoisySurface
+from .noise.own_numbers import OwnNumbers
 from .noise.smooth_noise import SmoothNoise
 from .noise.spikes import without_spikes
 from .noise_model import averaged_noise
@@ -111,13 +112,14 @@ class Stage:
         positions: FloatArray,
         is_still: BoolArray,
         on_solve: Callable[[SolveReport], None],
+        own: OwnNumbers | None = None,
     ) -> None:
         self._is_still, self._on_solve = is_still, on_solve
         start = TriangleSurface(topology, positions)
         self.bank = FilterBank(start, on_solve)
         self.track = Track(self.bank, start)
         self.frame = self.track.surface
-        self.noisy = NoisySurface(positions, self.frame)
+        self.noisy = NoisySurface(positions, self.frame, own)
         self.parts = MeshParts(self.frame, is_still)
 
     def calmed(self, impulsive: BoolArray) -> Stage:
@@ -125,7 +127,8 @@ class Stage:
         positions = self.noisy.positions
         calm = without_spikes(self.noisy, self.parts.is_counted, self.parts.may_move)
         start = np.where(impulsive[:, None], calm, positions)
-        return Stage(self.frame.topology, start, self._is_still, self._on_solve)
+        own = self.noisy.own
+        return Stage(self.frame.topology, start, self._is_still, self._on_solve, own)
 
     def face_noise(self, noisy: NoisySurface) -> SmoothNoise | None:
         """Measure the smooth noise on flat faces, in the surface's units; None without any."""

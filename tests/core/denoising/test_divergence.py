@@ -76,7 +76,7 @@ def test_the_probes_of_a_mesh_find_the_trace_of_its_diffusions(shape, n_probes):
         _, filtered = bank.started(TriangleSurface(topology, positions))
         return np.stack([frame.along_normal(positions - each) for each in filtered.values()])
 
-    probes = [SIZE * each for each in OwnNumbers(vertices, frame).probes(n_probes, SIZE)]
+    probes = [SIZE * each for each in OwnNumbers(vertices, frame).probes(n_probes)]
     removed = removed_from(vertices)
     shadows = [removed_from(vertices + frame.raised(each)) for each in probes]
     pairs = zip(shadows, probes, strict=True)

@@ -15,7 +15,9 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+from scipy import sparse
 
+from ...mesh.normals import dots
 from ...runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, LongArray
 from ..parameters import parameters
 from .noisy_surface import NoisySurface
@@ -108,11 +110,8 @@ class CleanDetail:
         tuned = parameters()
         if np.count_nonzero(self._all_counted) > tuned.low_poly:
             return ""
-        surface, frame = self._surface, self._surface.frame
-        of_white = frame.rises(frame.raised(surface.fading.white))
-        of_mesh, of_noise = (
-            self._alikeness(rises, is_counted) for rises in (surface.own.rises, of_white)
-        )
+        rises = self._surface.frame.rises(self._surface.positions)
+        of_mesh, of_noise = self._alikeness(rises, is_counted), self._expected(is_counted)
         alike = (of_mesh - of_noise) / max(1 - of_noise, 1e-9)
         if alike < tuned.least_bend_correlation:
             return ""
@@ -126,6 +125,21 @@ class CleanDetail:
         own, around = own[is_counted], around[is_counted]
         size = float(own.std() * around.std())
         return float(np.mean((own - own.mean()) * (around - around.mean()))) / size if size else 0.0
+
+    def _expected(self, is_counted: BoolArray) -> float:
+        """Correlation that white noise has: `_alikeness` of many noises.
+
+        Row i of a matrix has what every vertex, raised by one local edge, adds to deviation i.
+        """
+        frame = self._surface.frame
+        mean, size = frame.mean.tocoo(), frame.spacing
+        at, of = mean.coords
+        along = dots(frame.normals[at], frame.normals[of]) * size[of] / size[at]
+        beside = sparse.csr_array((mean.data * along, (at, of)), shape=mean.shape)
+        deviations = sparse.csr_array(sparse.identity(len(size), format="csr") - beside)
+        own, around = deviations[is_counted], (frame.mean @ deviations)[is_counted]
+        sizes = np.sqrt(own.power(2).sum() * around.power(2).sum())
+        return float(own.multiply(around).sum() / sizes) if sizes else 0.0
 
 
 def repeated_part(triangles: IntArray, positions: FloatArray) -> float:

@@ -14,6 +14,7 @@ with the mean of the neighbours' noise.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import NamedTuple
 
@@ -259,12 +260,20 @@ class Fading:
     ----------
     positions : (n, 3)
     frame : TriangleSurface
+    noises : sequence of (n,)
+        White noises of unit variance along the normals, in local edge lengths.
+
+    Attributes
+    ----------
     white : (n,)
-        The white noise along the normals, in local edge lengths.
+        The first of the noises.
     """
 
-    def __init__(self, positions: FloatArray, frame: TriangleSurface, white: FloatArray) -> None:
-        self.white = white
+    def __init__(
+        self, positions: FloatArray, frame: TriangleSurface, noises: Sequence[FloatArray]
+    ) -> None:
+        self.white = noises[0]
+        self._noises = noises
         self._positions, self._frame = positions, frame
 
     def fades(self, is_counted: BoolArray) -> bool:
@@ -276,7 +285,7 @@ class Fading:
 
     def of_mesh(self, is_counted: BoolArray) -> tuple[float, float]:
         """Roughness in low order relative to white noise, and the fraction left in high order."""
-        return self._compared(self._of_mesh, is_counted)
+        return _compared(self._of_mesh, self._of_noises, is_counted)
 
     def correlation(self, is_counted: BoolArray) -> NoiseCorrelation:
         """Find the correlation of noise that fades like the roughness of the mesh.
@@ -292,7 +301,8 @@ class Fading:
         for coefficient in coefficients[1:]:
             noise = NoiseCorrelation(coefficient).applied(self.white, self._frame)
             differences = _differences(self._frame.raised(noise), self._frame)
-            rows.append((*self._compared(differences, is_counted), np.std(noise[is_counted])))
+            compared = _compared(differences, self._of_noises[:1], is_counted)
+            rows.append((*compared, np.std(noise[is_counted])))
         seen, kept_of_noise, deviation = np.array(rows).T
         found = float(np.interp(-kept, -np.minimum.accumulate(kept_of_noise), coefficients))
         return NoiseCorrelation(
@@ -307,15 +317,24 @@ class Fading:
         return _differences(self._positions, self._frame)
 
     @cached_property
-    def _of_white(self) -> FloatArray:
-        return _differences(self._frame.raised(self.white), self._frame)
+    def _of_noises(self) -> FloatArray:
+        return np.stack(
+            [_differences(self._frame.raised(each), self._frame) for each in self._noises]
+        )
 
-    def _compared(self, differences: FloatArray, is_counted: BoolArray) -> tuple[float, float]:
-        low, high = np.median(differences[:, is_counted], axis=1)
-        white_low, white_high = np.median(self._of_white[:, is_counted], axis=1)
-        # A surface without roughness does not fade.
-        kept = (high / low) / (white_high / white_low) if low > 0 else 1.0
-        return float(low / white_low), float(kept)
+
+def _compared(
+    differences: FloatArray, of_noises: FloatArray, is_counted: BoolArray
+) -> tuple[float, float]:
+    """Low order of differences (2, n) over that of noises, (k, 2, n), and the same of what is kept.
+
+    What is kept is the high order over the low one.
+    """
+    low, high = np.median(differences[:, is_counted], axis=1)
+    low_of_noise, high_of_noise = np.median(of_noises[..., is_counted], axis=2).mean(axis=0)
+    # A surface without roughness does not fade.
+    kept = (high / low) / (high_of_noise / low_of_noise) if low > 0 else 1.0
+    return float(low / low_of_noise), float(kept)
 
 
 def _differences(values: FloatArray, frame: TriangleSurface) -> FloatArray:

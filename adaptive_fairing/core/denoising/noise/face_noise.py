@@ -14,11 +14,13 @@ from scipy import sparse
 from ...mesh.normals import dots
 from ...runtime.arrays import BoolArray, FloatArray, IntArray
 from ..flat_faces import FlatFaces
-from ..noise_model import WHITE, NoiseCorrelation, averaged_noise
+from ..noise_model import NoiseCorrelation, averaged_noise
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .noisy_surface import NoisySurface
+from .own_numbers import SEVERAL_NOISES
 from .smooth_noise import (
+    LEAST_STRENGTH,
     NORMAL_TAIL,
     PASSES,
     TAIL,
@@ -75,13 +77,28 @@ def face_noise(
     # Each face counts in its own unit: a scanner may see some of them at a grazing angle.
     relative = heights / np.maximum(sizes[face], tuned.clean_roughness**2)
     bands = band_heights(frame.raised(relative), frame)
-    correlation, of_noise, misfit = _explained(bands, surface, frame, is_inner)
+    found = np.log(np.maximum(typical_sizes(bands[:, is_inner]), LEAST_STRENGTH))
+
+    def compared(use: float, passes: int) -> tuple[NoiseCorrelation, FloatArray, FloatArray]:
+        """Draw a noise of unit size: its correlation, bands (k, n), and how they differ, (k,)."""
+        white = surface.own.noise(use)
+        noise, correlation = averaged_noise(white, passes, frame, is_inner)
+        of_noise = band_heights(frame.raised(noise / correlation.deviation), frame)
+        return correlation, of_noise, found - np.log(typical_sizes(of_noise[:, is_inner]))
+
+    first, *others = SEVERAL_NOISES
+    candidates = [compared(first, passes) for passes in PASSES]
+    best = int(np.argmin([WEIGHTS @ np.square(differences) for *_, differences in candidates]))
+    same = [candidates[best], *(compared(use, PASSES[best]) for use in others)]
+    correlations, of_noises, differences = zip(*same, strict=True)
+    correlation, misfit = correlations[0], WEIGHTS @ np.square(np.mean(differences, axis=0))
     # The three numbers of a plane take away the noise of as many vertices, if each had its own.
     fitted = np.minimum(3 / correlation.deviation**2, counts / 2)
     levels = np.sqrt(totals / np.maximum(counts - fitted, 1))
-    strengths, strengths_of_noise = (
-        local_strengths(each, frame, is_inner) for each in (bands, of_noise)
-    )
+    strengths = local_strengths(bands, frame, is_inner)
+    evennesses = [
+        least_evenness(strengths, local_strengths(each, frame, is_inner), 0.5) for each in of_noises
+    ]
     local = bands[:2, is_inner] / strengths[:2]
     local /= np.maximum(typical_sizes(local), 1e-9)[:, None]
     tails = np.array([_tail(local[1]), _tail(relative[is_inner])])
@@ -89,32 +106,12 @@ def face_noise(
     return SmoothNoise(
         level,
         correlation,
-        misfit,
-        evenness=least_evenness(strengths, strengths_of_noise, 0.5),
+        float(misfit),
+        evenness=float(np.mean(evennesses)),
         # Too few outliers are as little like noise as too many.
         outliers=float(np.maximum(tails, 1 / np.maximum(tails, 1e-9)).max()),
         lean=leaning(local),
-        is_enough=level <= tuned.face_height,
     )
-
-
-def _explained(
-    bands: FloatArray, surface: NoisySurface, frame: TriangleSurface, is_inner: BoolArray
-) -> tuple[NoiseCorrelation, FloatArray, float]:
-    """Find the noise of unit size whose bands (k, n) are most similar to those of heights.
-
-    Returns its correlation, its bands and the misfit.
-    """
-    found = np.log(np.maximum(typical_sizes(bands[:, is_inner]), 1e-12))
-    best = WHITE, bands, np.inf
-    for passes in PASSES:
-        noise, correlation = averaged_noise(surface.fading.white, passes, frame, is_inner)
-        of_noise = band_heights(frame.raised(noise / correlation.deviation), frame)
-        differences = found - np.log(typical_sizes(of_noise[:, is_inner]))
-        misfit = float(WEIGHTS @ np.square(differences))
-        if misfit < best[2]:
-            best = correlation, of_noise, misfit
-    return best
 
 
 def _tail(values: FloatArray) -> float:

@@ -12,7 +12,7 @@ from ..triangle_surface import TriangleSurface
 from .contrast import Contrast, Fading, LineRoughness, hinges, roughness
 from .level import has_one_length
 from .line_of_sight import LEAST_COSINE, lines_of_sight, shows_object
-from .own_numbers import LINE_NOISE, WHITE_NOISE, OwnNumbers
+from .own_numbers import LINE_NOISE, SEVERAL_NOISES, OwnNumbers
 
 
 class NoisySurface:
@@ -23,21 +23,21 @@ class NoisySurface:
     positions : (n, 3)
     frame : TriangleSurface
         The same surface, slightly smoothed: unit of length and direction of the noise.
+    own : OwnNumbers, optional
+        Numbers that look random but belong to the surface; its own by default.
     """
 
-    def __init__(self, positions: FloatArray, frame: TriangleSurface) -> None:
+    def __init__(
+        self, positions: FloatArray, frame: TriangleSurface, own: OwnNumbers | None = None
+    ) -> None:
         self.positions, self.frame = positions, frame
         self.topology = frame.topology
-
-    @cached_property
-    def own(self) -> OwnNumbers:
-        """Numbers that look random but belong to the surface."""
-        return OwnNumbers(self.positions, self.frame)
+        self.own = own or OwnNumbers(positions, frame)
 
     @cached_property
     def fading(self) -> Fading:
         """Decay of the roughness in differences of higher order."""
-        return Fading(self.positions, self.frame, self.own.noise(WHITE_NOISE))
+        return Fading(self.positions, self.frame, [self.own.noise(use) for use in SEVERAL_NOISES])
 
     @cached_property
     def roughness(self) -> Contrast:
@@ -91,4 +91,4 @@ class NoisySurface:
         else:
             return self
         unit = unit * (np.median(spacing) / np.median(unit))
-        return NoisySurface(self.positions, self.frame.with_frame(spacing=unit))
+        return NoisySurface(self.positions, self.frame.with_frame(spacing=unit), self.own)

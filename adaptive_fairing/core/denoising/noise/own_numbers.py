@@ -1,11 +1,13 @@
-"""Pseudo-random numbers that follow from the geometry alone.
+"""Pseudo-random numbers that follow from the mesh alone.
 
 The automatic method adds a little noise of its own to measure the effect of the filters on noise.
 Numbers from a generator would depend on the numbering of the vertices, so that a renumbered mesh
-would get others.  Here the number of a vertex follows from lengths around it and from its distance
-to the centre of the mesh, which no rotation, reflection, renumbering or reversal of the faces
-changes.  A slightly different mesh gets slightly different numbers, so that rounding does not
-decide the result.
+would get others.  Here the number of a vertex follows from the connectivity around it: how many
+neighbours it has, how many those have, and so on.  No rotation, reflection, renumbering or reversal
+of the faces changes it, and no jitter or rounding of positions either.
+
+Where connectivity is regular, neighbours see the same around them.  There the number follows from
+lengths around the vertex and from its distance to the centre of the mesh.
 """
 
 from __future__ import annotations
@@ -13,11 +15,20 @@ from __future__ import annotations
 from itertools import islice
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import ndtri
 
 from ...mesh.normals import dots
-from ...runtime.arrays import FloatArray
+from ...mesh.topology import TriangleTopology
+from ...runtime.arrays import BoolArray, FloatArray
 from ..triangle_surface import TriangleSurface
+
+# Rings of neighbours that are seen.  Four tell apart all vertices of most scans and remeshed
+# models; this many also those between the vertices of a coarse mesh that was subdivided.
+RINGS = 16
+
+# Turns for the connectivity, so many that the phases of all uses are random.
+MOST_TURNS = 1e6
 
 # Turns of the phase per local edge length, from lengths around a vertex.  Noise of 0.1 of an edge
 # moves the phase by some turns, so neighbours are not alike; jitter of 0.0001 by some thousandths.
@@ -27,14 +38,11 @@ TURNS = (24.0, 15.0 * np.sqrt(2))
 # that is linear in the position would be one wave on a lattice.
 TURNS_FROM_CENTRE = 0.02 * np.sqrt(3)
 
-# A probe takes at most this many turns for the noise.  Where that is strong neighbours are not
-# alike with fewer turns, and more would only enlarge what rounding changes.  With 0.5 to 1.3 the
-# errors were the same.
-TURNS_OF_NOISE = 0.9
-
 # Different numbers for different uses: so many times the turns.  Fewest for the probe, which
 # decides what is mixed; noise to compare with must be even everywhere.
 PROBE, WHITE_NOISE, LINE_NOISE, SEEDS = 1.0, 4.3, 3.1, 9.7
+# Those that a mesh is compared with where one random noise differs too much from the next.
+SEVERAL_NOISES = WHITE_NOISE, LINE_NOISE, SEEDS
 
 
 class OwnNumbers:
@@ -44,58 +52,75 @@ class OwnNumbers:
     ----------
     positions : (n, 3)
     frame : TriangleSurface
-
-    Attributes
-    ----------
-    rises : (n,)
-        Height of each vertex over the mean of its neighbours, see `TriangleSurface.rises`.
     """
 
     def __init__(self, positions: FloatArray, frame: TriangleSurface) -> None:
-        self.rises = frame.rises(positions)
-        # Loose vertices belong to no surface, and must not change its numbers.
-        used = ~frame.topology.is_loose
-        centred = positions - positions[used].mean(axis=0)
-        around = frame.mean @ centred
-        square = dots(centred, centred)
-        spread = square + frame.mean @ square - 2 * dots(centred, around)
-        self._to_middle = np.linalg.norm(centred - around, axis=1) / frame.spacing
-        self._spread = spread / frame.spacing**2
-        self._from_centre = square / np.mean(frame.spacing[used]) ** 2
-        self._typical_rise = float(np.median(np.abs(self.rises[used])))
+        colours, is_unique = _colours(frame.topology)
+        self._turns = np.where(is_unique, MOST_TURNS * colours, _turns_of_lengths(positions, frame))
+        # Numbers change their sign with the normals, so that their steps are the same if all faces
+        # are reversed.
+        rises = frame.rises(positions)[~frame.topology.is_loose]
+        self._side = -1.0 if rises.sum() < 0 else 1.0
 
-    def phases(self, use: float, part: float = 1.0) -> FloatArray:
-        """Return numbers in [0, 1), (n,), for `PROBE`, `WHITE_NOISE`, `LINE_NOISE` or `SEEDS`.
-
-        From a part of the usual turns, 0 to 1, if wanted.
-        """
-        turns = part * (TURNS[0] * self._to_middle + TURNS[1] * self._spread)
-        turns = use * (turns + TURNS_FROM_CENTRE * self._from_centre)
+    def phases(self, use: float) -> FloatArray:
+        """Return numbers in [0, 1), (n,), for `PROBE`, `WHITE_NOISE`, `LINE_NOISE` or `SEEDS`."""
+        turns = use * self._turns
         phases: FloatArray = turns - np.floor(turns)
         return phases
 
-    def probes(self, count: int, noise: float) -> list[FloatArray]:
+    def probes(self, count: int) -> list[FloatArray]:
         """Return one to four rows of numbers (n,) for steps along the normals.
 
         Each has mean 0 and mean square 1, and they are not correlated: sines and cosines of
         multiples of the phases.  Mere signs would jump where rounding moves a phase past its end.
-        A number changes its sign with the normal, so that the step is the same if the faces are
-        reversed.
-
-        Noise of a typical size in local edge lengths moves vertices apart by that, unless it is
-        smooth: then they rise less over their neighbours.
         """
-        apart = max(min(noise, self._typical_rise), 1e-9)
-        turns = 2 * np.pi * self.phases(PROBE, min(1.0, TURNS_OF_NOISE / (TURNS[0] * apart)))
+        turns = 2 * np.pi * self.phases(PROBE)
         waves = ((wave, times) for times in (1, 2) for wave in (np.cos, np.sin))
-        signed = (wave(times * turns) * self._sides for wave, times in islice(waves, count))
+        signed = (self._side * wave(times * turns) for wave, times in islice(waves, count))
         return [each / np.sqrt(np.mean(np.square(each))) for each in signed]
 
     def noise(self, use: float) -> FloatArray:
         """Return normal-distributed numbers of unit variance, (n,), for heights along normals."""
-        noise: FloatArray = ndtri(np.clip(self.phases(use), 1e-9, 1 - 1e-9)) * self._sides
+        noise: FloatArray = self._side * ndtri(np.clip(self.phases(use), 1e-9, 1 - 1e-9))
         return noise
 
-    @property
-    def _sides(self) -> FloatArray:
-        return np.where(self.rises < 0, -1.0, 1.0)
+
+def _colours(topology: TriangleTopology) -> tuple[FloatArray, BoolArray]:
+    """Random numbers from the connectivity around vertices, (n,), and which of them occur once.
+
+    Source: colour refinement, B. Weisfeiler and A. Leman, 1968, with hash values as colours.
+    """
+    sizes, ring = topology.ring_size, topology.ring
+    is_used = sizes > 0
+    first = topology.ring_start[:-1][is_used]
+    colours = _hashed((2 * sizes + topology.on_boundary).astype(np.uint64))
+    for _ in range(RINGS):
+        around = np.add.reduceat(_hashed(colours)[ring], first)
+        colours[is_used] = _hashed(3 * colours[is_used] + around)
+    _, kind, count = np.unique(colours, return_inverse=True, return_counts=True)
+    return colours / 2.0**64, count[kind] == 1
+
+
+def _hashed(values: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    """Mix the bits of integers (n,) of 64 bits.
+
+    Source: G. Steele, D. Lea, C. Flood, Fast splittable pseudorandom number generators, 2014.
+    """
+    values = values + np.uint64(0x9E3779B97F4A7C15)
+    values = (values ^ (values >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
+    values = (values ^ (values >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
+    return values ^ (values >> np.uint64(31))
+
+
+def _turns_of_lengths(positions: FloatArray, frame: TriangleSurface) -> FloatArray:
+    """Count turns by the lengths around vertices and their distances to the centre, (n,)."""
+    # Loose vertices belong to no surface, and must not change its numbers.
+    used = ~frame.topology.is_loose
+    centred = positions - positions[used].mean(axis=0)
+    around = frame.mean @ centred
+    square = dots(centred, centred)
+    spread = square + frame.mean @ square - 2 * dots(centred, around)
+    to_middle = np.linalg.norm(centred - around, axis=1) / frame.spacing
+    turns = TURNS[0] * to_middle + TURNS[1] * spread / frame.spacing**2
+    from_centre: FloatArray = square / np.mean(frame.spacing[used]) ** 2
+    return turns + TURNS_FROM_CENTRE * from_centre

@@ -22,6 +22,7 @@ told (`noise_of_width`).
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cache
 from itertools import pairwise
 from typing import NamedTuple
@@ -34,7 +35,7 @@ from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
-from .own_numbers import LINE_NOISE, SEEDS
+from .own_numbers import SEVERAL_NOISES
 
 # Passes of averaging that bound the bands, from narrow to wide.  Evenness is that of the first
 # three; the last one tells whether waves go on growing.
@@ -43,8 +44,8 @@ N_NARROW = 3
 # Passes of averaging of white noise that are tried, and fewest of noise that is smooth.
 PASSES = (0, 1, 2, 3, 4, 6, 8, 12, 16)
 FEWEST_PASSES = 2
-# Weights of the narrow bands in the fit: the narrowest shows the edges of the mesh as well.
-WEIGHTS = np.array([0.5, 1.0, 1.0])
+# Weights of the bands in the fit: the narrowest shows the edges of the mesh, the widest the shape.
+WEIGHTS = np.array([0.5, 1.0, 1.0, 0.0])
 
 # Passes that are tried for noise of a given width, over those of that width: down to 0.65 of it.
 PARTS_OF_PASSES = (1.0, 0.75, 0.56, 0.42)
@@ -88,7 +89,7 @@ class SmoothNoise(NamedTuple):
     evenness: float = 0.0
     outliers: float = np.inf
     lean: float = 1.0
-    is_enough: bool = False
+    is_enough: bool = True
     excess: float = 0.0
     least_evidence: float = 0.0
 
@@ -103,6 +104,11 @@ class SmoothNoise(NamedTuple):
         )
 
     @property
+    def _may_be_judged(self) -> bool:
+        """Whether it was measured on enough of the surface, and is not stronger than noise is."""
+        return self.may_be_noise and self.is_enough and self.level <= parameters().face_height
+
+    @property
     def evidence(self) -> float:
         """Logarithm of the odds that this is noise and not detail."""
         return evidence_of_noise(self.misfit, self.evenness, self.outliers, self.lean)
@@ -110,17 +116,34 @@ class SmoothNoise(NamedTuple):
     @property
     def is_likely(self) -> bool:
         """Whether this is noise rather than detail, but not as clearly as `is_noise`."""
-        return self.may_be_noise and self.is_enough and self.evidence >= 0
+        return self._may_be_judged and self.evidence >= 0
 
     @property
     def may_be_told(self) -> bool:
         """Whether evidence decides: there is enough, and the widest band does not go on growing."""
-        return self.may_be_noise and self.is_enough and self.excess <= parameters().told_excess
+        return self._may_be_judged and self.excess <= parameters().told_excess
 
     @property
     def is_noise(self) -> bool:
         """Whether this differs from shape clearly enough to be removed without being asked."""
         return self.may_be_told and self.evidence >= self.least_evidence
+
+
+class _Compared(NamedTuple):
+    """A noise that a surface was compared with.
+
+    Attributes
+    ----------
+    correlation : NoiseCorrelation
+    bands : (k, n)
+        Its heights.
+    ratios : (k,)
+        Logarithms of the strength of the surface's bands, where it is quiet, over that of noise.
+    """
+
+    correlation: NoiseCorrelation
+    bands: FloatArray
+    ratios: FloatArray
 
 
 def evidence_of_noise(misfit: float, evenness: float, outliers: float, lean: float) -> float:
@@ -159,36 +182,49 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     is_counted : (n,) bool
         Vertices to judge from, at least one.
     """
-    tuned, frame, own = parameters(), surface.frame, surface.fading.white
+    tuned, frame = parameters(), surface.frame
     heights = band_heights(surface.positions, frame)
     strength = local_strengths(heights, frame, is_counted)
     quiet = quiet_part(strength)
-    unit = _of_white_noise(own, frame, is_counted)
-    found = [_averaged(own, passes, frame, is_counted) for passes in PASSES]
-    correlations, bands, sizes = zip(*found, strict=True)
-    ratios = np.log(quiet / unit / sizes)
-    best, level, misfit = _fit(ratios)
-    # The widest band of one random noise is 4 % stronger or weaker than that of the next.
-    excesses = [ratios[best, N_NARROW] - level]
-    for use in (LINE_NOISE, SEEDS):
-        other = surface.own.noise(use)
-        _, _, size = _averaged(other, PASSES[best], frame, is_counted)
-        ratio = np.log(quiet / _of_white_noise(other, frame, is_counted) / size)
-        excesses.append(ratio[N_NARROW] - np.average(ratio[:N_NARROW], weights=WEIGHTS))
+
+    def compared(use: float, tried: tuple[int, ...]) -> Iterator[_Compared]:
+        """Compare with one random noise, averaged by each of several numbers of passes."""
+        white = surface.own.noise(use)
+        unit = _of_white_noise(white, frame, is_counted)
+        for passes in tried:
+            noise, correlation = averaged_noise(white, passes, frame, is_counted)
+            bands = band_heights(frame.raised(noise), frame)
+            ratios = np.log(quiet / unit / typical_sizes(bands[:, is_counted]))
+            yield _Compared(correlation, bands, ratios)
+
+    first, *others = SEVERAL_NOISES
+    candidates = list(compared(first, PASSES))
+    _, misfits = _levels_and_misfits(np.stack([each.ratios for each in candidates]), WEIGHTS)
+    best = int(np.argmin(misfits))
+    # Bands and evenness of one random noise differ by some percent from those of the next.
+    same = [candidates[best]]
+    for use in others:
+        same += compared(use, PASSES[best : best + 1])
+    ratios = np.mean([each.ratios for each in same], axis=0)
+    (level,), (misfit,) = _levels_and_misfits(ratios[None], WEIGHTS)
+    strengths_of_noise = (local_strengths(each.bands, frame, is_counted) for each in same)
+    evennesses = [
+        least_evenness(strength, of_noise, tuned.low_quantile) for of_noise in strengths_of_noise
+    ]
     # Shape stands out: where it is quiet there is as much noise, and less of shape.
-    of_noise = local_strengths(bands[best], frame, is_counted)
     is_quiet = strength[1] <= np.median(strength[1])
     relative = (heights[:2, is_counted] / strength[:2])[:, is_quiet]
     relative /= np.maximum(typical_sizes(relative), 1e-9)[:, None]
+    correlation = candidates[best].correlation
     return SmoothNoise(
-        float(np.exp(level)) * correlations[best].deviation,
-        correlations[best],
-        misfit,
-        evenness=least_evenness(strength, of_noise, tuned.low_quantile),
+        float(np.exp(level)) * correlation.deviation,
+        correlation,
+        float(misfit),
+        evenness=float(np.mean(evennesses)),
         outliers=float(np.quantile(np.abs(relative), TAIL, axis=1).max()) / NORMAL_TAIL,
         lean=leaning(relative),
         is_enough=np.count_nonzero(is_counted) >= tuned.fewest_to_tell_smooth,
-        excess=float(np.mean(excesses)),
+        excess=float(ratios[-1] - level),
         least_evidence=tuned.least_evidence,
     )
 
@@ -282,25 +318,6 @@ def _of_white_noise(white: FloatArray, frame: TriangleSurface, is_counted: BoolA
     heights = band_heights(frame.raised(white), frame)
     quiet = quiet_part(local_strengths(heights, frame, is_counted))
     return quiet / typical_sizes(heights[:, is_counted])
-
-
-def _averaged(
-    white: FloatArray, passes: int, frame: TriangleSurface, is_counted: BoolArray
-) -> tuple[NoiseCorrelation, FloatArray, FloatArray]:
-    """Average white noise (n,): its correlation, its bands (k, n) and their sizes (k,)."""
-    noise, correlation = averaged_noise(white, passes, frame, is_counted)
-    bands = band_heights(frame.raised(noise), frame)
-    return correlation, bands, typical_sizes(bands[:, is_counted])
-
-
-def _fit(ratios: FloatArray) -> tuple[int, float, float]:
-    """Index of the noise that fits best, the logarithm of its strength, and the misfit.
-
-    The argument has the logarithms of the bands' strengths relative to every noise, (p, k).
-    """
-    levels, misfits = _levels_and_misfits(ratios[:, :N_NARROW], WEIGHTS)
-    best = int(np.argmin(misfits))
-    return best, float(levels[best]), float(misfits[best])
 
 
 def _levels_and_misfits(ratios: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -159,7 +159,7 @@ def test_what_is_left_of_spikes_is_as_large_as_it_really_is(shape, part):
     everywhere, generator = np.ones(n, dtype=bool), np.random.default_rng(2)
     heights = (generator.random(n) < part) * generator.normal(0, 0.3, n)
     noisy = NoisySurface(vertices + frame.raised(heights), frame)
-    calm = NoisySurface(without_spikes(noisy, everywhere, everywhere), frame)
+    calm = NoisySurface(without_spikes(noisy, everywhere, everywhere), frame, noisy.own)
     moved = frame.along_normal(noisy.positions - calm.positions)
     _, more = left_of_spikes(calm, moved, np.zeros(n), everywhere, everywhere)
     true = frame.along_normal(calm.positions - vertices)
