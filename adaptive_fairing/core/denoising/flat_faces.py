@@ -113,17 +113,18 @@ class FlatFaces:
         self._beside = side // 3, topology.twin[side] // 3
         self.face = self._connected(self._even(around))
         self.planes = self._fitted(noisy)
-        self._drop(self.planes.are_bent(self._own_part) | self._are_uneven())
+        bend = np.maximum(self.planes.bends(self._own_part), self._unevenness())
+        self._drop(bend >= 1)
         found, self._grown_on = self.face.copy(), self.planes
         # One triangle less, and the smallest ones would not be faces.
         sizes = np.bincount(found[found >= 0], minlength=len(self.planes))
-        self._certainty = fading(tuned.fewest / np.maximum(sizes, 1))
+        self._certainty = np.minimum(fading(tuned.fewest / np.maximum(sizes, 1)), fading(bend))
         for _ in range(MOST_RINGS):
             if not self._grow():
                 break
         self.planes = self._fitted(noisy)
         # Faces that are bent now have grown too far, onto a round part.
-        has_grown_too_far = self._of_triangles(self.planes.are_bent(self._own_part))
+        has_grown_too_far = self._of_triangles(self.planes.bends(self._own_part) >= 1)
         if has_grown_too_far.any():
             self.face = np.where(has_grown_too_far, found, self.face)
             self.planes = self._fitted(noisy)
@@ -194,15 +195,16 @@ class FlatFaces:
         is_large = np.bincount(number) >= parameters().fewest
         return self._renumbered(np.where(is_even & is_large[number], number, NO_FACE))
 
-    def _are_uneven(self) -> BoolArray:
-        """Whether the normals of each face differ too much from that of its plane, (k,)."""
+    def _unevenness(self) -> FloatArray:
+        """How much the normals of each face differ from that of its plane, (k,); 1 is too much."""
         flat = np.flatnonzero(self.face >= 0)
         face, areas = self.face[flat], self._areas[flat]
         cosine = np.abs(dots(self._normals[flat], self.planes.normals[face]))
         n = len(self.planes)
-        limit = np.cos(parameters().most_uneven) * np.bincount(face, areas, n)
-        uneven: BoolArray = np.bincount(face, areas * cosine, n) < limit
-        return uneven
+        limit = 1 - np.cos(parameters().most_uneven)
+        total = np.maximum(np.bincount(face, areas, n), np.finfo(float).tiny)
+        unevenness: FloatArray = np.bincount(face, areas * (1 - cosine), n) / (limit * total)
+        return unevenness
 
     def _of_triangles(self, of_faces: BoolArray) -> BoolArray:
         """Pass flags (k,) of the faces on to their triangles; False without a face."""
@@ -290,8 +292,8 @@ class PlaneFits:
         height: FloatArray = dots(points - self.centres[face], self.normals[face])
         return height
 
-    def are_bent(self, own_part: float = 1.0) -> BoolArray:
-        """Whether a quadric fits each face significantly better than a plane, by the F test, (k,).
+    def bends(self, own_part: float = 1.0) -> FloatArray:
+        """F of a quadric that fits each face better than a plane, (k,); 1 is significant.
 
         With smooth noise, the vertices carry as much information as the fraction `own_part` of them
         would with independent noise.
@@ -322,8 +324,9 @@ class PlaneFits:
         gain = (by_quadric - explained(3)) / 3
         freedom = np.maximum(self._count - 6, 1)
         limit = special.fdtri(3, freedom, FLATNESS)
-        bent: BoolArray = own_part * gain * freedom > limit * np.maximum(left, 0)
-        return bent
+        least = np.finfo(float).tiny
+        bend: FloatArray = own_part * gain * freedom / (limit * np.maximum(left, least))
+        return bend
 
     def of_best_triangles(self, values: FloatArray) -> FloatArray:
         """Give each vertex of a face the best of its triangles' values there, (p,).
