@@ -42,7 +42,7 @@ KEEPS, SEES, IGNORES = "keeps", "sees", "ignores"
 
 # Relative residual of the solves. A filter need not follow its formula exactly, because its effect
 # is measured. With 0.01 and 0.02 the results were no better.
-TOLERANCE = 0.05
+TOLERANCE = 0.04
 
 # The fit to normals is a step in the metric of the surface.
 FIT_METRIC = LiftedMetric(1)

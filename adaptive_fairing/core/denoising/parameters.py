@@ -218,7 +218,7 @@ class DenoiseParameters:
     # Spikes are noise if the roughness left without them is at most this many times the noise that
     # all contrasts allow. Without it no table changes, but 3 of 180 boolean and CSG models with
     # jitter of 0.1 % of the diagonal moved by 12 to 27 % of it.
-    most_unexplained: float = 2.0
+    most_unexplained: float = 2.2
     # The share of spikes among the neighbours of spikes exceeds that among all vertices by at most
     # this. Spikes and heavy tails on 18 tuning shapes had -0.1 to 0.03, one 0.08. Corners of
     # decimated shapes had 0.03 to 0.4.
@@ -250,7 +250,7 @@ class DenoiseParameters:
     # seven kinds of smooth noise and 14 of detail, some too weak to be told.
     # `research.denoising.smooth_evidence` judges them.
     evidence_weights: tuple[float, ...] = (-0.25, 4.4, -3.0, -0.62, -5.96)
-    least_evidence: float = 0.75
+    least_evidence: float = 0.79
 
     # noise/spikes
     # This quantile of the deviations from lines is divided by their median, and the quotient by

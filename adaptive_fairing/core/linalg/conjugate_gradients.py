@@ -136,25 +136,35 @@ def conjugate_gradients(
     square = state.square()
     # pᵀDp with the diagonal D: the size of the terms that may cancel in pᵀAp.
     direction_size = square
-    is_exhausted = False
+    has_converged = False
     iterations = 0
     while np.sqrt(square) > target and iterations < max_iterations:
         image = matrix.product(state.direction)
         curvature = state.along(image)
         if abs(curvature) <= attainable * direction_size:
             # The rest of the residual lies in the kernel of A, as far as this precision tells.
-            is_exhausted = True
+            has_converged = True
             break
         if not curvature > 0:
             raise SolverError(
                 f"the linear system is not positive definite: pᵀAp = {curvature:g} in iteration "
                 f"{iterations + 1}, residual {np.sqrt(square) / reference:.3g}"
             )
-        square, previous = state.advance(square / curvature, image), square
+        step = square / curvature
+        square, previous = state.advance(step, image), square
+        iterations += 1
+        before, after = np.sqrt(previous), np.sqrt(square)
+        if after <= target:
+            # Only as far as the residual has to fall: one iteration more or less is no leap.
+            has_converged = True
+            part = (before - target) / (before - after)
+            state.retreat((1 - part) * step)
+            # Residuals of successive iterations are orthogonal.
+            square = part**2 * square + (1 - part) ** 2 * previous
+            break
         state.turn(square / previous)
         # Preconditioned residual and last direction are orthogonal with respect to D.
         direction_size = square + (square / previous) ** 2 * direction_size
-        iterations += 1
     if not np.isfinite(square):
         raise SolverError(
             f"conjugate gradients diverged after {iterations} iterations: residual {square:g}"
@@ -163,7 +173,7 @@ def conjugate_gradients(
     report = SolveReport(
         iterations=iterations,
         residual=float(size / reference) if reference > 0 else 0.0,
-        converged=bool(size <= target) or is_exhausted,
+        converged=bool(size <= target) or has_converged,
     )
     update = state.update.T
     return update if start is None else start + update, report
@@ -215,6 +225,14 @@ class _State:
             return float(np.einsum("kn,kn->", residual, scratch))
 
         return sum(ordered_map(of_chunk, self._chunks))
+
+    def retreat(self, step: float) -> None:
+        """Take back a part of the last step; the residual stays as it was."""
+
+        def of_chunk(chunk: slice) -> None:
+            self.update[:, chunk] -= step * self.direction[:, chunk]
+
+        for_each(of_chunk, self._chunks)
 
     def turn(self, factor: float) -> None:
         """Make the next direction: the preconditioned residual and `factor` times the last one."""

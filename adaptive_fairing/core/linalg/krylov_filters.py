@@ -124,12 +124,20 @@ def removed_by(
 
     space = _Space(mass, stiffness, precision)
     direction = removed_of(columns, FIRST_FACTOR * tolerance, COMMON_TIME * columns)
+    left_before, coefficients_before = 1.0, np.zeros((0, len(diffusions)))
     while space.add(direction):
         coefficients = space.coefficients(diffusions)
         size = np.linalg.norm(coefficients, axis=0)
-        is_accurate = (np.abs(coefficients[-1]) <= tolerance * size).all()
-        if is_accurate or space.n_directions == MOST_DIRECTIONS:
+        left = float((np.abs(coefficients[-1]) / np.maximum(size, np.finfo(float).tiny)).max())
+        if left <= tolerance:
+            # Only as far as the results have to change, so that one direction more is no leap.
+            part = (left_before - tolerance) / (left_before - left)
+            coefficients *= part
+            coefficients[:-1] += (1 - part) * coefficients_before
             break
+        if space.n_directions == MOST_DIRECTIONS:
+            break
+        left_before, coefficients_before = left, coefficients
         direction = removed_of(space.last_bent, tolerance, space.last_image)
     if not space.n_directions:
         return [np.zeros_like(bending) for _ in diffusions]

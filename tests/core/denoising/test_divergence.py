@@ -5,6 +5,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
+from adaptive_fairing.core.denoising import filters
 from adaptive_fairing.core.denoising.filters import FilterBank, mesh_family
 from adaptive_fairing.core.denoising.mixture import filter_divergence
 from adaptive_fairing.core.denoising.noise.own_numbers import OwnNumbers
@@ -60,11 +61,13 @@ def test_probes_of_different_sizes_count_alike():
 
 @pytest.mark.parametrize("shape", ["sphere", "torus"])
 @pytest.mark.parametrize("n_probes", [1, 4])
-def test_the_probes_of_a_mesh_find_the_trace_of_its_diffusions(shape, n_probes):
+def test_the_probes_of_a_mesh_find_the_trace_of_its_diffusions(shape, n_probes, monkeypatch):
     """With the probes that belong to the mesh, for the diffusions in the metric of the mesh.
 
-    Their mean is twice as exact with four times as many.
+    Their mean is twice as exact with four times as many.  Solves that end early are not linear: a
+    probe as large as the noise ends them elsewhere than the step of one vertex does.
     """
+    monkeypatch.setattr(filters, "TOLERANCE", 1e-6)
     vertices, faces = meshes.noisy_ball(2, 0.02) if shape == "sphere" else meshes.torus(18, 9)
     vertices = vertices + 0.02 * np.random.default_rng(1).normal(size=vertices.shape)
     n = len(vertices)

@@ -1,6 +1,7 @@
 """Linear systems that cannot be solved: detected and reported with iteration and residual."""
 
 import weakref
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -42,7 +43,8 @@ def test_negative_diagonal_entries_are_counted():
 
 def test_held_rows_may_be_anything():
     x, report = solve(np.diag([1.0, -1.0, 0.0]), [1, 1, 1], start=[0, 5, 6], held=[1, 2])
-    np.testing.assert_array_equal(x[:, 0], [1, 5, 6])
+    assert x[0, 0] == pytest.approx(1, abs=1e-9)
+    np.testing.assert_array_equal(x[1:, 0], [5, 6])
     assert report.converged
 
 
@@ -113,3 +115,18 @@ def test_motions_that_rounding_hides_are_left_alone(shift):
     x, report = solve(laplacian + shift * np.eye(n), np.zeros(n), start=start, tolerance=1e-300)
     assert report.converged
     np.testing.assert_allclose(x[:, 0], start.mean(), rtol=1e-9)
+
+
+def test_a_solve_that_ends_early_depends_continuously_on_its_tolerance():
+    """One iteration more or less is no leap: the last step goes as far as the residual has to."""
+    generator = np.random.default_rng(5)
+    factor = generator.normal(size=(12, 12))
+    matrix, right_side = factor @ factor.T + np.eye(12), generator.normal(size=12)
+    tolerances = np.geomspace(0.5, 1e-3, 2000)
+    solves = [solve(matrix, right_side, tolerance=each) for each in tolerances]
+    residuals = np.array([report.residual for _, report in solves])
+    assert np.all(residuals <= tolerances * (1 + 1e-9))
+    assert len({report.iterations for _, report in solves}) > 5
+    exact = np.linalg.solve(matrix, right_side)
+    leaps = [np.linalg.norm(b - a) for (a, _), (b, _) in pairwise(solves)]
+    assert max(leaps) < 0.02 * np.linalg.norm(exact)

@@ -58,9 +58,9 @@ class OwnNumbers:
         colours, is_unique = _colours(frame.topology)
         self._turns = np.where(is_unique, MOST_TURNS * colours, _turns_of_lengths(positions, frame))
         # Numbers change their sign with the normals, so that their steps are the same if all faces
-        # are reversed.
-        rises = frame.rises(positions)[~frame.topology.is_loose]
-        self._side = -1.0 if rises.sum() < 0 else 1.0
+        # are reversed.  Where lengths hardly tell neighbours apart, their rises do.
+        rises = np.where(frame.topology.is_loose, 0.0, frame.rises(positions))
+        self._sides = np.where(np.where(is_unique, rises.sum(), rises) < 0, -1.0, 1.0)
 
     def phases(self, use: float) -> FloatArray:
         """Return numbers in [0, 1), (n,), for `PROBE`, `WHITE_NOISE`, `LINE_NOISE` or `SEEDS`."""
@@ -76,12 +76,12 @@ class OwnNumbers:
         """
         turns = 2 * np.pi * self.phases(PROBE)
         waves = ((wave, times) for times in (1, 2) for wave in (np.cos, np.sin))
-        signed = (self._side * wave(times * turns) for wave, times in islice(waves, count))
+        signed = (self._sides * wave(times * turns) for wave, times in islice(waves, count))
         return [each / np.sqrt(np.mean(np.square(each))) for each in signed]
 
     def noise(self, use: float) -> FloatArray:
         """Return normal-distributed numbers of unit variance, (n,), for heights along normals."""
-        noise: FloatArray = self._side * ndtri(np.clip(self.phases(use), 1e-9, 1 - 1e-9))
+        noise: FloatArray = self._sides * ndtri(np.clip(self.phases(use), 1e-9, 1 - 1e-9))
         return noise
 
 

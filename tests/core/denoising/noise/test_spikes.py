@@ -156,15 +156,19 @@ def test_what_is_left_of_spikes_is_as_large_as_it_really_is(shape, part):
     """The median of what is left is less than half of its root mean square."""
     vertices, _ = SHAPES[shape]
     frame, n = frame_of(shape), len(vertices)
-    everywhere, generator = np.ones(n, dtype=bool), np.random.default_rng(2)
-    heights = (generator.random(n) < part) * generator.normal(0, 0.3, n)
-    noisy = NoisySurface(vertices + frame.raised(heights), frame)
-    calm = NoisySurface(without_spikes(noisy, everywhere, everywhere), frame, noisy.own)
-    moved = frame.along_normal(noisy.positions - calm.positions)
-    _, more = left_of_spikes(calm, moved, np.zeros(n), everywhere, everywhere)
-    true = frame.along_normal(calm.positions - vertices)
-    assert np.sqrt(more) == pytest.approx(np.std(true), rel=0.25)
-    assert np.median(np.abs(true)) < 0.5 * np.std(true)
+    everywhere, ratios = np.ones(n, dtype=bool), []
+    for seed in range(4):
+        generator = np.random.default_rng(seed)
+        heights = (generator.random(n) < part) * generator.normal(0, 0.3, n)
+        noisy = NoisySurface(vertices + frame.raised(heights), frame)
+        calm = NoisySurface(without_spikes(noisy, everywhere, everywhere), frame, noisy.own)
+        moved = frame.along_normal(noisy.positions - calm.positions)
+        _, more = left_of_spikes(calm, moved, np.zeros(n), everywhere, everywhere)
+        true = frame.along_normal(calm.positions - vertices)
+        ratios.append(np.sqrt(more) / np.std(true))
+        assert np.median(np.abs(true)) < 0.5 * np.std(true)
+    # Of one of them it is uncertain by a quarter: few spikes are as large as the largest.
+    assert np.mean(ratios) == pytest.approx(1, abs=0.25)
 
 
 @pytest.mark.parametrize("shape", SHAPES)
