@@ -32,7 +32,7 @@ def test_one_row_for_each_parameter_with_what_it_changes():
     clean, faces = icosphere(3)
     noisy, _ = noisy_ball(3, 0.02)
     pair = Pair("ball", "sphere", "tuning", "normal:0.2", clean, noisy, faces)
-    names = ["noise_factor", "most_unexplained"]
+    names = ["noise_factor", "most_explained"]
     moving, still = sensitivity.changes([pair], names, 1.25)
     assert len(moving) == 4
     assert all(abs(change) > 1e-4 for change in moving)

@@ -41,7 +41,8 @@ from .triangle_surface import TriangleSurface
 KEEPS, SEES, IGNORES = "keeps", "sees", "ignores"
 
 # Relative residual of the solves. A filter need not follow its formula exactly, because its effect
-# is measured. With 0.01 and 0.02 the results were no better.
+# is measured. With 0.03 errors on 19 shapes were the same, at 1.06 times the time; with 0.05 those
+# of staircases were 1.3 % larger.
 TOLERANCE = 0.04
 
 # The fit to normals is a step in the metric of the surface.

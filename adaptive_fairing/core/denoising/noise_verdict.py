@@ -145,8 +145,6 @@ def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFoun
     Before and after they were put back, with the noise found then.
     """
     tuned, parts = parameters(), stage.parts
-    # Without spikes their roughness is gone; that of corners and creases stays.
-    most = tuned.most_unexplained * np.maximum(after.level, tuned.clean_roughness)
     was_moved = (calm.noisy.positions != stage.noisy.positions).any(axis=1)
     n_moved, n_judged = parts.counts(was_moved), parts.counts()
     are_many = n_moved >= tuned.fewest
@@ -161,7 +159,7 @@ def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFoun
     explained, squares = (parts.sums(np.square(each)) for each in (by_noise, moved))
     are_more = explained <= tuned.most_explained * squares
     is_noise = parts.at_vertices(are_many) | (after.level > 0)
-    is_noise &= parts.at_vertices(are_anywhere & are_more) & (after.roughness <= most)
+    is_noise &= parts.at_vertices(are_anywhere & are_more)
     noisy: BoolArray = is_noise & found.impulsive
     return noisy
 

@@ -88,7 +88,8 @@ def conjugate_gradients(
     is_held : (n,) bool
         Rows whose unknowns keep their start value exactly; their equations are dropped.
     tolerance : float
-        Bound for the residual of the report.
+        Bound for the residual of the report.  The last step goes only as far as that, so that the
+        result follows the data continuously.
     max_iterations : int
     relative_to : (n, k), optional
         What the residual is measured by, instead of `right_side`.

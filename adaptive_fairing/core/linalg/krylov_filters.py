@@ -97,7 +97,7 @@ def removed_by(
         Called after each linear solve with its report.
     tolerance : float
         Relative residual of the solves; and what the last direction of the space may add to the
-        results, relative to their size.
+        results, relative to their size.  Both end in between: results are continuous.
     precision : numpy float type
         Of the space and the results.
 
