@@ -54,7 +54,9 @@ class TestLinkedDuplicates:
         assert getattr(bpy.ops.object, f"adaptive_fairing_{end}")() == {"FINISHED"}
         for obj in twins:
             assert (obj.adaptive_fairing.result, list(obj.modifiers)) == ("", [])
-            assert np.array_equal(shown_positions(obj), before if end == "discard" else shown)
+            expected = before if end == "discard" else shown
+            # Blender adds keys up in single precision.
+            np.testing.assert_allclose(shown_positions(obj), expected, rtol=0, atol=1e-7)
 
     def test_one_that_is_not_selected_keeps_its_mesh(self, twins, capfd):
         third = twins[0].copy()
