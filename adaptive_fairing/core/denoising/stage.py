@@ -14,7 +14,7 @@ from .mesh_parts import MeshParts
 from .mixture import Mixture
 from .noise.face_noise import face_noise
 from .noise.noisy_surface import NoisySurface
-from .noise.own_numbers import OwnNumbers
+from .noise.own_numbers import WHITE_NOISE, OwnNumbers
 from .noise.smooth_noise import SmoothNoise
 from .noise.spikes import without_spikes
 from .noise_model import averaged_noise
@@ -132,7 +132,7 @@ class Stage:
 
     def face_noise(self, noisy: NoisySurface) -> SmoothNoise | None:
         """Measure the smooth noise on flat faces, in the surface's units; None without any."""
-        white, counted = self.noisy.fading.white, self.parts.is_counted
+        white, counted = self.noisy.own.noise(WHITE_NOISE), self.parts.is_counted
         _, assumed = averaged_noise(white, parameters().assumed_passes, self.frame, counted)
         faces = self.bank.flat_faces(self.track.start, self.frame, assumed)
         return face_noise(noisy, faces, counted)

@@ -262,17 +262,11 @@ class Fading:
     frame : TriangleSurface
     noises : sequence of (n,)
         White noises of unit variance along the normals, in local edge lengths.
-
-    Attributes
-    ----------
-    white : (n,)
-        The first of the noises.
     """
 
     def __init__(
         self, positions: FloatArray, frame: TriangleSurface, noises: Sequence[FloatArray]
     ) -> None:
-        self.white = noises[0]
         self._noises = noises
         self._positions, self._frame = positions, frame
 
@@ -297,9 +291,10 @@ class Fading:
         if rough < tuned.least_roughness or not self.fades(is_counted):
             return WHITE
         coefficients = np.linspace(0, tuned.most_correlation, N_TRIED)
-        rows = [(1.0, 1.0, np.std(self.white[is_counted]))]
+        white = self._noises[0]
+        rows = [(1.0, 1.0, np.std(white[is_counted]))]
         for coefficient in coefficients[1:]:
-            noise = NoiseCorrelation(coefficient).applied(self.white, self._frame)
+            noise = NoiseCorrelation(coefficient).applied(white, self._frame)
             differences = _differences(self._frame.raised(noise), self._frame)
             compared = _compared(differences, self._of_noises[:1], is_counted)
             rows.append((*compared, np.std(noise[is_counted])))

@@ -18,7 +18,7 @@ from ..noise_model import NoiseCorrelation, averaged_noise
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .noisy_surface import NoisySurface
-from .own_numbers import SEVERAL_NOISES
+from .own_numbers import SEVERAL_NOISES, WHITE_NOISE
 from .smooth_noise import (
     LEAST_STRENGTH,
     NORMAL_TAIL,
@@ -86,12 +86,12 @@ def face_noise(
         of_noise = band_heights(frame.raised(noise / correlation.deviation), frame)
         return correlation, of_noise, found - np.log(typical_sizes(of_noise[:, is_inner]))
 
-    first, *others = SEVERAL_NOISES
-    candidates = [compared(first, passes) for passes in PASSES]
-    best = int(np.argmin([WEIGHTS @ np.square(differences) for *_, differences in candidates]))
-    same = [candidates[best], *(compared(use, PASSES[best]) for use in others)]
-    correlations, of_noises, differences = zip(*same, strict=True)
-    correlation, misfit = correlations[0], WEIGHTS @ np.square(np.mean(differences, axis=0))
+    def misfit(differences: FloatArray) -> float:
+        return float(WEIGHTS @ np.square(differences))
+
+    passes = min(PASSES, key=lambda tried: misfit(compared(WHITE_NOISE, tried)[-1]))
+    same = [compared(use, passes) for use in SEVERAL_NOISES]
+    (correlation, *_), of_noises, differences = zip(*same, strict=True)
     # The three numbers of a plane take away the noise of as many vertices, if each had its own.
     fitted = np.minimum(3 / correlation.deviation**2, counts / 2)
     levels = np.sqrt(totals / np.maximum(counts - fitted, 1))
@@ -106,7 +106,7 @@ def face_noise(
     return SmoothNoise(
         level,
         correlation,
-        float(misfit),
+        misfit(np.mean(differences, axis=0)),
         evenness=float(np.mean(evennesses)),
         # Too few outliers are as little like noise as too many.
         outliers=float(np.maximum(tails, 1 / np.maximum(tails, 1e-9)).max()),

@@ -61,6 +61,7 @@ class OwnNumbers:
         # are reversed.  Where lengths hardly tell neighbours apart, their rises do.
         rises = np.where(frame.topology.is_loose, 0.0, frame.rises(positions))
         self._sides = np.where(np.where(is_unique, rises.sum(), rises) < 0, -1.0, 1.0)
+        self._noises: dict[float, FloatArray] = {}
 
     def phases(self, use: float) -> FloatArray:
         """Return numbers in [0, 1), (n,), for `PROBE`, `WHITE_NOISE`, `LINE_NOISE` or `SEEDS`."""
@@ -80,9 +81,13 @@ class OwnNumbers:
         return [each / np.sqrt(np.mean(np.square(each))) for each in signed]
 
     def noise(self, use: float) -> FloatArray:
-        """Return normal-distributed numbers of unit variance, (n,), for heights along normals."""
-        noise: FloatArray = self._sides * ndtri(np.clip(self.phases(use), 1e-9, 1 - 1e-9))
-        return noise
+        """Return normal-distributed numbers of unit variance, (n,), for heights along normals.
+
+        They are kept: most measures compare with the same few noises.
+        """
+        if use not in self._noises:
+            self._noises[use] = self._sides * ndtri(np.clip(self.phases(use), 1e-9, 1 - 1e-9))
+        return self._noises[use]
 
 
 def _colours(topology: TriangleTopology) -> tuple[FloatArray, BoolArray]:

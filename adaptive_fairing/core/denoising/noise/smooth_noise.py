@@ -35,7 +35,7 @@ from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
-from .own_numbers import SEVERAL_NOISES
+from .own_numbers import SEVERAL_NOISES, WHITE_NOISE
 
 # Passes of averaging that bound the bands, from narrow to wide.  Evenness is that of the first
 # three; the last one tells whether waves go on growing.
@@ -254,7 +254,8 @@ def noise_of_width(
         Distance in edges at which the correlation is about 1 / e; 1 for white noise.
     """
     passes = _likeliest_passes(noisy, is_counted, passes_of_width(width))
-    noise, correlation = averaged_noise(noisy.fading.white, passes, noisy.frame, is_counted)
+    white = noisy.own.noise(WHITE_NOISE)
+    noise, correlation = averaged_noise(white, passes, noisy.frame, is_counted)
     level = _least_level(noisy, noise / correlation.deviation, is_counted, passes)
     if on_faces is not None:
         level = min(level, on_faces.level)
@@ -270,7 +271,7 @@ def _likeliest_passes(noisy: NoisySurface, is_counted: BoolArray, most: int) -> 
     """Count the averages that give noise whose bands fit best, at most as many as for the width."""
     if most == 0:
         return 0
-    frame, white = noisy.frame, noisy.fading.white
+    frame, white = noisy.frame, noisy.own.noise(WHITE_NOISE)
     bands = tuple(pairwise(sorted({most // 8, most // 4, most // 2, most})))
     weights = np.ones(len(bands))
     weights[0] = WEIGHT_OF_NARROWEST

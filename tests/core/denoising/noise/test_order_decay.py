@@ -54,9 +54,14 @@ def test_a_known_correlation_is_found(shape, coefficient):
     # coefficient by about twice that.
     assert correlation.coefficient == pytest.approx(coefficient, abs=0.08)
     white = np.random.default_rng(9).normal(size=len(vertices))
-    like_it = NoiseCorrelation(correlation.coefficient).applied(white, frame_of(vertices, faces))
+    frame = frame_of(vertices, faces)
+    like_it, as_found = (
+        NoiseCorrelation(each).applied(white, frame).std()
+        for each in (coefficient, correlation.coefficient)
+    )
+    assert correlation.deviation == pytest.approx(like_it, rel=0.08)
     # The standard deviation of n numbers is uncertain by 1 / √(2n), 0.01 here.
-    assert correlation.deviation == pytest.approx(like_it.std(), rel=0.05)
+    assert correlation.deviation == pytest.approx(as_found, rel=0.05)
 
 
 def test_more_fading_than_that_of_staircases_is_that_of_the_shape():
