@@ -10,7 +10,7 @@ import numpy as np
 from ..runtime.arrays import BoolArray, FloatArray
 from .mesh_parts import NoiseFound
 from .noise.noisy_surface import NoisySurface
-from .noise.own_numbers import SEVERAL_NOISES, WHITE_NOISE
+from .noise.own_numbers import WHITE_NOISE
 from .noise.smooth_noise import SmoothNoise, noise_of_width, smooth_noise
 from .noise.spikes import left_of_spikes, put_back_of
 from .noise_model import NoiseCorrelation
@@ -83,10 +83,8 @@ class NoiseVerdict:
         if self.spiky is not None:
             return [self.spiky]
         noisy, correlation = self.stage.noisy, self.correlation
-        return [
-            self.level / correlation.seen * correlation.applied(noisy.own.noise(use), noisy.frame)
-            for use in SEVERAL_NOISES
-        ]
+        scale = self.level / correlation.seen
+        return [scale * correlation.applied(each, noisy.frame) for each in noisy.own.several()]
 
 
 def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> NoiseVerdict:

@@ -144,6 +144,7 @@ class DenoiseParameters:
     # Vertices of all probes together, at least; four probes at most. With one probe, errors and
     # angles on ten shapes of 5,000 vertices with eleven kinds of noise were 1.002 and 1.007 times
     # those with four, and jitter changed nine shapes by 1.1 and 1.3 % in the mean, not 0.4 and 0.6.
+    # From so many vertices on contrasts are compared with one noise, too, not with three.
     least_probed: int = 20_000
     # The correlation of what is removed at neighbours exceeds that of the model's noise by at most
     # this. With ten kinds of noise on 18 tuning shapes the excess was -0.14 to 0.27. On 12 shapes,

@@ -12,7 +12,7 @@ from ..triangle_surface import TriangleSurface
 from .contrast import Contrast, Fading, LineRoughness, hinges, roughness
 from .level import has_one_length
 from .line_of_sight import LEAST_COSINE, lines_of_sight, shows_object
-from .own_numbers import LINE_NOISE, SEVERAL_NOISES, OwnNumbers
+from .own_numbers import LINE_NOISE, OwnNumbers
 
 
 class NoisySurface:
@@ -37,7 +37,7 @@ class NoisySurface:
     @cached_property
     def fading(self) -> Fading:
         """Decay of the roughness in differences of higher order."""
-        return Fading(self.positions, self.frame, [self.own.noise(use) for use in SEVERAL_NOISES])
+        return Fading(self.positions, self.frame, self.own.several())
 
     @cached_property
     def roughness(self) -> Contrast:

@@ -21,6 +21,7 @@ from scipy.special import ndtri
 from ...mesh.normals import dots
 from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import BoolArray, FloatArray
+from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
 
 # Rings of neighbours that are seen.  Four tell apart all vertices of most scans and remeshed
@@ -88,6 +89,11 @@ class OwnNumbers:
         if use not in self._noises:
             self._noises[use] = self._sides * ndtri(np.clip(self.phases(use), 1e-9, 1 - 1e-9))
         return self._noises[use]
+
+    def several(self) -> list[FloatArray]:
+        """Return noises to compare with: three, or one of many vertices, with little chance."""
+        is_large = len(self._turns) >= parameters().least_probed
+        return [self.noise(use) for use in SEVERAL_NOISES[: 1 if is_large else None]]
 
 
 def _colours(topology: TriangleTopology) -> tuple[FloatArray, BoolArray]:

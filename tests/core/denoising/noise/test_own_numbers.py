@@ -100,3 +100,13 @@ def test_where_connectivity_is_regular_rounding_moves_a_probe_by_little():
     before = steps(POINTS, FACES)
     after = steps(POINTS.astype(np.float32).astype(float), FACES)
     assert 0 < np.linalg.norm(after - before) < 0.01 * np.linalg.norm(before)
+
+
+def test_a_large_mesh_is_compared_with_one_noise_and_a_small_one_with_three():
+    """The chance of one noise falls with the root of the number of vertices."""
+    large = meshes.flat_grid(150, 140)
+    for (points, faces), count in (((POINTS, FACES), 3), (large, 1)):
+        own = OwnNumbers(points, frame_of(points, faces))
+        found = own.several()
+        assert len(found) == count
+        np.testing.assert_array_equal(found[0], own.noise(WHITE_NOISE))
