@@ -6,8 +6,8 @@ Faces are found in four steps.
     away by more than noise explains; triangles beyond a crease do not count.
 2.  Connected even triangles form a face.  Fit planes to the noisy vertices of all faces.
 3.  Drop faces that are bent: their normals vary too much, or a quadric fits them better.
-4.  Let the others grow, ring by ring, up to where the surface leaves their planes.  A face that is
-    bent afterwards returns to what it was before.
+4.  Let the others grow, ring by ring, up to where the surface leaves their planes.  What a face has
+    grown by counts less the more the face is bent afterwards.
 
 A vertex of one face then moves onto its plane, a vertex of several faces to where they meet.  It
 moves less where a face is hardly large enough, or the vertex is hardly near enough to it: what
@@ -76,6 +76,8 @@ class FlatFaces:
         Standard deviation in local edge lengths, where it is known.
     correlation : NoiseCorrelation
         Correlation of smooth noise; no correlation otherwise.
+    evenness : float
+        Factor of the largest angle between even triangles.
 
     Attributes
     ----------
@@ -92,13 +94,16 @@ class FlatFaces:
         around: IntArray,
         noise: FloatArray | None = None,
         correlation: NoiseCorrelation = WHITE,
+        evenness: float = 1.0,
     ) -> None:
         tuned, topology = parameters(), surface.topology
+        self._even_angle = evenness * tuned.narrow_angle
         if noise is None:
             noise = np.zeros(topology.n_vertices)
         # Neighbours with smooth noise say less than as many of their own would.
         self._own_part = correlation.deviation**2 if correlation.passes else 1.0
         self._triangles, self._noisy = topology.triangles, noisy
+        self._share = np.ones(topology.n_triangles)
         self._surface, self._spacing = surface.positions, surface.smooth_spacing
         # Where the noise is stronger or smooth, more of it is left in the surface.
         left = noise / (tuned.coarse_noise * np.sqrt(correlation.deviation))
@@ -124,31 +129,34 @@ class FlatFaces:
                 break
         self.planes = self._fitted(noisy)
         # Faces that are bent now have grown too far, onto a round part.
-        has_grown_too_far = self._of_triangles(self.planes.bends(self._own_part) >= 1)
-        if has_grown_too_far.any():
-            self.face = np.where(has_grown_too_far, found, self.face)
+        part = np.append(fading(self.planes.bends(self._own_part)), 0.0)[self.face]
+        self._share = np.where(self.face == found, 1.0, part)
+        if (self._share < 1).any():
+            self.face = np.where(self._share > 0, self.face, NO_FACE)
             self.planes = self._fitted(noisy)
 
-    def flattened(self, noisy: FloatArray, surface: FloatArray) -> FloatArray | None:
+    def flattened(self, noisy: FloatArray, surface: FloatArray) -> FloatArray:
         """Move the vertices of flat faces onto planes fitted to the noisy positions, (n, 3) each.
 
         The surface may be a little different from that on which the faces were found.  Others of
         its vertices do not move.  The fewer triangles are on flat faces, the likelier the surface
-        is round, and its faces are mistakes; None if it counts as round.
+        is round, and its faces are mistakes.
         """
-        flatness = float(np.mean(self.face >= 0)) / parameters().least_flat - 1
+        part = float(np.mean(np.where(self.face >= 0, self._share, 0)))
+        flatness = part / parameters().least_flat - 1
         if flatness <= 0:
-            return None
+            return surface
         planes = self.planes if noisy is self._noisy else self._fitted(noisy)
         return planes.onto(surface, min(flatness, 1.0) * self._belonging(planes, surface))
 
     def of_vertices(self) -> IntArray:
         """Return the face of every vertex whose triangles are all on one, (n,), or `NO_FACE`."""
-        lowest = np.full(len(self._spacing), len(self.planes), dtype=self.face.dtype)
+        face = np.where(self._share > 0.5, self.face, NO_FACE)
+        lowest = np.full(len(self._spacing), len(self.planes), dtype=face.dtype)
         highest = np.full_like(lowest, NO_FACE)
         for vertex in self._triangles.T:
-            np.minimum.at(lowest, vertex, self.face)
-            np.maximum.at(highest, vertex, self.face)
+            np.minimum.at(lowest, vertex, face)
+            np.maximum.at(highest, vertex, face)
         return np.where(lowest == highest, highest, NO_FACE)
 
     def _belonging(self, planes: PlaneFits, surface: FloatArray) -> FloatArray:
@@ -163,12 +171,12 @@ class FlatFaces:
         return planes.of_best_triangles(fading(heights)) * self._certainty[face]
 
     def _fitted(self, noisy: FloatArray) -> PlaneFits:
-        return PlaneFits(noisy, self._spacing, self._triangles, self.face)
+        return PlaneFits(noisy, self._spacing, self._triangles, self.face, self._share)
 
     def _even(self, around: IntArray) -> BoolArray:
         """Whether no triangle around each one turns away, those beyond creases aside, (m,)."""
         tuned = parameters()
-        crease, even = np.cos(tuned.short_fit_angle), np.cos(tuned.narrow_angle)
+        crease, even = np.cos(tuned.short_fit_angle), np.cos(self._even_angle)
         is_even = np.ones(len(self._triangles), dtype=bool)
         # Without another triangle the product with the last row is 0, as at a crease.
         normals = np.append(self._normals, np.zeros((1, 3)), axis=0)
@@ -188,7 +196,7 @@ class FlatFaces:
         inside = np.flatnonzero((first < second) & is_even[first] & is_even[second])
         first, second = first[inside], second[inside]
         cosine = dots(self._normals[first], self._normals[second])
-        alike = np.flatnonzero(cosine > np.cos(parameters().narrow_angle))
+        alike = np.flatnonzero(cosine > np.cos(self._even_angle))
         m = len(is_even)
         links = sparse.coo_array((np.ones(len(alike)), (first[alike], second[alike])), (m, m))
         number = connected_components(links, directed=False)[1]
@@ -255,6 +263,8 @@ class PlaneFits:
     triangles : (m, 3) int
     face : (m,) int
         Index of each triangle's face, 0 to k - 1; negative without one.
+    share : (m,), optional
+        How far each triangle belongs to its face, 0 to 1; by default entirely.
 
     Attributes
     ----------
@@ -265,7 +275,12 @@ class PlaneFits:
     """
 
     def __init__(
-        self, positions: FloatArray, spacing: FloatArray, triangles: IntArray, face: IntArray
+        self,
+        positions: FloatArray,
+        spacing: FloatArray,
+        triangles: IntArray,
+        face: IntArray,
+        share: FloatArray | None = None,
     ) -> None:
         n_faces = int(face.max(initial=-1)) + 1
         has_face = face >= 0
@@ -274,7 +289,11 @@ class PlaneFits:
         self.vertex, self.face = np.divmod(self._pairs, max(n_faces, 1))
         self._count = np.bincount(self.face, minlength=n_faces)
         self._points, self._spacing = positions[self.vertex], spacing[self.vertex]
-        self._weights = by_noise = 1 / self._spacing**2
+        self._share = None if share is None or (share == 1).all() else share[has_face]
+        self._part = np.ones(len(self._pairs))
+        if self._share is not None:
+            self._part = self.of_best_triangles(self._part)
+        self._weights = by_noise = self._part / self._spacing**2
         for _ in ("with outliers", "without"):
             self._fit()
             self._residuals = self.heights(self._points, self.face) / self._spacing
@@ -331,10 +350,12 @@ class PlaneFits:
     def of_best_triangles(self, values: FloatArray) -> FloatArray:
         """Give each vertex of a face the best of its triangles' values there, (p,).
 
-        The value of a triangle is the least of those at its vertices, (p,) from 0 on.
+        The value of a triangle is its share of the least of those at its vertices, (p,) from 0 on.
         """
         corners = np.searchsorted(self._pairs, self._corners)
         of_triangles = values[corners].min(axis=1)
+        if self._share is not None:
+            of_triangles *= self._share
         best = np.zeros(len(values))
         for pair in corners.T:
             np.maximum.at(best, pair, of_triangles)
@@ -380,8 +401,10 @@ class PlaneFits:
 
     def _medians(self, values: FloatArray) -> FloatArray:
         """Median (k,) of the values (p,) of each face; arbitrary for a face without values."""
-        ordered = values[np.lexsort((values, self.face))]
+        order = np.lexsort((values, self.face))
+        below = np.cumsum(np.append(0.0, self._part[order]))
         last = np.cumsum(self._count)
-        middle = np.minimum(last - self._count + self._count // 2, len(ordered) - 1)
-        median: FloatArray = ordered[middle]
+        half = (below[last - self._count] + below[last]) / 2
+        middle = np.searchsorted(below[1:], half, side="right")
+        median: FloatArray = values[order[np.minimum(middle, len(order) - 1)]]
         return median

@@ -7,7 +7,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
-from adaptive_fairing.core.denoising.flat_faces import FADING, FlatFaces
+from adaptive_fairing.core.denoising.flat_faces import FADING, FlatFaces, PlaneFits
 from adaptive_fairing.core.denoising.normal_filter import triangles_around
 from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
 from adaptive_fairing.core.denoising.plan import STRENGTHS
@@ -73,7 +73,7 @@ def test_vertices_lie_on_the_planes_of_their_faces():
 @pytest.mark.parametrize("shape", [meshes.icosphere(4), meshes.torus(60, 30)])
 def test_round_shapes_stay(shape):
     points, faces = shape
-    assert flattened(points, faces, points) is None
+    assert flattened(points, faces, points) is points
 
 
 @pytest.mark.parametrize("radius", [6, 12])
@@ -88,6 +88,31 @@ def test_a_rounded_edge_keeps_its_shape_between_flat_faces(radius):
     assert np.mean(moved[is_round] > 0) < 2 * strip / (radius * np.pi / 2)
     assert moved[is_round].max() < PARAMETERS.face_height + 0.1
     assert moved[~is_round].max() < 0.1
+
+
+def test_what_a_face_has_grown_by_counts_the_less_the_more_the_face_is_bent(monkeypatch):
+    """Without a jump up to the limit, and beyond it not at all: rounding must not decide."""
+    points, faces, _ = bent_sheet(12)
+    noise = np.random.default_rng(0).normal(0, 0.1, points.shape)
+    shape = seen(points + noise, faces, points)
+    n_triangles, ways = [], []
+    bends = np.linspace(0.6, 1.05, 46)
+    for bend in bends:
+        of_found_and_grown = iter((0.0, bend))
+        monkeypatch.setattr(
+            PlaneFits,
+            "bends",
+            lambda planes, _part, b=of_found_and_grown: np.full(len(planes), next(b)),
+        )
+        found = FlatFaces(*shape)
+        n_triangles.append(np.count_nonzero(found.face >= 0))
+        ways.append(found.flattened(points + noise, points) - points)
+    assert len(set(n_triangles)) == 2 and n_triangles[-1] < n_triangles[0]
+    steps = np.linalg.norm(np.diff(ways, axis=0), axis=2).max(axis=1)
+    most = np.linalg.norm(ways, axis=2).max()
+    assert not steps[bends[1:] <= 1 - 1 / FADING].any()
+    assert not steps[bends[:-1] >= 1].any()
+    assert 0 < steps.max() < 2 * FADING * (bends[1] - bends[0]) * most
 
 
 def test_an_open_noisy_sheet_becomes_flat():

@@ -53,6 +53,21 @@ def test_noise_is_not_bent_and_a_bow_is():
     assert np.all(bent > 1)
 
 
+def test_triangles_count_by_their_share():
+    heights = noise(2) + np.maximum(GRID[:, 0], 0) / EDGE
+    on_left = (GRID[FACES][:, :, 0] <= 1e-9).all(axis=1)
+
+    def normal(share_on_right):
+        share = np.where(on_left, 1.0, share_on_right)
+        return PlaneFits(raised(heights), EDGE, FACES, ONE_FACE, share).normals[0]
+
+    left_alone = PlaneFits(raised(heights), EDGE, FACES, np.where(on_left, 0, -1)).normals[0]
+    assert abs(normal(0) @ left_alone) == pytest.approx(1, abs=1e-9)
+    assert abs(normal(1) @ fits(raised(heights)).normals[0]) == pytest.approx(1, abs=1e-12)
+    slopes = [abs(np.divide(*normal(share)[[0, 2]])) for share in np.linspace(0, 1, 11)]
+    assert np.all(np.diff(slopes) > 0)
+
+
 def test_vertices_go_the_shortest_way_to_where_their_planes_meet():
     """Vertices of an octahedron: inside of faces, on edges, and at corners of four faces."""
     points, faces = meshes.octahedron()
