@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import operator
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csgraph
 
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
-from ..runtime.threads import ordered_map
+from ..runtime.threads import side_by_side
 from .mixture import Mixture, least_risk_coefficients
 from .noise.clean_detail import CleanDetail
 from .noise.level import scan_level, variance_law
@@ -109,14 +108,13 @@ class MeshParts:
             if np.median(level[counted]) <= clean:
                 continue
             # Not all are needed on every surface, but side by side they cost little.
-            signs: tuple[Callable[[], Any], ...] = (
+            of_hinges, stands_out, fades, is_contour, copies = side_by_side(
                 partial(self._by_hinges, surface, level, counted),
                 partial(is_impulsive, surface, level, counted),
                 partial(surface.fading.fades, counted),
                 partial(detail.is_contour, counted),
                 partial(detail.copies, counted),
             )
-            of_hinges, stands_out, fades, is_contour, copies = ordered_map(operator.call, signs)
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
             if stands_out and not fades:
                 impulsive[members] = self.may_move[members]

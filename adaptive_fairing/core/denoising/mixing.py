@@ -129,7 +129,7 @@ def mixed_surfaces(
     start = stage.track.start
     # What does not look like noise stays, spikes too.
     stays = impulsive & ~plan.impulsive
-    was_spike = (start.positions != positions).any(axis=1) & ~stays
+    was_spike = (stage.spikes > 0) & ~stays
     numbers = range(len(STRENGTHS))
 
     def without_folds(faired: FloatArray) -> FloatArray:
@@ -269,8 +269,7 @@ def _look_like_noise(
         lambda surface: parts.clustering(before, surface, there), (after, *like_noise)
     )
     # Many spikes leave many neighbours that stand out.
-    was_spike = (stage.track.start.positions != before.positions).any(axis=1)
-    share = parts.counts(was_spike) / np.maximum(parts.counts(), 1)
+    share = parts.sums(stage.spikes) / np.maximum(parts.counts(), 1)
     excess = found - np.mean(of_noise, axis=0) - share
     is_noise = excess <= (tuned.clustered_detail if clean == "detail" else tuned.most_clustered)
     # Where nothing goes, nothing is alike.

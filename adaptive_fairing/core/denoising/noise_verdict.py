@@ -143,16 +143,15 @@ def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFoun
     Before and after they were put back, with the noise found then.
     """
     tuned, parts = parameters(), stage.parts
-    was_moved = (calm.noisy.positions != stage.noisy.positions).any(axis=1)
-    n_moved, n_judged = parts.counts(was_moved), parts.counts()
-    are_many = n_moved >= tuned.fewest
+    n_spikes, n_judged = parts.sums(calm.spikes), parts.counts()
+    are_many = n_spikes >= tuned.fewest
     # Spikes may be anywhere, corners of a shape are beside others.
     least = np.maximum(found.roughness, tuned.clean_roughness)
     clustering = parts.clustering(stage.track.start, calm.noisy.positions, least)
-    are_anywhere = clustering <= n_moved / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
+    are_anywhere = clustering <= n_spikes / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
     # Normal noise has vertices that stand out, too.
     noise = after.level * calm.noisy.own.noise(WHITE_NOISE)
-    by_noise = put_back_of(noise, calm.noisy, parts.is_counted, parts.may_move)
+    by_noise, _ = put_back_of(noise, calm.noisy, parts.is_counted, parts.may_move)
     moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
     explained, squares = (parts.sums(np.square(each)) for each in (by_noise, moved))
     are_more = explained <= tuned.most_explained * squares
@@ -169,7 +168,9 @@ def _without_spikes(
     parts = calm.parts
     reach = np.maximum(after.level, np.where(impulsive, found.roughness, 0))
     moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
-    noise, more = left_of_spikes(calm.noisy, moved, after.level, parts.is_counted, parts.may_move)
+    noise, more = left_of_spikes(
+        calm.noisy, moved, calm.spikes, after.level, parts.is_counted, parts.may_move
+    )
     left = np.where(impulsive & parts.is_counted, more, 0)
     level = np.sqrt(np.square(after.level) + left)
     reach = np.maximum(level, reach)

@@ -9,12 +9,13 @@ import numpy as np
 from ..linalg.conjugate_gradients import SolveReport
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, RealArray
+from ..runtime.threads import side_by_side
 from .filters import Filter, FilterBank, FlatFamily, Round, rounds_for
 from .mesh_parts import MeshParts
 from .mixture import Mixture
 from .noise.face_noise import face_noise
 from .noise.noisy_surface import NoisySurface
-from .noise.own_numbers import WHITE_NOISE, OwnNumbers
+from .noise.own_numbers import WHITE_NOISE, Colours, OwnNumbers
 from .noise.smooth_noise import SmoothNoise
 from .noise.spikes import without_spikes
 from .noise_model import averaged_noise
@@ -104,6 +105,8 @@ class Stage:
         The surface, slightly smoothed: unit of length and direction of the noise.
     noisy : NoisySurface
     parts : MeshParts
+    spikes : (n,)
+        How far each vertex was a spike that was put back, 0 to 1.
     """
 
     def __init__(
@@ -113,22 +116,30 @@ class Stage:
         is_still: BoolArray,
         on_solve: Callable[[SolveReport], None],
         own: OwnNumbers | None = None,
+        spikes: FloatArray | None = None,
     ) -> None:
         self._is_still, self._on_solve = is_still, on_solve
+        self.spikes = np.zeros(len(positions)) if spikes is None else spikes
         start = TriangleSurface(topology, positions)
-        self.bank = FilterBank(start, on_solve)
+        # What is made side by side here is made by one thread each.
+        self.bank, colours = side_by_side(
+            lambda: FilterBank(start, on_solve),
+            lambda: own.colours if own else Colours.of(topology),
+        )
         self.track = Track(self.bank, start)
-        self.frame = self.track.surface
-        self.noisy = NoisySurface(positions, self.frame, own)
-        self.parts = MeshParts(self.frame, is_still)
+        frame = self.frame = self.track.surface
+        self.noisy, self.parts = side_by_side(
+            lambda: NoisySurface(positions, frame, own or OwnNumbers(positions, frame, colours)),
+            lambda: MeshParts(frame, is_still),
+        )
 
     def calmed(self, impulsive: BoolArray) -> Stage:
         """Put spikes back among some vertices, (n,)."""
         positions = self.noisy.positions
-        calm = without_spikes(self.noisy, self.parts.is_counted, self.parts.may_move)
+        calm, spikes = without_spikes(self.noisy, self.parts.is_counted, self.parts.may_move)
         start = np.where(impulsive[:, None], calm, positions)
-        own = self.noisy.own
-        return Stage(self.frame.topology, start, self._is_still, self._on_solve, own)
+        own, spikes = self.noisy.own, np.where(impulsive, spikes, 0)
+        return Stage(self.frame.topology, start, self._is_still, self._on_solve, own, spikes)
 
     def face_noise(self, noisy: NoisySurface) -> SmoothNoise | None:
         """Measure the smooth noise on flat faces, in the surface's units; None without any."""

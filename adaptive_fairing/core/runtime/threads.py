@@ -2,7 +2,7 @@
 
 Work is cut into chunks: neighbouring triangles, vertices or matrix rows that one thread works on at
 a time (`chunks`).  `ordered_map` is the only way to run them, and its rules are the only ones
-(`for_each` is the same without results):
+(`for_each` is the same without results, `side_by_side` for different computations):
 
 order       results come back in the order of the items, whatever thread was first: sums over them
             are the same to the last bit from run to run
@@ -15,6 +15,7 @@ context     a thread sees the context variables of the caller
 from __future__ import annotations
 
 import math
+import operator
 import os
 import threading
 from collections import deque
@@ -99,6 +100,11 @@ def for_each(function: Callable[[Item], None], items: Sequence[Item]) -> None:
     """Run function(item) for all items by several threads, by the rules of `ordered_map`."""
     for _ in ordered_map(function, items):
         pass
+
+
+def side_by_side(*functions: Callable[[], Any]) -> list[Any]:
+    """Call functions by several threads, by the rules of `ordered_map`; return their results."""
+    return list(ordered_map(operator.call, functions))
 
 
 _this_thread = threading.local()

@@ -13,6 +13,7 @@ lengths around the vertex and from its distance to the centre of the mesh.
 from __future__ import annotations
 
 from itertools import islice
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,29 @@ PROBE, WHITE_NOISE, LINE_NOISE, SEEDS = 1.0, 4.3, 3.1, 9.7
 SEVERAL_NOISES = WHITE_NOISE, LINE_NOISE, SEEDS
 
 
+class Colours(NamedTuple):
+    """Random numbers from the connectivity around vertices, (n,), and which of them occur once."""
+
+    numbers: FloatArray
+    is_unique: BoolArray
+
+    @classmethod
+    def of(cls, topology: TriangleTopology) -> Self:
+        """Find the colours of a mesh.
+
+        Source: colour refinement, B. Weisfeiler and A. Leman, 1968, with hash values as colours.
+        """
+        sizes, ring = topology.ring_size, topology.ring
+        is_used = sizes > 0
+        first = topology.ring_start[:-1][is_used]
+        colours = _hashed((2 * sizes + topology.on_boundary).astype(np.uint64))
+        for _ in range(RINGS):
+            around = np.add.reduceat(_hashed(colours)[ring], first)
+            colours[is_used] = _hashed(3 * colours[is_used] + around)
+        _, kind, count = np.unique(colours, return_inverse=True, return_counts=True)
+        return cls(colours / 2.0**64, count[kind] == 1)
+
+
 class OwnNumbers:
     """The numbers of a mesh, different for each use.
 
@@ -53,11 +77,20 @@ class OwnNumbers:
     ----------
     positions : (n, 3)
     frame : TriangleSurface
+    colours : Colours, optional
+        Of the vertices, if they are known already.
+
+    Attributes
+    ----------
+    colours : Colours
     """
 
-    def __init__(self, positions: FloatArray, frame: TriangleSurface) -> None:
-        colours, is_unique = _colours(frame.topology)
-        self._turns = np.where(is_unique, MOST_TURNS * colours, _turns_of_lengths(positions, frame))
+    def __init__(
+        self, positions: FloatArray, frame: TriangleSurface, colours: Colours | None = None
+    ) -> None:
+        self.colours = colours or Colours.of(frame.topology)
+        numbers, is_unique = self.colours
+        self._turns = np.where(is_unique, MOST_TURNS * numbers, _turns_of_lengths(positions, frame))
         # Numbers change their sign with the normals, so that their steps are the same if all faces
         # are reversed.  Where lengths hardly tell neighbours apart, their rises do.
         rises = np.where(frame.topology.is_loose, 0.0, frame.rises(positions))
@@ -94,22 +127,6 @@ class OwnNumbers:
         """Return noises to compare with: three, or one of many vertices, with little chance."""
         is_large = len(self._turns) >= parameters().least_probed
         return [self.noise(use) for use in SEVERAL_NOISES[: 1 if is_large else None]]
-
-
-def _colours(topology: TriangleTopology) -> tuple[FloatArray, BoolArray]:
-    """Random numbers from the connectivity around vertices, (n,), and which of them occur once.
-
-    Source: colour refinement, B. Weisfeiler and A. Leman, 1968, with hash values as colours.
-    """
-    sizes, ring = topology.ring_size, topology.ring
-    is_used = sizes > 0
-    first = topology.ring_start[:-1][is_used]
-    colours = _hashed((2 * sizes + topology.on_boundary).astype(np.uint64))
-    for _ in range(RINGS):
-        around = np.add.reduceat(_hashed(colours)[ring], first)
-        colours[is_used] = _hashed(3 * colours[is_used] + around)
-    _, kind, count = np.unique(colours, return_inverse=True, return_counts=True)
-    return colours / 2.0**64, count[kind] == 1
 
 
 def _hashed(values: NDArray[np.uint64]) -> NDArray[np.uint64]:

@@ -6,6 +6,9 @@ It moves onto the nearest of those lines.  Where the surface bends, its neighbou
 and it keeps as much height as they have.  A vertex on a crease lies on the line along the crease,
 so it is not a spike.
 
+A vertex near a limit is a spike in part, and goes that part of the way.  What rounding decides
+should change nothing.
+
 Spikes occur side by side, so the first position of one depends on neighbours that are still spikes.
 In the end all vertices that were moved settle together.
 """
@@ -20,7 +23,19 @@ from ...runtime.arrays import BoolArray, FloatArray
 from ..parameters import parameters
 from .contrast import OppositeLines
 from .noisy_surface import NoisySurface
-from .own_numbers import LINE_NOISE, SEEDS, WHITE_NOISE
+from .own_numbers import LINE_NOISE, PROBE, WHITE_NOISE
+
+# Around a limit, relative to it, a vertex is put back in part.  With 0.3 a clean model moved.
+DOUBT = 0.15
+
+# So is a vertex that stands out at least this part as far as the neighbour that does most.  With
+# 0.85 more of many spikes was left.
+HIGHEST = 0.95
+
+# With so many spikes, a law is corrected by the root of the factor by which it is wrong about known
+# ones: few tell little.  The factor is at least this.
+FEW = 200
+LEAST_TOLD = 0.5
 
 
 def is_impulsive(surface: NoisySurface, level: FloatArray, is_counted: BoolArray) -> bool:
@@ -52,8 +67,10 @@ def _tail(size: FloatArray) -> float:
     return float(tail / median) if median > 0 else 0.0
 
 
-def without_spikes(surface: NoisySurface, is_counted: BoolArray, may_move: BoolArray) -> FloatArray:
-    """Return positions (n, 3) whose spikes lie on the lines through their neighbours.
+def without_spikes(
+    surface: NoisySurface, is_counted: BoolArray, may_move: BoolArray
+) -> tuple[FloatArray, FloatArray]:
+    """Put spikes back onto the lines through their neighbours.
 
     Parameters
     ----------
@@ -62,20 +79,26 @@ def without_spikes(surface: NoisySurface, is_counted: BoolArray, may_move: BoolA
         Vertices from which the usual deviation is judged.
     may_move : (n,) bool
         Vertices that may be spikes, on boundaries too.
+
+    Returns
+    -------
+    positions : (n, 3)
+    spikes : (n,)
+        How far each vertex is a spike, 0 to 1.
     """
     return _put_back(surface, surface.positions, is_counted, may_move)
 
 
 def _put_back(
     surface: NoisySurface, positions: FloatArray, is_counted: BoolArray, may_move: BoolArray
-) -> FloatArray:
+) -> tuple[FloatArray, FloatArray]:
     tuned = parameters()
     topology, frame = surface.topology, surface.frame
     lines = OppositeLines(frame)
     unit = np.median(surface.lines.least_of_noise[is_counted])
     result = positions.copy()
     centre = np.repeat(np.arange(topology.n_vertices), topology.ring_size)
-    was_moved = np.zeros(len(result), dtype=bool)
+    spikes, tiny = np.zeros(len(result)), np.finfo(float).tiny
     for _ in range(tuned.rounds):
         height = lines.least_deviation(result, lines.passing(result))
         size = np.where(may_move, np.abs(height), 0)
@@ -83,35 +106,39 @@ def _put_back(
         limit = tuned.spike_factor * level / unit
         around = np.zeros(len(result))
         np.maximum.at(around, centre, size[topology.ring])
-        is_spike = (size > limit) & (size >= around)
-        if not is_spike.any():
+        stands_out = np.interp(size / limit, (1 - DOUBT, 1 + DOUBT), (0, 1))
+        is_highest = np.interp(size / np.maximum(around, tiny), (HIGHEST, 1), (0, 1))
+        part = stands_out * is_highest
+        if not part.any():
             break
-        is_calm = (size <= limit).astype(float)
-        usual = frame.mean @ (height * is_calm) / np.maximum(frame.mean @ is_calm, 1e-9)
-        result -= frame.raised(np.where(is_spike, height - usual, 0))
-        was_moved |= is_spike
+        calm = 1 - stands_out
+        usual = frame.mean @ (height * calm) / np.maximum(frame.mean @ calm, 1e-9)
+        result -= frame.raised(part * (height - usual))
+        spikes = np.maximum(spikes, part)
     for _ in range(tuned.rounds):
         height = lines.least_deviation(result, lines.passing(result))
         # Half of the way: neighbours move at the same time.
-        result -= frame.raised(np.where(was_moved, (height - frame.mean @ height) / 2, 0))
-    return result
+        result -= frame.raised(spikes * (height - frame.mean @ height) / 2)
+    return result, spikes
 
 
 def put_back_of(
     heights: FloatArray, calm: NoisySurface, is_counted: BoolArray, may_move: BoolArray
-) -> FloatArray:
-    """How far vertices of known heights (n,) over the slightly smoothed surface are put back, (n,).
+) -> tuple[FloatArray, FloatArray]:
+    """Put vertices of known heights (n,) over the slightly smoothed surface back.
 
-    In local edge lengths; the other parameters are those of `left_of_spikes`.
+    The other parameters, and what is returned, are `moved` and `spikes` of `left_of_spikes`.
     """
     frame = calm.frame
     noisy = frame.positions + frame.raised(heights)
-    return frame.along_normal(noisy - _put_back(calm, noisy, is_counted, may_move))
+    positions, spikes = _put_back(calm, noisy, is_counted, may_move)
+    return frame.along_normal(noisy - positions), spikes
 
 
 def left_of_spikes(
     calm: NoisySurface,
     moved: FloatArray,
+    spikes: FloatArray,
     level: FloatArray,
     is_counted: BoolArray,
     may_move: BoolArray,
@@ -126,7 +153,9 @@ def left_of_spikes(
     calm : NoisySurface
         After spikes were put back.
     moved : (n,)
-        How far they were, along the normals, in local edge lengths; 0 where no spike was.
+        How far they were, along the normals, in local edge lengths.
+    spikes : (n,)
+        How far each vertex was a spike, 0 to 1.
     level : (n,)
         Standard deviation of the other noise in local edge lengths.
     is_counted, may_move : (n,) bool
@@ -139,37 +168,51 @@ def left_of_spikes(
     more : float
         By how much its spikes, put back, make the variance of the noise larger.
     """
-    size, part = spike_law(np.abs(moved[is_counted]))
+    size, part = spike_law(np.abs(moved[is_counted]), spikes[is_counted])
     other = level * calm.own.noise(WHITE_NOISE)
-    is_hit = may_move & (calm.own.phases(SEEDS) < part)
+    is_hit = may_move & (calm.own.phases(PROBE) < part)
     noise = other + np.where(is_hit, size * calm.own.noise(LINE_NOISE), 0)
 
-    def left(heights: FloatArray) -> float:
-        rest = heights - put_back_of(heights, calm, is_counted, may_move)
-        return float(np.mean(np.square(rest[is_counted])))
+    def left(heights: FloatArray) -> tuple[float, FloatArray, FloatArray]:
+        back, known = put_back_of(heights, calm, is_counted, may_move)
+        rest = float(np.mean(np.square(heights - back)[is_counted]))
+        return rest, np.abs(back[is_counted]), known[is_counted]
 
-    return noise, max(left(noise) - left(other), 0.0)
+    rest, back, known = left(noise)
+    more = max(rest - left(other)[0], 0.0)
+    if not part > 0:
+        return noise, more
+    # What the law tells of spikes that are known tells how far it is wrong, if they are not few.
+    size_told, part_told = spike_law(back, known)
+    wrong = size_told**2 * part_told / (size**2 * part)
+    n_spikes = spikes[is_counted].sum()
+    return noise, more / max(wrong, LEAST_TOLD) ** (n_spikes / (n_spikes + FEW))
 
 
-def spike_law(moved: FloatArray) -> tuple[float, float]:
+def spike_law(moved: FloatArray, spikes: FloatArray) -> tuple[float, float]:
     """Fit normal-distributed spikes to those that were found, the low ones of which are missing.
 
     Parameters
     ----------
-    moved : (n,)
-        How far they were; 0 where no spike was.
+    moved, spikes : (n,)
+        How far they were, and how far each vertex was one, 0 to 1.
 
     Returns
     -------
     size, part
         Standard deviation of all spikes, and the part of the vertices that they hit.  The mean of
-        those beyond the median of what was found tells the one, their number the other.
+        the higher half of what was found tells the one, their number the other.
     """
-    found = moved[moved > 0]
-    if not len(found):
+    order = np.argsort(-moved)
+    # What is less than half a spike may be noise.
+    found, weights = moved[order], np.clip(2 * spikes[order] - 1, 0, 1)
+    half = weights.sum() / 2
+    before = np.cumsum(weights) - weights
+    least = float(np.interp(half, before + weights / 2, found))
+    if not least > 0:
         return 0.0, 0.0
-    least = float(np.median(found))
-    beyond = found[found >= least]
+    # One half exactly: a vertex more or less is no leap.
+    mean = float(np.clip(half - before, 0, weights) @ found / half)
 
     def mean_beyond(x: float) -> float:
         """Mean of the normal deviates beyond x, over x: their density over their probability."""
@@ -177,7 +220,7 @@ def spike_law(moved: FloatArray) -> tuple[float, float]:
 
     # Spikes of one size have no such law: the nearest one is bounded.
     low, high = 1e-6, 10.0
-    excess = float(np.clip(beyond.mean() / least, mean_beyond(high), mean_beyond(low)))
+    excess = float(np.clip(mean / least, mean_beyond(high), mean_beyond(low)))
     at = brentq(lambda x: mean_beyond(x) - excess, low, high)
-    part = len(beyond) / len(moved) / (2 * float(ndtr(-at)))
+    part = half / len(moved) / (2 * float(ndtr(-at)))
     return least / at, min(part, 1.0)
