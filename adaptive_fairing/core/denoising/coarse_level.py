@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -21,6 +20,7 @@ from scipy.sparse import csgraph
 from ..mesh.solver_mesh import SolverSurface, solvable_surface
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, LongArray
+from ..runtime.lazy import cached_property
 from .noise.own_numbers import SEEDS, OwnNumbers
 from .triangle_surface import TriangleSurface
 

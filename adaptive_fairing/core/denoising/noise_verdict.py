@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from ..runtime.arrays import BoolArray, FloatArray
+from ..runtime.lazy import cached_property
 from .mesh_parts import NoiseFound
 from .noise.noisy_surface import NoisySurface
 from .noise.own_numbers import WHITE_NOISE

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from scipy import sparse
 
@@ -11,6 +9,7 @@ from ..mesh.density import mesh_density, smoothed
 from ..mesh.normals import dots, triangle_normals, unit_vectors, vertex_normals
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray
+from ..runtime.lazy import cached_property
 from .parameters import parameters
 
 
@@ -56,12 +55,12 @@ class TriangleSurface:
 
     @cached_property
     def normals(self) -> FloatArray:
-        """Unit normals of the vertices, area-weighted, (n, 3)."""
+        """Vertex normals, area-weighted, of length 1, (n, 3)."""
         return vertex_normals(self.topology, self.positions)
 
     @cached_property
     def mean(self) -> sparse.csr_array:
-        """The matrix (n, n) that averages over the neighbours."""
+        """Matrix (n, n) that averages over the neighbours."""
         scale = sparse.diags_array(1 / np.maximum(self.topology.ring_size, 1))
         return sparse.csr_array(scale @ self.topology.adjacency(np.float64))
 

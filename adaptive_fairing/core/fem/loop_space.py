@@ -7,7 +7,6 @@ basis functions times the (4 q, n) coefficients.  Local matrices are scattered c
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +19,7 @@ from ..linalg.symmetric_pattern import SymmetricPattern, scattered
 from ..loop.patches import PatchSet
 from ..mesh.topology import TriangleTopology, require_topology
 from ..runtime.arrays import FloatArray, RealArray
+from ..runtime.lazy import cached_property
 from ..runtime.precision import SINGLE, Precision
 from ..runtime.threads import Workspace, ordered_map
 from .blocks import Block, Chunk

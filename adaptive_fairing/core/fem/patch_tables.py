@@ -6,12 +6,13 @@ Source: the integrands of M and L in (3.4) and (3.9), written in parametric coor
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 
 from ..loop.basis import BasisTable
 from ..runtime.arrays import IndexArray, RealArray
+from ..runtime.lazy import cached_property
 from ..runtime.precision import Precision
 
 # A table of products is made up to this many numbers (32 MB) and this many for each triangle that
@@ -82,7 +83,7 @@ class PatchTables:
 
     @cached_property
     def single(self) -> PatchTables:
-        """The same in single precision."""
+        """Tables in single precision."""
         return PatchTables(self._tables, self._n_triangles, np.float32)
 
     @cached_property

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from scipy import sparse
 
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import FloatArray, IndexArray, RealArray
+from ..runtime.lazy import cached_property
 from ..runtime.threads import chunks, for_each
 from .symmetric_pattern import adopt_entries
 

@@ -7,7 +7,6 @@ class within a chunk is a segment: its integrals are dense matrix products.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from functools import cached_property
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -15,6 +14,7 @@ import numpy as np
 
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import IndexArray, IntArray, LongArray
+from ..runtime.lazy import cached_property
 from ..runtime.threads import ordered_map
 from .partition import chunk_triangles
 from .patch_class import TETRAHEDRON, Corner, PatchClass, count_control_points

@@ -12,14 +12,13 @@ outgoing boundary edge.  Both run counter-clockwise as seen from outside.
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from numpy.typing import ArrayLike, DTypeLike
 from scipy import sparse
 
 from ..errors import InputError, TopologyError, listed
 from ..runtime.arrays import BoolArray, IndexArray, IntArray, LongArray
+from ..runtime.lazy import cached_property
 from .input_checks import plain_array
 
 
@@ -107,7 +106,7 @@ class TriangleTopology:
 
     @cached_property
     def n_regular(self) -> int:
-        """Number of triangles whose vertices all have 6 neighbours, or 4 on the boundary."""
+        """Count of triangles whose vertices all have 6 neighbours, or 4 on the boundary."""
         is_regular = self.ring_size == np.where(self.on_boundary, 4, 6)
         a, b, c = is_regular[self.triangles].T
         return int(np.count_nonzero(a & b & c))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import cached_property
 from numbers import Integral
 from typing import NamedTuple
 
@@ -16,6 +15,7 @@ from ..mesh.input_checks import checked_vertices
 from ..mesh.normals import unit_vectors
 from ..mesh.topology import TriangleTopology, require_topology
 from ..runtime.arrays import FloatArray, IntArray
+from ..runtime.lazy import cached_property
 from .curvature import curvature, refined_curvature
 from .edge_points import edge_control_points, edge_limits, unit_cross
 from .masks import limit_matrix, refinement_matrix, tangent_matrices, vertex_matrix
@@ -110,7 +110,7 @@ class RefinementLevels:
 
     @cached_property
     def patch_evaluation(self) -> PatchEvaluation:
-        """Evaluation of single points of the surface.
+        """Patches for points at any place of the surface.
 
         Raises
         ------
@@ -270,7 +270,7 @@ class LimitSurface:
 
     @cached_property
     def normals(self) -> FloatArray:
-        """Unit normals at the vertices, (n, 3); see `RefinementLevels.points_and_normals`."""
+        """Vertex normals of length 1, (n, 3); see `RefinementLevels.points_and_normals`."""
         return self.levels.points_and_normals([self.positions])[1]
 
     def evaluate(self, triangles: ArrayLike, barycentric: ArrayLike) -> SurfacePoints:

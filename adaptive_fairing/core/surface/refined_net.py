@@ -7,13 +7,13 @@ triangle inherit its values, halves of an edge those of the edge.
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..runtime.arrays import BoolArray, LongArray
+from ..runtime.lazy import cached_property
 from .cut_surface import CutSurface
 from .refined_topology import RefinedTopology, edge_keys
 

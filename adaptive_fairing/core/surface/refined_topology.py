@@ -16,7 +16,6 @@ new vertices, edges and triangles follow from those of the coarse mesh with n ve
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +23,7 @@ from numpy.typing import NDArray
 from ..errors import InputError, listed
 from ..mesh.topology import TriangleTopology
 from ..runtime.arrays import BoolArray, IndexArray, IntArray, LongArray
+from ..runtime.lazy import cached_property
 
 SMOOTH, DART, CREASE, CORNER = np.arange(4, dtype=np.int8)
 """Kinds of vertices: with no, one, two, or more sharp edges.  Corners stay where they are."""
@@ -115,7 +115,7 @@ class RefinedTopology:
 
     @cached_property
     def finer(self) -> RefinedTopology:
-        """The mesh after one step of refinement."""
+        """Mesh after one step of refinement."""
         n, n_edges = self.n_vertices, len(self.edges)
         m = len(self.triangles)
         middle = n + self.sides

@@ -12,13 +12,12 @@ ways than there are edges.
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 from scipy import sparse
 
 from ...mesh.normals import dots
 from ...runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, LongArray
+from ...runtime.lazy import cached_property
 from ..parameters import parameters
 from .noisy_surface import NoisySurface
 

@@ -15,7 +15,6 @@ with the mean of the neighbours' noise.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -24,6 +23,7 @@ from scipy.special import ndtri
 
 from ...mesh.normals import dots
 from ...runtime.arrays import BoolArray, FloatArray, IntArray
+from ...runtime.lazy import cached_property
 from ...runtime.threads import chunks, for_each
 from ..noise_model import WHITE, NoiseCorrelation
 from ..parameters import parameters

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-
 import numpy as np
 
 from ...mesh.normals import dots
 from ...runtime.arrays import BoolArray, FloatArray
+from ...runtime.lazy import cached_property
 from ..triangle_surface import TriangleSurface
 from .contrast import Contrast, Fading, LineRoughness, hinges, roughness
 from .level import has_one_length
