@@ -12,7 +12,7 @@ from .mesh_parts import NoiseFound
 from .noise.noisy_surface import NoisySurface
 from .noise.own_numbers import WHITE_NOISE
 from .noise.smooth_noise import SmoothNoise, noise_of_width, smooth_noise
-from .noise.spikes import left_of_spikes, put_back_of
+from .noise.spikes import KnownNoise, left_of_spikes, put_back_of
 from .noise_model import NoiseCorrelation
 from .parameters import parameters
 from .stage import Stage
@@ -109,19 +109,22 @@ def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> Noise
         return NoiseVerdict(stage, level, correlation, np.zeros(len(level), bool), level, ())
     keeps_clean = clean != "denoise"
 
-    def calmed(impulsive: BoolArray) -> tuple[Stage, NoiseFound]:
-        """Put spikes back, and estimate what noise is left."""
+    def calmed(impulsive: BoolArray) -> tuple[Stage, NoiseFound, KnownNoise]:
+        """Put spikes back, estimate what noise is left, and put normal noise like it back."""
         calm = stage.calmed(impulsive)
-        return calm, calm.parts.noise(calm.noisy, keeps_clean=keeps_clean)
+        noisy, parts = calm.noisy, calm.parts
+        after = parts.noise(noisy, keeps_clean=keeps_clean)
+        noise = after.level * noisy.own.noise(WHITE_NOISE)
+        return calm, after, put_back_of(noise, noisy, parts.is_counted, parts.may_move)
 
     found = stage.parts.noise(stage.noisy, keeps_clean=keeps_clean)
     if found.impulsive.any():
-        calm, after = calmed(found.impulsive)
-        impulsive = _noisy_spikes(stage, calm, found, after)
+        calm, after, other = calmed(found.impulsive)
+        impulsive = _noisy_spikes(stage, calm, found, after, other)
         if impulsive.any():
             if not np.array_equal(impulsive, found.impulsive):
-                calm, after = calmed(impulsive)
-            return _without_spikes(stage, calm, found, after, impulsive)
+                calm, after, other = calmed(impulsive)
+            return _without_spikes(stage, calm, found, after, other, impulsive)
         # Spikes of the shape: there is noise only where it is rough without them.
         level, notes = np.where(after.level > 0, found.level, 0), after.notes
         if not (notes or level.any()):
@@ -137,10 +140,12 @@ def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> Noise
     return verdict
 
 
-def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFound) -> BoolArray:
+def _noisy_spikes(
+    stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFound, other: KnownNoise
+) -> BoolArray:
     """Whether vertices which stand out are noise, (n,); not if they belong to the shape.
 
-    Before and after they were put back, with the noise found then.
+    Before and after they were put back, with the noise found then, and normal noise like it.
     """
     tuned, parts = parameters(), stage.parts
     n_spikes, n_judged = parts.sums(calm.spikes), parts.counts()
@@ -150,10 +155,8 @@ def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFoun
     clustering = parts.clustering(stage.track.start, calm.noisy.positions, least)
     are_anywhere = clustering <= n_spikes / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
     # Normal noise has vertices that stand out, too.
-    noise = after.level * calm.noisy.own.noise(WHITE_NOISE)
-    by_noise, _ = put_back_of(noise, calm.noisy, parts.is_counted, parts.may_move)
     moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
-    explained, squares = (parts.sums(np.square(each)) for each in (by_noise, moved))
+    explained, squares = (parts.sums(np.square(each)) for each in (other.moved, moved))
     are_more = explained <= tuned.most_explained * squares
     is_noise = parts.at_vertices(are_many) | (after.level > 0)
     is_noise &= parts.at_vertices(are_anywhere & are_more)
@@ -162,14 +165,19 @@ def _noisy_spikes(stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFoun
 
 
 def _without_spikes(
-    stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFound, impulsive: BoolArray
+    stage: Stage,
+    calm: Stage,
+    found: NoiseFound,
+    after: NoiseFound,
+    other: KnownNoise,
+    impulsive: BoolArray,
 ) -> NoiseVerdict:
     """Judge what is left without spikes: other noise, low spikes, and what was put back."""
     parts = calm.parts
     reach = np.maximum(after.level, np.where(impulsive, found.roughness, 0))
     moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
     noise, more = left_of_spikes(
-        calm.noisy, moved, calm.spikes, after.level, parts.is_counted, parts.may_move
+        calm.noisy, moved, calm.spikes, other, parts.is_counted, parts.may_move
     )
     left = np.where(impulsive & parts.is_counted, more, 0)
     level = np.sqrt(np.square(after.level) + left)

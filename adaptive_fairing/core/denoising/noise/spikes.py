@@ -15,6 +15,8 @@ In the end all vertices that were moved settle together.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr
@@ -23,7 +25,7 @@ from ...runtime.arrays import BoolArray, FloatArray
 from ..parameters import parameters
 from .contrast import OppositeLines
 from .noisy_surface import NoisySurface
-from .own_numbers import LINE_NOISE, PROBE, WHITE_NOISE
+from .own_numbers import LINE_NOISE, PROBE
 
 # Around a limit, relative to it, a vertex is put back in part.  With 0.3 a clean model moved.
 DOUBT = 0.15
@@ -122,24 +124,41 @@ def _put_back(
     return result, spikes
 
 
+class KnownNoise(NamedTuple):
+    """Vertices of known heights over the slightly smoothed surface, which were put back.
+
+    Attributes
+    ----------
+    heights, moved : (n,)
+        Their heights and how far they were put back, along the normals, in local edge lengths.
+    spikes : (n,)
+        How far each vertex was taken for a spike, 0 to 1.
+    """
+
+    heights: FloatArray
+    moved: FloatArray
+    spikes: FloatArray
+
+    def variance_left(self, is_counted: BoolArray) -> float:
+        """Mean square of what is left at vertices, (n,) bool."""
+        return float(np.mean(np.square(self.heights - self.moved)[is_counted]))
+
+
 def put_back_of(
     heights: FloatArray, calm: NoisySurface, is_counted: BoolArray, may_move: BoolArray
-) -> tuple[FloatArray, FloatArray]:
-    """Put vertices of known heights (n,) over the slightly smoothed surface back.
-
-    The other parameters, and what is returned, are `moved` and `spikes` of `left_of_spikes`.
-    """
+) -> KnownNoise:
+    """Put vertices of known heights (n,) back; other parameters are those of `left_of_spikes`."""
     frame = calm.frame
     noisy = frame.positions + frame.raised(heights)
     positions, spikes = _put_back(calm, noisy, is_counted, may_move)
-    return frame.along_normal(noisy - positions), spikes
+    return KnownNoise(heights, frame.along_normal(noisy - positions), spikes)
 
 
 def left_of_spikes(
     calm: NoisySurface,
     moved: FloatArray,
     spikes: FloatArray,
-    level: FloatArray,
+    other: KnownNoise,
     is_counted: BoolArray,
     may_move: BoolArray,
 ) -> tuple[FloatArray, float]:
@@ -156,8 +175,8 @@ def left_of_spikes(
         How far they were, along the normals, in local edge lengths.
     spikes : (n,)
         How far each vertex was a spike, 0 to 1.
-    level : (n,)
-        Standard deviation of the other noise in local edge lengths.
+    other : KnownNoise
+        Noise like that which is left besides.
     is_counted, may_move : (n,) bool
         As of `without_spikes`.
 
@@ -169,21 +188,14 @@ def left_of_spikes(
         By how much its spikes, put back, make the variance of the noise larger.
     """
     size, part = spike_law(np.abs(moved[is_counted]), spikes[is_counted])
-    other = level * calm.own.noise(WHITE_NOISE)
     is_hit = may_move & (calm.own.phases(PROBE) < part)
-    noise = other + np.where(is_hit, size * calm.own.noise(LINE_NOISE), 0)
-
-    def left(heights: FloatArray) -> tuple[float, FloatArray, FloatArray]:
-        back, known = put_back_of(heights, calm, is_counted, may_move)
-        rest = float(np.mean(np.square(heights - back)[is_counted]))
-        return rest, np.abs(back[is_counted]), known[is_counted]
-
-    rest, back, known = left(noise)
-    more = max(rest - left(other)[0], 0.0)
+    noise = other.heights + np.where(is_hit, size * calm.own.noise(LINE_NOISE), 0)
+    known = put_back_of(noise, calm, is_counted, may_move)
+    more = max(known.variance_left(is_counted) - other.variance_left(is_counted), 0.0)
     if not part > 0:
         return noise, more
     # What the law tells of spikes that are known tells how far it is wrong, if they are not few.
-    size_told, part_told = spike_law(back, known)
+    size_told, part_told = spike_law(np.abs(known.moved[is_counted]), known.spikes[is_counted])
     wrong = size_told**2 * part_told / (size**2 * part)
     n_spikes = spikes[is_counted].sum()
     return noise, more / max(wrong, LEAST_TOLD) ** (n_spikes / (n_spikes + FEW))

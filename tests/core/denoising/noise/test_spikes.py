@@ -9,6 +9,7 @@ from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.noise.spikes import (
     is_impulsive,
     left_of_spikes,
+    put_back_of,
     spike_law,
     without_spikes,
 )
@@ -199,7 +200,8 @@ def test_what_is_left_of_spikes_is_as_large_as_it_really_is(shape, part):
         positions, spikes = without_spikes(noisy, everywhere, everywhere)
         calm = NoisySurface(positions, frame, noisy.own)
         moved = frame.along_normal(noisy.positions - calm.positions)
-        _, more = left_of_spikes(calm, moved, spikes, np.zeros(n), everywhere, everywhere)
+        none = put_back_of(np.zeros(n), calm, everywhere, everywhere)
+        _, more = left_of_spikes(calm, moved, spikes, none, everywhere, everywhere)
         true = frame.along_normal(calm.positions - vertices)
         ratios.append(np.sqrt(more) / np.std(true))
         assert np.median(np.abs(true)) < 0.5 * np.std(true)
