@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from functools import partial
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -47,10 +46,10 @@ KEEPS, SEES, IGNORES = "keeps", "sees", "ignores"
 # of staircases were 1.3 % larger.
 TOLERANCE = 0.04
 
-# Factors of the largest angle between even triangles, for sets of flat faces.  With one set, jitter
+# Factors of the largest angle between even triangles, for more sets of flat faces.  Without, jitter
 # of 0.0001 of an edge changed two of nineteen noisy shapes by 4 and 10 % of what is removed; with
 # these it changed none by more than 2.8 %.
-EVENNESSES = 1.0, 0.85, 1.15
+OTHER_EVENNESSES = 0.85, 1.15
 
 # The fit to normals is a step in the metric of the surface.
 FIT_METRIC = LiftedMetric(1)
@@ -286,14 +285,10 @@ class FilterBank:
             yield from zip(family.filters, family.filtered(self, noisy, surface), strict=True)
 
     def flat_faces(
-        self,
-        noisy: TriangleSurface,
-        surface: TriangleSurface,
-        correlation: NoiseCorrelation,
-        evenness: float = 1.0,
+        self, noisy: TriangleSurface, surface: TriangleSurface, correlation: NoiseCorrelation
     ) -> FlatFaces:
         """Find the flat faces of a surface, and their planes, in spite of smooth noise."""
-        return FlatFaces(surface, noisy.positions, self._around, self._noise, correlation, evenness)
+        return FlatFaces(surface, noisy.positions, self._around, self._noise, correlation)
 
     def sets_of_faces(
         self, noisy: TriangleSurface, surface: TriangleSurface, correlation: NoiseCorrelation
@@ -302,9 +297,9 @@ class FilterBank:
 
         One triangle may join two faces, or lead a face around a bend.  Then it decides for one set.
         """
+        found = self.flat_faces(noisy, surface, correlation)
         is_large = surface.topology.n_vertices >= parameters().least_probed
-        find = partial(self.flat_faces, noisy, surface, correlation)
-        return tuple(ordered_map(find, EVENNESSES[: 1 if is_large else None]))
+        return found, *(() if is_large else ordered_map(found.again, OTHER_EVENNESSES))
 
     def fitted(
         self, surface: TriangleSurface, smooth: TriangleSurface, smoothings: Sequence[Smoothing]

@@ -16,6 +16,8 @@ rounding decides should change nothing.
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 from scipy import sparse, special
 from scipy.sparse.csgraph import connected_components
@@ -76,8 +78,6 @@ class FlatFaces:
         Standard deviation in local edge lengths, where it is known.
     correlation : NoiseCorrelation
         Correlation of smooth noise; no correlation otherwise.
-    evenness : float
-        Factor of the largest angle between even triangles.
 
     Attributes
     ----------
@@ -94,16 +94,13 @@ class FlatFaces:
         around: IntArray,
         noise: FloatArray | None = None,
         correlation: NoiseCorrelation = WHITE,
-        evenness: float = 1.0,
     ) -> None:
         tuned, topology = parameters(), surface.topology
-        self._even_angle = evenness * tuned.narrow_angle
         if noise is None:
             noise = np.zeros(topology.n_vertices)
         # Neighbours with smooth noise say less than as many of their own would.
         self._own_part = correlation.deviation**2 if correlation.passes else 1.0
-        self._triangles, self._noisy = topology.triangles, noisy
-        self._share = np.ones(topology.n_triangles)
+        self._triangles, self._noisy, self._around = topology.triangles, noisy, around
         self._surface, self._spacing = surface.positions, surface.smooth_spacing
         # Where the noise is stronger or smooth, more of it is left in the surface.
         left = noise / (tuned.coarse_noise * np.sqrt(correlation.deviation))
@@ -116,10 +113,22 @@ class FlatFaces:
         (self._normals,) = smoothed_normals(unit_vectors(scaled), around, smoothing, weights)
         side = np.flatnonzero(topology.twin >= 0)
         self._beside = side // 3, topology.twin[side] // 3
-        self.face = self._connected(self._even(around))
+        self._find(1.0)
+
+    def again(self, evenness: float) -> FlatFaces:
+        """Find the faces of the same surface, with this factor of the angle of even triangles."""
+        other = copy(self)
+        other._find(evenness)
+        return other
+
+    def _find(self, evenness: float) -> None:
+        tuned, noisy = parameters(), self._noisy
+        self._even_angle = evenness * tuned.narrow_angle
+        self._share = np.ones(len(self._triangles))
+        self.face = self._connected(self._even())
         self.planes = self._fitted(noisy)
         bend = np.maximum(self.planes.bends(self._own_part), self._unevenness())
-        self._drop(bend >= 1)
+        self.face = np.where(self._of_triangles(bend >= 1) > 0, NO_FACE, self.face)
         found, self._grown_on = self.face.copy(), self.planes
         # One triangle less, and the smallest ones would not be faces.
         sizes = np.bincount(found[found >= 0], minlength=len(self.planes))
@@ -129,7 +138,7 @@ class FlatFaces:
                 break
         self.planes = self._fitted(noisy)
         # Faces that are bent now have grown too far, onto a round part.
-        part = np.append(fading(self.planes.bends(self._own_part)), 0.0)[self.face]
+        part = self._of_triangles(fading(self.planes.bends(self._own_part)))
         self._share = np.where(self.face == found, 1.0, part)
         if (self._share < 1).any():
             self.face = np.where(self._share > 0, self.face, NO_FACE)
@@ -173,7 +182,7 @@ class FlatFaces:
     def _fitted(self, noisy: FloatArray) -> PlaneFits:
         return PlaneFits(noisy, self._spacing, self._triangles, self.face, self._share)
 
-    def _even(self, around: IntArray) -> BoolArray:
+    def _even(self) -> BoolArray:
         """Whether no triangle around each one turns away, those beyond creases aside, (m,)."""
         tuned = parameters()
         crease, even = np.cos(tuned.short_fit_angle), np.cos(self._even_angle)
@@ -182,7 +191,7 @@ class FlatFaces:
         normals = np.append(self._normals, np.zeros((1, 3)), axis=0)
 
         def of_chunk(chunk: slice) -> None:
-            for other in around[:, chunk]:
+            for other in self._around[:, chunk]:
                 cosine = dots(normals[chunk], normals[other])
                 is_even[chunk] &= (cosine < crease) | (cosine > even)
 
@@ -214,12 +223,9 @@ class FlatFaces:
         unevenness: FloatArray = np.bincount(face, areas * (1 - cosine), n) / (limit * total)
         return unevenness
 
-    def _of_triangles(self, of_faces: BoolArray) -> BoolArray:
-        """Pass flags (k,) of the faces on to their triangles; False without a face."""
-        return np.append(of_faces, False)[self.face]
-
-    def _drop(self, faces: BoolArray) -> None:
-        self.face = np.where(self._of_triangles(faces), NO_FACE, self.face)
+    def _of_triangles(self, of_faces: FloatArray | BoolArray) -> FloatArray:
+        """Pass values (k,) of the faces on to their triangles; 0 without a face."""
+        return np.append(of_faces, 0.0)[self.face]
 
     def _grow(self) -> bool:
         """Add triangles beside faces to the face from which they turn away least, if they fit."""
