@@ -124,7 +124,7 @@ class Stage:
         # What is made side by side here is made by one thread each.
         self.bank, colours = side_by_side(
             lambda: FilterBank(start, on_solve),
-            lambda: own.colours if own else Colours.of(topology),
+            lambda: None if own else Colours.of(topology),
         )
         self.track = Track(self.bank, start)
         frame = self.frame = self.track.surface

@@ -79,17 +79,12 @@ class OwnNumbers:
     frame : TriangleSurface
     colours : Colours, optional
         Of the vertices, if they are known already.
-
-    Attributes
-    ----------
-    colours : Colours
     """
 
     def __init__(
         self, positions: FloatArray, frame: TriangleSurface, colours: Colours | None = None
     ) -> None:
-        self.colours = colours or Colours.of(frame.topology)
-        numbers, is_unique = self.colours
+        numbers, is_unique = colours or Colours.of(frame.topology)
         self._turns = np.where(is_unique, MOST_TURNS * numbers, _turns_of_lengths(positions, frame))
         # Numbers change their sign with the normals, so that their steps are the same if all faces
         # are reversed.  Where lengths hardly tell neighbours apart, their rises do.
