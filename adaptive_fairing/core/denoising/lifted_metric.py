@@ -41,6 +41,9 @@ TRIANGLES_PER_CHUNK = 8192
 # square of the edges' squared lengths.
 LEAST_DETERMINANT = 1e-8
 
+# And an edge counts as at least so long, squared: a triangle may have collapsed to a point.
+LEAST_SQUARE = 1e-12
+
 
 class LiftedMetric(NamedTuple):
     """Parameters of ĝ.
@@ -76,7 +79,7 @@ class LiftedMetric(NamedTuple):
             squares += fraction / mean**2 * squared_edges(triangles, surface.positions)
         if self.angle is not None:
             squares += squared_edges(triangles, surface.normals) / self.angle**2
-        return squares
+        return np.maximum(squares, LEAST_SQUARE, out=squares)
 
 
 def linear_elements(pattern: EdgePattern, squares: FloatArray) -> tuple[EdgeMatrix, EdgeMatrix]:

@@ -194,11 +194,6 @@ class DenoiseParameters:
     # on shapes with creases.
     most_unlikely: float = 3.0
 
-    # noise/clean_detail: exact twins among triangles.
-    # A model has at least this many times the pairs that chance explains. A real scan with rounded
-    # coordinates had 143 times as many. With this number nothing changes on 200 random models,
-    # clean or noisy.
-    least_over_chance: float = 512.0
     # Contoured voxels have at least this many kinds of vertices for each kind of edges. Models have
     # fewer kinds of vertices than of edges. By hand.
     least_kinds_of_vertices: float = 3.0

@@ -62,6 +62,19 @@ def test_the_area_has_the_gradient_that_the_stiffness_matrix_gives():
     assert np.vdot(move, stiffness @ vertices) == pytest.approx(change / (2 * step), rel=1e-6)
 
 
+def test_triangles_that_have_collapsed_to_a_point_leave_a_mass_in_single_precision():
+    """As rounded coordinates leave them: all triangles around a vertex may have."""
+    vertices, faces = meshes.icosphere(2)
+    around = np.unique(faces[(faces == 20).any(axis=1)])
+    vertices[around] = vertices[20]
+    surface = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
+    squares = LiftedMetric(surface_fraction=1).lengths(surface)
+    for matrix in linear_elements(EdgePattern(surface.topology), squares):
+        single = matrix.in_precision(np.float32)
+        assert (single.diagonal() > 0).all()
+        assert single.is_finite()
+
+
 def test_lengths_from_the_mesh_alone_do_not_see_the_surface():
     vertices, faces = BUMPY
     moved = vertices + np.random.default_rng(0).normal(size=vertices.shape)

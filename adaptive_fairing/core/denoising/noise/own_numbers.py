@@ -62,10 +62,10 @@ class Colours(NamedTuple):
         sizes, ring = topology.ring_size, topology.ring
         is_used = sizes > 0
         first = topology.ring_start[:-1][is_used]
-        colours = _hashed((2 * sizes + topology.on_boundary).astype(np.uint64))
+        colours = hashed((2 * sizes + topology.on_boundary).astype(np.uint64))
         for _ in range(RINGS):
-            around = np.add.reduceat(_hashed(colours)[ring], first)
-            colours[is_used] = _hashed(3 * colours[is_used] + around)
+            around = np.add.reduceat(hashed(colours)[ring], first)
+            colours[is_used] = hashed(3 * colours[is_used] + around)
         _, kind, count = np.unique(colours, return_inverse=True, return_counts=True)
         return cls(colours / 2.0**64, count[kind] == 1)
 
@@ -124,7 +124,7 @@ class OwnNumbers:
         return [self.noise(use) for use in SEVERAL_NOISES[: 1 if is_large else None]]
 
 
-def _hashed(values: NDArray[np.uint64]) -> NDArray[np.uint64]:
+def hashed(values: NDArray[np.uint64]) -> NDArray[np.uint64]:
     """Mix the bits of integers (n,) of 64 bits.
 
     Source: G. Steele, D. Lea, C. Flood, Fast splittable pseudorandom number generators, 2014.

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from support import meshes
 
-from adaptive_fairing.core import DenoiseSettings, denoise
-from adaptive_fairing.core.denoising.noise.clean_detail import repeated_part
+from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
+from adaptive_fairing.core.denoising.noise import clean_detail
 
 
 def single(points):
@@ -40,13 +40,18 @@ def mirrored_bumps():
     )
 
 
+def are_repeated(points, faces):
+    centred = points - points.mean(axis=0)
+    return clean_detail.are_repeated(TriangleTopology(faces, len(points)), single(centred))
+
+
 MODELS = {"cylinder": cylinder, "mirrored": mirrored_bumps}
 
 
 @pytest.mark.parametrize("name", MODELS)
 def test_models_repeat_themselves(name):
     points, faces = MODELS[name]()
-    assert repeated_part(faces, points - points.mean(axis=0)) > 0.7
+    assert are_repeated(points, faces).mean() > 0.7
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -54,7 +59,7 @@ def test_a_scan_with_rounded_depths_is_no_model(seed):
     points, faces = meshes.flat_grid(120, 120)
     depths = 0.05 * np.random.default_rng(seed).normal(size=len(points))
     points[:, 2] = 0.004 * np.round(depths / 0.004)
-    assert repeated_part(faces, single(points - points.mean(axis=0))) == 0
+    assert not are_repeated(points, faces).any()
 
 
 @pytest.mark.parametrize("amplitude", [0.02, 0.05, 0.2])
@@ -63,8 +68,21 @@ def test_noise_never_repeats_itself(amplitude, seed):
     for points, faces in (meshes.flat_grid(60, 60), meshes.icosphere(4), cylinder()):
         edge = np.linalg.norm(points[faces[0, 0]] - points[faces[0, 1]])
         noise = amplitude * edge * np.random.default_rng(seed).normal(size=points.shape)
-        rough = single(points + noise)
-        assert repeated_part(faces, rough - rough.mean(axis=0)) == 0
+        assert not are_repeated(points + noise, faces).any()
+
+
+@pytest.mark.parametrize("step", [0.02, 0.1])
+def test_noise_on_rounded_coordinates_is_noise(step):
+    """As in compressed scans: many triangles have the lengths of others, but not those around."""
+    points, faces = meshes.icosphere(4)
+    edge = np.linalg.norm(points[faces[0, 0]] - points[faces[0, 1]])
+    noise = 0.1 * edge * np.random.default_rng(0).normal(size=(len(points), 1)) * points
+    noisy = step * edge * np.round((points + noise) / (step * edge))
+    assert are_repeated(noisy, faces).mean() < 0.01
+    before, after = (
+        np.std(np.linalg.norm(each, axis=1)) for each in (noisy, denoise(noisy, faces).positions)
+    )
+    assert after < 0.3 * before
 
 
 def test_a_rough_model_comes_back_bit_by_bit_with_one_sentence_why():
