@@ -16,6 +16,7 @@ from .noise.clean_detail import CleanDetail
 from .noise.level import scan_level, variance_law
 from .noise.noisy_surface import NoisySurface
 from .noise.spikes import is_impulsive
+from .noise.unevenness import unevenness
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
@@ -33,12 +34,15 @@ class NoiseFound(NamedTuple):
         Level from the roughness alone; 0 where it was not judged.
     notes : tuple of str
         Reason why there is nothing to do, if so.
+    unevenness : (n,), optional
+        Factor in `level` of noise that is stronger in one place than in another.
     """
 
     level: FloatArray
     impulsive: BoolArray
     roughness: FloatArray
     notes: tuple[str, ...] = ()
+    unevenness: FloatArray | None = None
 
 
 class MeshParts:
@@ -135,7 +139,9 @@ class MeshParts:
         if impulsive.any() or noise.any():
             if n_counted < tuned.fewest_to_tell and keeps_clean:
                 return NoiseFound(0 * noise, np.zeros_like(impulsive), level, (self.too_few(),))
-            return NoiseFound(noise, impulsive, level)
+            uneven = unevenness(surface, noise, self.is_counted)
+            noise = noise if uneven is None else noise * uneven
+            return NoiseFound(noise, impulsive, level, unevenness=uneven)
         note = self.why_nothing(level, models)
         return NoiseFound(noise, impulsive, level, (note,))
 

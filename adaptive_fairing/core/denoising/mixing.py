@@ -113,9 +113,16 @@ def mixed_surfaces(
         notes, other_readings = verdict.notes, verdict.other_readings
         plan = DenoisePlan.idle(level, impulsive, verdict.reach)
         if level.any():
-            noise = verdict.whole(level)
-            sliding = Sliding(stage.track.start, stage.frame, noise, boundary_moves)
-            plan, clusters = _planned(before, verdict, noise, sliding, settings, progress)
+            for number, reading in enumerate(verdict.readings()):
+                if number:
+                    stage.track = Track(stage.bank, stage.track.start)
+                noise = reading.whole(reading.level)
+                sliding = Sliding(stage.track.start, stage.frame, noise, boundary_moves)
+                plan, is_noise, clusters = _planned(
+                    before, reading, noise, sliding, settings, progress
+                )
+                if is_noise.all():
+                    break
             if plan.is_idle:
                 notes, other_readings = (UNLIKE_NOISE,), ("denoise",)
             elif clusters:
@@ -163,11 +170,11 @@ def _planned(
     sliding: Sliding,
     settings: DenoiseSettings,
     progress: ProgressReport,
-) -> tuple[DenoisePlan, bool]:
+) -> tuple[DenoisePlan, BoolArray, bool]:
     """Filter in all rounds, and choose the coefficients of the filters after each.
 
     What is removed from the surface before, spikes included, must look like noise.  Tells also
-    whether some of it lies in clusters, as detail does.
+    in which parts it does, (p,), and whether some of it lies in clusters, as detail does.
     """
     tuned, stage, correlation = parameters(), verdict.stage, verdict.correlation
     track, frame, parts = stage.track, stage.frame, stage.parts
@@ -229,7 +236,7 @@ def _planned(
     mixtures = [each.spread(usable) for each in mixtures]
     # Smooth noise had to look like noise in every band before it was told; or the user has told it.
     is_told = settings.clean == "denoise" or settings.width != "auto" or correlation.passes
-    impulsive, clusters = verdict.impulsive, False
+    impulsive, is_noise, clusters = verdict.impulsive, np.ones(len(parts.counts()), bool), False
     if not is_told:
         after = sliding.limited(track.mixed(as_it_is.spread(usable)))
         is_noise, clusters = _look_like_noise(before, after, verdict, settings.clean)
@@ -251,7 +258,7 @@ def _planned(
         typical,
         correlation,
     )
-    return plan, clusters
+    return plan, is_noise, clusters
 
 
 def _look_like_noise(
@@ -271,7 +278,9 @@ def _look_like_noise(
     # Many spikes leave many neighbours that stand out.
     share = parts.sums(stage.spikes) / np.maximum(parts.counts(), 1)
     excess = found - np.mean(of_noise, axis=0) - share
-    is_noise = excess <= (tuned.clustered_detail if clean == "detail" else tuned.most_clustered)
+    # Uneven noise could explain clusters, so only noise without any is taken for uneven.
+    is_strict = clean == "detail" or verdict.unevenness is not None
+    is_noise = excess <= (tuned.clustered_detail if is_strict else tuned.most_clustered)
     # Where nothing goes, nothing is alike.
     clusters = is_noise & (found > 0) & (excess > tuned.clustered_detail)
     return is_noise, bool(clusters.any())

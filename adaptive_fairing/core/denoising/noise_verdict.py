@@ -52,6 +52,8 @@ class NoiseVerdict:
         See `DenoiseResult`.
     spiky : (n,), optional
         Random noise with spikes like those that were put back: heights in local edge lengths.
+    unevenness : (n,), optional
+        Factor in `level` and `reach` of noise that is stronger in one place than in another.
     """
 
     stage: Stage
@@ -62,6 +64,14 @@ class NoiseVerdict:
     notes: tuple[str, ...]
     other_readings: tuple[str, ...] = ()
     spiky: FloatArray | None = None
+    unevenness: FloatArray | None = None
+
+    def readings(self) -> tuple[NoiseVerdict, ...]:
+        """Return this verdict and, if the noise is uneven, that for even noise."""
+        if self.unevenness is None:
+            return (self,)
+        level, reach = (each / self.unevenness for each in (self.level, self.reach))
+        return self, replace(self, level=level, reach=reach, unevenness=None)
 
     @cached_property
     def correlation(self) -> NoiseCorrelation:
@@ -133,7 +143,9 @@ def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> Noise
     was_kept = bool(found.notes) and keeps_clean
     others = ("denoise",) if was_kept and found.roughness.any() else ()
     level, impulsive = found.level, found.impulsive
-    verdict = NoiseVerdict(stage, level, None, impulsive, level, found.notes, others)
+    verdict = NoiseVerdict(
+        stage, level, None, impulsive, level, found.notes, others, unevenness=found.unevenness
+    )
     # White noise that is stronger hides the smooth kind.
     if np.median(found.roughness[counted]) < parameters().least_roughness:
         return _with_smooth_noise(verdict, clean)
@@ -182,7 +194,10 @@ def _without_spikes(
     left = np.where(impulsive & parts.is_counted, more, 0)
     level = np.sqrt(np.square(after.level) + left)
     reach = np.maximum(level, reach)
-    return NoiseVerdict(calm, level, None, impulsive, reach, (IMPULSIVE,), spiky=noise)
+    uneven = after.unevenness
+    return NoiseVerdict(
+        calm, level, None, impulsive, reach, (IMPULSIVE,), spiky=noise, unevenness=uneven
+    )
 
 
 def _with_smooth_noise(verdict: NoiseVerdict, clean: str) -> NoiseVerdict:
@@ -201,6 +216,7 @@ def _with_smooth_noise(verdict: NoiseVerdict, clean: str) -> NoiseVerdict:
                 level=level,
                 reach=level,
                 smooth=smooth.correlation,
+                unevenness=None,
                 notes=(SMOOTH_REMOVED.format(smooth.level),),
                 other_readings=("detail",) if clean == "keep" else (),
             )

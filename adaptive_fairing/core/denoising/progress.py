@@ -60,8 +60,11 @@ class ProgressReport:
         self._now = DenoiseProgress()
 
     def begin(self, phase: str, number: int = 0) -> None:
-        """Enter a phase, and a round of the filters."""
-        self._now = self._news[phase, number]
+        """Enter a phase, and a round of the filters; what is done again does not go back."""
+        news = self._news[phase, number]
+        done = max(news.fraction_done, self._now.fraction_done)
+        at_end = max(news.fraction_at_end, done)
+        self._now = news._replace(fraction_done=done, fraction_at_end=at_end)
         self.again()
 
     def again(self) -> None:
