@@ -18,8 +18,9 @@ from .contrast import Contrast
 from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
 
-# Averages over the neighbours: about three hundred vertices tell the noise around each.
-PASSES = 40
+# Averages over the neighbours, with a look in between: what is even then is even after all of them.
+# About three hundred vertices tell the noise around each.
+PASSES = 10, 30
 
 # Least and largest part of the contrasts that is below what the noise would leave half of.
 LEAST_BELOW, MOST_BELOW = 0.1, 0.98
@@ -52,14 +53,15 @@ def unevenness(
     if np.median(level[judged]) <= tuned.coarse_noise:
         kinds.append(surface.hinges)
     counts = np.concatenate([_counts(each, level, judged) for each in kinds], axis=1)
-    for _ in range(PASSES):
-        counts = surface.frame.mean @ counts
-    below, total = counts[judged, ::2], np.maximum(counts[judged, 1::2], np.finfo(float).tiny)
-    part = np.clip(below / total, LEAST_BELOW, MOST_BELOW)
-    changes = np.log(NORMAL_MEDIAN / ndtri((1 + part) / 2)).min(axis=1)
-    spread = float(np.var(changes))
-    if spread <= tuned.even_spread:
-        return None
+    for passes in PASSES:
+        for _ in range(passes):
+            counts = surface.frame.mean @ counts
+        below, total = counts[judged, ::2], counts[judged, 1::2]
+        part = np.clip(below / np.maximum(total, np.finfo(float).tiny), LEAST_BELOW, MOST_BELOW)
+        changes = np.log(NORMAL_MEDIAN / ndtri((1 + part) / 2)).min(axis=1)
+        spread = float(np.var(changes))
+        if spread <= tuned.even_spread:
+            return None
     changes *= 1 - (tuned.even_spread / spread) ** 2
     above_detail = np.log(level[judged] / tuned.least_roughness) + changes
     changes = np.minimum(changes, np.maximum(above_detail, 0))
