@@ -69,7 +69,7 @@ IN_LOCAL_EDGES: Mapping[str, Heights] = {
 }
 """Along the normals, in proportion to the local edge length."""
 
-KINDS = ("uniform", "isotropic", *IN_LOCAL_EDGES)
+KINDS = ("uniform", "isotropic", "growing", *IN_LOCAL_EDGES)
 """All that move vertices."""
 
 
@@ -84,7 +84,8 @@ def add_noise(
         The clean mesh, (n, 3) and (m, 3).
     kind
         "uniform": along the normals with one amplitude everywhere, as most of the literature has
-        it. "isotropic": in all directions, in proportion to the local edges. Others along the
+        it. "isotropic": in all directions, in proportion to the local edges. "growing": from none
+        at one end of the first axis to √3 times the amplitude at the other. Others along the
         normals and in proportion to the local edges, see `IN_LOCAL_EDGES`.
     amplitude
         Root mean square height over the local edge length, for "uniform" over its mean;
@@ -96,7 +97,10 @@ def add_noise(
     edges = local_edge_lengths(vertices, faces)
     if kind == "isotropic":
         return vertices + amplitude * edges[:, None] * generator.normal(size=vertices.shape)
-    if kind == "uniform":
+    if kind == "growing":
+        place = np.argsort(np.argsort(vertices[:, 0], kind="stable")) / len(vertices)
+        heights = np.sqrt(3) * place * edges * gaussian(generator, faces, len(vertices))
+    elif kind == "uniform":
         heights = edges.mean() * gaussian(generator, faces, len(vertices))
     else:
         heights = edges * IN_LOCAL_EDGES[kind](generator, faces, len(vertices))

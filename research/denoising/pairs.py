@@ -30,6 +30,7 @@ AMPLITUDES = {
     "normal": (0.05, 0.1, 0.2, 0.4),
     "uniform": (0.1, 0.2, 0.3, 0.5, 0.7),
     "isotropic": (0.2,),
+    "growing": (0.23,),
     "impulsive": (0.3,),
     "heavy-tailed": (0.3,),
     "correlated-2": (0.2,),

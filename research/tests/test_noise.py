@@ -47,6 +47,15 @@ def test_uniform_noise_is_as_strong_in_lengths_everywhere(ball):
         assert np.sqrt(np.mean(np.square(lengths[part]))) == pytest.approx(expected, rel=0.08)
 
 
+def test_growing_noise_is_as_strong_as_it_says_and_grows_along_an_axis(ball):
+    found = np.square(heights(ball, "growing"))[np.argsort(ball[0][:, 0])] / AMPLITUDE**2
+    ends = np.array_split(found, 4)
+    assert found.mean() == pytest.approx(1, rel=0.16)
+    # A quarter has the mean of 3 q² over its places q.
+    assert ends[0].mean() == pytest.approx(1 / 16, rel=0.32)
+    assert ends[3].mean() == pytest.approx(37 / 16, rel=0.32)
+
+
 def test_only_isotropic_noise_moves_sideways(ball):
     vertices, faces = ball
     edges = local_edge_lengths(vertices, faces)
