@@ -1,9 +1,9 @@
 """Detail of clean meshes that is as rough as noise in every contrast.
 
 Modelled meshes are full of repetition: rings, mirrored halves, arrays, subdivided flat faces.
-Around their triangles others have the same lengths as around some other triangle, to the digits of
-single precision.  With noise a triangle may have the lengths of another by chance, if coordinates
-are rounded; the nine around it have not.
+A triangle and the nine around it then have the same lengths as another ten, to the digits of single
+precision.  In a noisy mesh a triangle may have the lengths of another by chance, as coordinates
+are rounded.  The nine around it do not.
 
 Contours of whole voxels repeat themselves too, but their flat steps are noise and not shape.  Like
 those of a model, their triangles have few kinds of edges.  But their vertices deviate in many more
