@@ -151,7 +151,7 @@ def are_folded(topology: TriangleTopology, positions: FloatArray) -> BoolArray:
     normals = triangle_normals(positions, topology.triangles)
     # Without a triangle across, twin is -1: the last row, which is zero.
     beyond = np.append(normals, np.zeros((1, 3)), axis=0)
-    across = np.where(topology.twin >= 0, topology.twin // 3, -1).reshape(-1, 3)
+    across = (topology.twin // 3).reshape(-1, 3)
     around = beyond[across[:, 0]] + beyond[across[:, 1]] + beyond[across[:, 2]]
     folded: BoolArray = dots(normals, around) < 0
     return folded

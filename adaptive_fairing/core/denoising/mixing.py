@@ -18,6 +18,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import compress, repeat
 from threading import Lock
+from typing import NamedTuple
 
 import numpy as np
 
@@ -105,7 +106,6 @@ def mixed_surfaces(
     before = stage.track.start
     notes: tuple[str, ...] = ()
     other_readings: tuple[str, ...] = ()
-    boundary_moves = settings.boundary == "free"
     sliding: Sliding | None = None
     if plan is None:
         verdict = noise_verdict(stage, settings.clean, width)
@@ -113,19 +113,11 @@ def mixed_surfaces(
         notes, other_readings = verdict.notes, verdict.other_readings
         plan = DenoisePlan.idle(level, impulsive, verdict.reach)
         if level.any():
-            for number, reading in enumerate(verdict.readings()):
-                if number:
-                    stage.track = Track(stage.bank, stage.track.start)
-                noise = reading.whole(reading.level)
-                sliding = Sliding(stage.track.start, stage.frame, noise, boundary_moves)
-                plan, is_noise, clusters = _planned(
-                    before, reading, noise, sliding, settings, progress
-                )
-                if is_noise.all():
-                    break
+            planned = _of_likely_reading(before, verdict, settings, progress)
+            plan, sliding = planned.plan, planned.sliding
             if plan.is_idle:
                 notes, other_readings = (UNLIKE_NOISE,), ("denoise",)
-            elif clusters:
+            elif planned.clusters:
                 notes, other_readings = (*notes, LIKE_DETAIL), ("detail",)
     else:
         impulsive = plan.impulsive
@@ -147,7 +139,7 @@ def mixed_surfaces(
         results = [without_folds(start.positions)] * len(STRENGTHS)
     else:
         progress.begin("mix")
-        limits = sliding or Sliding(start, stage.frame, plan.noise, boundary_moves)
+        limits = sliding or _sliding(stage, plan.noise, settings)
 
         def at_strength(number: int) -> FloatArray:
             mixed = stage.track.mixed(plan.mixtures[number])
@@ -163,20 +155,56 @@ def mixed_surfaces(
     return MixedSurfaces(results, plan, solves.report(), notes, other_readings)
 
 
+class _Planned(NamedTuple):
+    """A plan, and what it would remove from the surface before, spikes included.
+
+    Attributes
+    ----------
+    plan : DenoisePlan
+    sliding : Sliding
+    is_noise : (p,) bool
+        In which parts that looks like noise.
+    clusters : bool
+        Whether some of it lies in clusters, as detail does.
+    """
+
+    plan: DenoisePlan
+    sliding: Sliding
+    is_noise: BoolArray
+    clusters: bool
+
+
+def _of_likely_reading(
+    before: TriangleSurface,
+    verdict: NoiseVerdict,
+    settings: DenoiseSettings,
+    progress: ProgressReport,
+) -> _Planned:
+    """Plan for the first reading of a verdict that removes what looks like noise, or the last."""
+    stage, (first, *others) = verdict.stage, verdict.readings()
+    planned = _planned(before, first, settings, progress)
+    for reading in others:
+        if planned.is_noise.all():
+            break
+        stage.track = Track(stage.bank, stage.track.start)
+        planned = _planned(before, reading, settings, progress)
+    return planned
+
+
+def _sliding(stage: Stage, noise: FloatArray, settings: DenoiseSettings) -> Sliding:
+    return Sliding(stage.track.start, stage.frame, noise, settings.boundary == "free")
+
+
 def _planned(
     before: TriangleSurface,
     verdict: NoiseVerdict,
-    noise: FloatArray,
-    sliding: Sliding,
     settings: DenoiseSettings,
     progress: ProgressReport,
-) -> tuple[DenoisePlan, BoolArray, bool]:
-    """Filter in all rounds, and choose the coefficients of the filters after each.
-
-    What is removed from the surface before, spikes included, must look like noise.  Tells also
-    in which parts it does, (p,), and whether some of it lies in clusters, as detail does.
-    """
+) -> _Planned:
+    """Filter in all rounds, and choose the coefficients of the filters after each."""
     tuned, stage, correlation = parameters(), verdict.stage, verdict.correlation
+    noise = verdict.whole(verdict.level)
+    sliding = _sliding(stage, noise, settings)
     track, frame, parts = stage.track, stage.frame, stage.parts
     seen = verdict.level
     typical = float(np.median(noise[noise > 0]))
@@ -258,7 +286,7 @@ def _planned(
         typical,
         correlation,
     )
-    return plan, is_noise, clusters
+    return _Planned(plan, sliding, is_noise, clusters)
 
 
 def _look_like_noise(

@@ -194,6 +194,7 @@ class DenoiseParameters:
     # on shapes with creases.
     most_unlikely: float = 3.0
 
+    # noise/clean_detail: contours of voxels.
     # Contoured voxels have at least this many kinds of vertices for each kind of edges. Models have
     # fewer kinds of vertices than of edges. By hand.
     least_kinds_of_vertices: float = 3.0

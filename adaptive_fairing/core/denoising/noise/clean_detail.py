@@ -13,6 +13,7 @@ ways than there are edges.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import sparse
 
 from ...mesh.normals import dots
@@ -38,9 +39,6 @@ COARSE = 1e-3
 # Contoured voxels have at most so many kinds of edges; marching cubes have 27. Only a limit of the
 # time: with three and ten times as many every verdict on 447 clean meshes was the same.
 MOST_KINDS_OF_EDGES = 100
-
-# Odd numbers without any relation to each other.
-LABEL_FACTORS = np.random.default_rng(0).integers(1 << 61, 1 << 62, 3) | 1
 
 # Any other mesh has too many kinds of edges in so few triangles: to count them all takes long.
 FIRST_TRIANGLES = 512
@@ -70,17 +68,15 @@ class CleanDetail:
 
     def copies(self, is_counted: BoolArray) -> str:
         """Text on the exact copies among the triangles at vertices, (n,) bool; "" without any."""
-        at = is_counted[self._surface.topology.triangles].any(axis=1)
-        part = float(np.mean(self._are_repeated[at]))
+        part = float(np.mean(self._are_repeated[self._are_at(is_counted)]))
         if part < LEAST_REPEATED:
             return ""
         return f"{100 * part:.0f} % of its triangles are exact copies of others"
 
     def is_contour(self, is_counted: BoolArray) -> bool:
         """Whether the triangles at vertices, (n,) bool, are the contour of whole voxels."""
-        triangles = self._surface.topology.triangles
-        used = triangles[is_counted[triangles].any(axis=1)]
-        return is_voxel_contour(used, self._surface.positions)
+        triangles = self._surface.topology.triangles[self._are_at(is_counted)]
+        return is_voxel_contour(triangles, self._surface.positions)
 
     def bends(self, is_counted: BoolArray) -> str:
         """Text on signs that vertices, (n,) bool, belong to a bent low-poly model; "" without any.
@@ -92,6 +88,11 @@ class CleanDetail:
             return self._of_whole
         _, kept = self._surface.fading.of_mesh(is_counted)
         return self._said_of(is_counted) if kept > tuned.least_kept else ""
+
+    def _are_at(self, is_counted: BoolArray) -> BoolArray:
+        """Whether each triangle has one of some vertices, (n,) bool."""
+        at: BoolArray = is_counted[self._surface.topology.triangles].any(axis=1)
+        return at
 
     @cached_property
     def _are_repeated(self) -> BoolArray:
@@ -150,8 +151,9 @@ def are_repeated(topology: TriangleTopology, positions: FloatArray) -> BoolArray
     corners = positions[topology.triangles]
     lengths = np.sort(np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2), axis=1)
     tolerance = TOLERANCE * float(np.abs(corners).max(initial=np.finfo(float).tiny))
-    labels = _labels(np.round(lengths / tolerance).astype(np.int64)).astype(np.uint64)
-    across = np.where(topology.twin >= 0, topology.twin // 3, -1).reshape(-1, 3)
+    labels = _labels(np.round(lengths / tolerance).astype(np.int64))
+    # Without a triangle across, twin is -1: the last row.
+    across = (topology.twin // 3).reshape(-1, 3)
     for _ in range(AROUND):
         of_others = np.append(hashed(labels), np.uint64(0))[across].sum(axis=1)
         labels = hashed(3 * labels + of_others)
@@ -187,10 +189,12 @@ def _n_kinds(vectors: FloatArray) -> int:
     return len(np.unique(_labels(rounded * sign[:, None])))
 
 
-def _labels(rows: LongArray) -> LongArray:
+def _labels(rows: LongArray) -> NDArray[np.uint64]:
     """Give equal rows of (m, 3) one number and others different ones: one number sorts faster.
 
     That two of a million rows get the same one by chance has a probability of 1e-7.
     """
-    labels: LongArray = (rows * LABEL_FACTORS).sum(axis=1)  # modulo 2⁶⁴
+    labels = np.zeros(len(rows), np.uint64)
+    for column in rows.T:
+        labels = hashed(labels + column.astype(np.uint64))
     return labels
