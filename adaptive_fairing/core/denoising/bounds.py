@@ -64,7 +64,7 @@ class Sliding:
         moves = boundary_moves and start.topology.on_boundary.any()
         self._curves = BoundaryCurves(start, noise) if moves else None
         normals = start.normals
-        for _ in range(tuned.normal_passes):
+        for _ in range(tuned.averaging_passes):
             normals = unit_vectors(frame.spread(normals, 1))
         first, second, third = self._triangles.T
         self._upwards = unit_vectors(normals[first] + normals[second] + normals[third])

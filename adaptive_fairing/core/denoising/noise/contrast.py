@@ -32,9 +32,6 @@ from ..triangle_surface import TriangleSurface
 # Orders of the differences whose fading is judged.
 LOW, HIGH = 2, 5
 
-# Number of coefficients of the neighbours' mean that are tried; the first is 0, for white noise.
-N_TRIED = 8
-
 VERTICES_PER_CHUNK, EDGES_PER_CHUNK = 8192, 16384
 
 
@@ -282,29 +279,19 @@ class Fading:
         return _compared(self._of_mesh, self._of_noises, is_counted)
 
     def correlation(self, is_counted: BoolArray) -> NoiseCorrelation:
-        """Find the correlation of noise that fades like the roughness of the mesh.
+        """Return the correlation of noise that fades like the roughness of the mesh.
 
-        From vertices, (n,) bool, at least one.
+        From vertices, (n,) bool, at least one.  Noise that fades is that of staircases.
         """
         tuned = parameters()
-        rough, kept = self.of_mesh(is_counted)
+        rough, _ = self.of_mesh(is_counted)
         if rough < tuned.least_roughness or not self.fades(is_counted):
             return WHITE
-        coefficients = np.linspace(0, tuned.most_correlation, N_TRIED)
-        white = self._noises[0]
-        rows = [(1.0, 1.0, np.std(white[is_counted]))]
-        for coefficient in coefficients[1:]:
-            noise = NoiseCorrelation(coefficient).applied(white, self._frame)
-            differences = _differences(self._frame.raised(noise), self._frame)
-            compared = _compared(differences, self._of_noises[:1], is_counted)
-            rows.append((*compared, np.std(noise[is_counted])))
-        seen, kept_of_noise, deviation = np.array(rows).T
-        found = float(np.interp(-kept, -np.minimum.accumulate(kept_of_noise), coefficients))
-        return NoiseCorrelation(
-            found,
-            float(np.interp(found, coefficients, seen)),
-            float(np.interp(found, coefficients, deviation)),
-        )
+        correlation = NoiseCorrelation(tuned.correlation_of_staircases)
+        noise = correlation.applied(self._noises[0], self._frame)
+        differences = _differences(self._frame.raised(noise), self._frame)
+        seen, _ = _compared(differences, self._of_noises[:1], is_counted)
+        return correlation._replace(seen=seen, deviation=float(np.std(noise[is_counted])))
 
     # Not needed for a mesh that is clean at first sight.
     @cached_property

@@ -22,8 +22,8 @@ told (`noise_of_width`).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from functools import cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -51,6 +51,9 @@ WEIGHTS = np.array([0.5, 1.0, 1.0, 0.0])
 PARTS_OF_PASSES = (1.0, 0.75, 0.56, 0.42)
 # Weight of the narrowest band in that fit: finer noise and rounded depths show there as well.
 WEIGHT_OF_NARROWEST = 0.25
+
+# Parts of a band's variance that are tried as that of the noise.
+N_PARTS = 200
 
 # Weaker bands are rounding. They count as so strong, since logarithms and quotients are taken.
 LEAST_STRENGTH = 1e-12
@@ -238,10 +241,10 @@ def noise_of_width(
     roughly, and noise that is narrower than assumed seems much stronger than it is.  So the noise
     is as wide as fits best, from 0.65 of the given width on, or white.
 
-    The contrasts that see it best are differences between averages that are narrower than it, and
-    heights over flat faces.  Each is an upper bound of the level, as always (`noise.contrast`):
-    shape and finer noise only add to it.  The least of them is the level: whether it is noise is
-    not questioned.
+    The contrasts that see it best are heights over flat faces, and differences between averages
+    that are narrower than it or as wide.  Shape adds to these.  So much of them is noise as is
+    likely for noise and shape of usual sizes.  The lesser of both is the level: whether it is noise
+    is not questioned.
 
     Parameters
     ----------
@@ -256,7 +259,7 @@ def noise_of_width(
     passes = _likeliest_passes(noisy, is_counted, passes_of_width(width))
     white = noisy.own.noise(WHITE_NOISE)
     noise, correlation = averaged_noise(white, passes, noisy.frame, is_counted)
-    level = _least_level(noisy, noise / correlation.deviation, is_counted, passes)
+    level = _likely_level(noisy, noise / correlation.deviation, is_counted, passes)
     if on_faces is not None:
         level = min(level, on_faces.level)
     return level, correlation
@@ -277,41 +280,61 @@ def _likeliest_passes(noisy: NoisySurface, is_counted: BoolArray, most: int) -> 
     weights[0] = WEIGHT_OF_NARROWEST
     found = quiet_strengths(noisy.positions, frame, bands, is_counted)
 
-    @cache  # of a small width some are tried twice
     def ratios(passes: int) -> FloatArray:
         noise, _ = averaged_noise(white, passes, frame, is_counted)
         return np.log(found / quiet_strengths(frame.raised(noise), frame, bands, is_counted))
 
-    tried = (*(round(part * most) for part in PARTS_OF_PASSES), 0)
-    _, (*misfits, of_white) = _levels_and_misfits(np.stack(list(map(ratios, tried))), weights)
+    tried = sorted({round(part * most) for part in PARTS_OF_PASSES})
+    rows = np.stack([ratios(passes) for passes in (0, *tried)])
+    _, (of_white, *misfits) = _levels_and_misfits(rows, weights)
     if of_white < min(misfits):
         return 0
-    middle = int(np.clip(np.argmin(misfits), 1, len(misfits) - 2))
-    near, logarithms = slice(middle - 1, middle + 2), np.log(PARTS_OF_PASSES)
+    if len(tried) < 3:
+        return tried[int(np.argmin(misfits))]
+    middle = int(np.clip(np.argmin(misfits), 1, len(tried) - 2))
+    near, logarithms = slice(middle - 1, middle + 2), np.log(tried)
     square, slope, _ = np.polyfit(logarithms[near], misfits[near], 2)
     if square <= 0:
         return most
-    best = np.clip(-slope / (2 * square), logarithms[-1], 0)
-    return round(most * float(np.exp(best)))
+    best = float(np.exp(np.clip(-slope / (2 * square), logarithms[0], logarithms[-1])))
+    # With two passes noise seems far weaker than with three: rather one too many.
+    return max(round(best), min(math.ceil(best), 3))
 
 
-def _least_level(noisy: NoisySurface, noise: FloatArray, counted: BoolArray, passes: int) -> float:
-    """Least standard deviation that a band narrower than a noise and one as wide allow for it.
+def _likely_level(
+    noisy: NoisySurface, noise: FloatArray, is_counted: BoolArray, passes: int
+) -> float:
+    """Mean of the levels that are likely for a noise, from two bands that have shape as well.
 
-    The noise (n,) is given with a standard deviation of 1.
+    One band is narrower than the noise, one as wide.  The variance of both is that of the noise and
+    of the shape.  The noise, the shape, and its growth from band to band have usual sizes, from
+    which they differ by a factor of e or so.
+
+    The noise (n,) is given with a standard deviation of 1, averaged by a number of passes.
     """
     tuned, frame, typical = parameters(), noisy.frame, max(passes, 1)
-    bounds = (passes // 4, max(1, passes // 2)), (typical, 2 * typical)
+    bands = (passes // 4, max(1, passes // 2)), (typical, 2 * typical)
     found, expected = (
-        quiet_strengths(positions, frame, bounds, counted)
+        quiet_strengths(positions, frame, bands, is_counted)
         for positions in (noisy.positions, frame.raised(noise))
     )
-    narrow, wide = np.where(found > LEAST_STRENGTH, found, 0) / expected
-    # Both bands have all of the noise, and the narrow one this part of what the wide has of shape.
-    of_shape = tuned.narrow_of_shape**2
-    variance = (narrow**2 - of_shape * wide**2) / (1 - of_shape)
-    # Some of it may always be noise, the less the more there is of shape.
-    return float(np.sqrt((variance + np.hypot(variance, of_shape * narrow**2)) / 2))
+    if found.min() <= LEAST_STRENGTH:
+        return 0.0
+    sizes = found / expected
+    # Finer noise adds to the narrow band alone.
+    sizes[1] = sizes.max()
+    part = (np.arange(N_PARTS) + 0.5) / N_PARTS
+    level = sizes[0] * np.sqrt(part)
+    narrow, wide = np.sqrt(np.square(sizes)[:, None] - np.square(level))
+    # Shape goes with the squared width of a band, which is that of its passes, and with the length
+    # of the edges: n vertices over the same shape make them as long as 1 / √n.
+    usual_shape = tuned.usual_bend * typical / np.sqrt(np.count_nonzero(is_counted))
+    usual_growth = bands[1][1] / bands[0][1] * expected[0] / expected[1]
+    factors = level / tuned.usual_noise, narrow / usual_shape, wide / narrow / usual_growth
+    unlikely = sum(np.square(np.log(each)) for each in factors)
+    # Equal steps of the variance are no equal steps of the logarithms.
+    odds = np.exp(-unlikely / 2) / (part * np.square(narrow * wide))
+    return float(np.average(level, weights=odds))
 
 
 def _of_white_noise(white: FloatArray, frame: TriangleSurface, is_counted: BoolArray) -> FloatArray:

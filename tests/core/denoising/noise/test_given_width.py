@@ -46,6 +46,16 @@ def test_the_level_is_that_of_the_noise(shape, width):
         assert found(surface, points, width) == pytest.approx(level, rel=0.35)
 
 
+@pytest.mark.parametrize(("depth", "waves"), [(0.1, 6), (0.2, 5)])
+def test_weak_noise_is_not_lost_under_the_bends_of_the_shape(depth, waves):
+    """Both bands have more of the shape than of the noise."""
+    vertices, faces = meshes.icosphere(5)
+    x, y, z = (waves * vertices).T
+    lumps = 1 + depth * np.sin(x) * np.sin(y + 1) * np.cos(z)
+    surface = surface_of(lumps[:, None] * vertices, faces)
+    assert found(surface, with_noise(surface, 4, 0.1), 4) == pytest.approx(0.1, rel=0.35)
+
+
 @pytest.mark.parametrize("edges", [4, 5, 8])
 def test_detail_on_most_of_a_surface_is_no_noise(edges):
     """The level is read where the surface is quiet: two thirds of it have waves of some edges."""

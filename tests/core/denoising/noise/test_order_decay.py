@@ -50,9 +50,7 @@ def test_a_known_correlation_is_found(shape, coefficient):
     vertices, faces = SHAPES[shape]
     points, _ = noisy(vertices, faces, coefficient, 0.4)
     correlation = found(points, vertices, faces)
-    # Both noises are drawn, so what higher orders keep is uncertain by √2 / √n = 0.02 here, and the
-    # coefficient by about twice that.
-    assert correlation.coefficient == pytest.approx(coefficient, abs=0.08)
+    assert correlation.coefficient == pytest.approx(coefficient, abs=0.04)
     white = np.random.default_rng(9).normal(size=len(vertices))
     frame = frame_of(vertices, faces)
     like_it, as_found = (
@@ -67,7 +65,8 @@ def test_a_known_correlation_is_found(shape, coefficient):
 def test_more_fading_than_that_of_staircases_is_that_of_the_shape():
     vertices, faces = SHAPES["sphere"]
     points, _ = noisy(vertices, faces, 0.7, 0.6)
-    assert found(points, vertices, faces).coefficient == PARAMETERS.most_correlation
+    correlation = found(points, vertices, faces)
+    assert correlation.coefficient == PARAMETERS.correlation_of_staircases
 
 
 def test_correlation_keeps_a_constant():
