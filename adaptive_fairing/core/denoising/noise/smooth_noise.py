@@ -331,9 +331,9 @@ def _likely_level(
     usual_shape = tuned.usual_bend * typical / np.sqrt(np.count_nonzero(is_counted))
     usual_growth = bands[1][1] / bands[0][1] * expected[0] / expected[1]
     factors = level / tuned.usual_noise, narrow / usual_shape, wide / narrow / usual_growth
-    unlikely = sum(np.square(np.log(each)) for each in factors)
+    unlikely = np.square(np.log(factors)).sum(axis=0)
     # Equal steps of the variance are no equal steps of the logarithms.
-    odds = np.exp(-unlikely / 2) / (part * np.square(narrow * wide))
+    odds = np.exp((unlikely.min() - unlikely) / 2) / (part * np.square(narrow * wide))
     return float(np.average(level, weights=odds))
 
 
