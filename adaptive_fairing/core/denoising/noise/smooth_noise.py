@@ -284,19 +284,18 @@ def _likeliest_passes(noisy: NoisySurface, is_counted: BoolArray, most: int) -> 
         noise, _ = averaged_noise(white, passes, frame, is_counted)
         return np.log(found / quiet_strengths(frame.raised(noise), frame, bands, is_counted))
 
-    tried = sorted({round(part * most) for part in PARTS_OF_PASSES})
-    rows = np.stack([ratios(passes) for passes in (0, *tried)])
-    _, (of_white, *misfits) = _levels_and_misfits(rows, weights)
-    if of_white < min(misfits):
-        return 0
-    if len(tried) < 3:
-        return tried[int(np.argmin(misfits))]
-    middle = int(np.clip(np.argmin(misfits), 1, len(tried) - 2))
-    near, logarithms = slice(middle - 1, middle + 2), np.log(tried)
-    square, slope, _ = np.polyfit(logarithms[near], misfits[near], 2)
+    tried = np.unique([0, *(round(part * most) for part in PARTS_OF_PASSES)])
+    _, misfits = _levels_and_misfits(np.stack([ratios(passes) for passes in tried]), weights)
+    likeliest = int(np.argmin(misfits))
+    if likeliest == 0 or len(tried) < 4:
+        return int(tried[likeliest])
+    # A parabola through three numbers besides that of white noise refines it.
+    middle = min(max(likeliest, 2), len(tried) - 2)
+    near = slice(middle - 1, middle + 2)
+    square, slope, _ = np.polyfit(np.log(tried[near]), misfits[near], 2)
     if square <= 0:
         return most
-    best = float(np.exp(np.clip(-slope / (2 * square), logarithms[0], logarithms[-1])))
+    best = float(np.exp(np.clip(-slope / (2 * square), *np.log(tried[[1, -1]]))))
     # With two passes noise seems far weaker than with three: rather one too many.
     return max(round(best), min(math.ceil(best), 3))
 
