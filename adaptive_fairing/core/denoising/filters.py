@@ -288,7 +288,7 @@ class FilterBank:
         self, noisy: TriangleSurface, surface: TriangleSurface, correlation: NoiseCorrelation
     ) -> FlatFaces:
         """Find the flat faces of a surface, and their planes, in spite of smooth noise."""
-        return FlatFaces(surface, noisy.positions, self._around, self._noise, correlation)
+        return FlatFaces(surface, noisy.positions, self._noise, correlation)
 
     def sets_of_faces(
         self, noisy: TriangleSurface, surface: TriangleSurface, correlation: NoiseCorrelation

@@ -12,7 +12,7 @@ from pathlib import Path
 from research.samples.crocodile import detail
 from tools.geometry.ply import read_ply
 
-from . import implicit, machined, new, parametric, patches, turned
+from . import facets, implicit, machined, new, parametric, patches, turned
 from .meshing import MeshArrays, folded, speckled, uneven
 
 ASSETS = Path(__file__).resolve().parents[3] / "assets"
@@ -128,6 +128,15 @@ OPEN: Mapping[str, Shape] = {
 }
 """Shapes for tuning the treatment of free boundaries, besides the open ones among `TUNING`."""
 
-GROUPS = {"tuning": TUNING, "held-out": HELD_OUT, "new": NEW, "open": OPEN}
+FACETS: Mapping[str, Shape] = {
+    "facets_28": Shape("cad, facets", lambda: facets.polyhedron(16, 4_000, 0)),
+    "facets_44": Shape("cad, facets", lambda: facets.polyhedron(24, 6_000, 1)),
+    "facets_68": Shape("cad, facets", lambda: facets.polyhedron(36, 8_000, 2)),
+    "facets_96": Shape("cad, facets", lambda: facets.polyhedron(50, 10_000, 3)),
+    "facets_136": Shape("cad, facets", lambda: facets.polyhedron(70, 9_000, 4)),
+}
+"""Shapes for tuning how flat faces are found that meet at small angles."""
+
+GROUPS = {"tuning": TUNING, "held-out": HELD_OUT, "new": NEW, "open": OPEN, "facets": FACETS}
 
 SHAPES = {name: shape for group in GROUPS.values() for name, shape in group.items()}

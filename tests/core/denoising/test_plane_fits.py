@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from support import meshes
 
-from adaptive_fairing.core.denoising.flat_faces import PlaneFits
+from adaptive_fairing.core.denoising.plane_fits import PlaneFits
 
 GRID, FACES = meshes.flat_grid(24, 24)
 GRID = GRID - GRID.mean(axis=0)
-ONE_FACE = np.zeros(len(FACES), dtype=int)
+EVERY = np.arange(len(GRID))
+ONE_FACE = np.zeros_like(EVERY)
 EDGE = np.full(len(GRID), np.linalg.norm(GRID[1] - GRID[0]))
 
 
@@ -18,7 +19,7 @@ def raised(heights):
 
 
 def fits(positions):
-    return PlaneFits(positions, EDGE, FACES, ONE_FACE)
+    return PlaneFits(positions, EDGE, EVERY, ONE_FACE, 1)
 
 
 def noise(seed, amplitude=0.2):
@@ -53,19 +54,25 @@ def test_noise_is_not_bent_and_a_bow_is():
     assert np.all(bent > 1)
 
 
-def test_triangles_count_by_their_share():
-    heights = noise(2) + np.maximum(GRID[:, 0], 0) / EDGE
-    on_left = (GRID[FACES][:, :, 0] <= 1e-9).all(axis=1)
+def test_a_bow_is_left_by_no_quadric_and_a_crease_is():
+    """What two planes leave tells the one from the other."""
+    side = GRID[:, 0] / np.abs(GRID[:, 0]).max()
+    halves = np.where(side > 0, 1, 0)
+    for heights, is_round in ((2 * side**2, True), (3 * np.abs(side), False)):
+        positions = raised(heights + noise(3))
+        one = PlaneFits(positions, EDGE, EVERY, ONE_FACE, 1, has_outliers=False)
+        two = PlaneFits(positions, EDGE, EVERY, halves, 2)
+        apart = one.squares_off(two, halves)
+        assert (one.left_by_quadrics() < apart) == [is_round]
 
-    def normal(share_on_right):
-        share = np.where(on_left, 1.0, share_on_right)
-        return PlaneFits(raised(heights), EDGE, FACES, ONE_FACE, share).normals[0]
 
-    left_alone = PlaneFits(raised(heights), EDGE, FACES, np.where(on_left, 0, -1)).normals[0]
-    assert abs(normal(0) @ left_alone) == pytest.approx(1, abs=1e-9)
-    assert abs(normal(1) @ fits(raised(heights)).normals[0]) == pytest.approx(1, abs=1e-12)
-    slopes = [abs(np.divide(*normal(share)[[0, 2]])) for share in np.linspace(0, 1, 11)]
-    assert np.all(np.diff(slopes) > 0)
+def test_what_quadrics_leave_of_noise_is_what_their_freedom_leaves():
+    left = []
+    for seed in range(40):
+        planes = PlaneFits(raised(noise(seed)), 0.2 * EDGE, EVERY, ONE_FACE, 1, has_outliers=False)
+        left.append(planes.left_by_quadrics()[0])
+    freedom = len(GRID) - 6
+    assert np.mean(left) == pytest.approx(freedom, abs=4 * np.sqrt(2 * freedom / 40))
 
 
 def test_vertices_go_the_shortest_way_to_where_their_planes_meet():
@@ -76,7 +83,8 @@ def test_vertices_go_the_shortest_way_to_where_their_planes_meet():
     # The octant of each triangle is the number of its face.
     number = (points[faces].mean(axis=1) > 0) @ [4, 2, 1]
     spacing = np.full(len(points), np.sqrt(2) / 8)
-    planes = PlaneFits(points, spacing, faces, number)
+    pairs = np.unique(np.stack([faces.ravel(), np.repeat(number, 3)], axis=1), axis=0)
+    planes = PlaneFits(points, spacing, *pairs.T, 8)
     moved = points + np.random.default_rng(0).normal(0, 0.02, points.shape)
     result = planes.onto(moved, np.ones(len(planes.vertex)))
     # Less than a hundredth of the way is left, so that nearly parallel planes do not matter.
@@ -97,11 +105,3 @@ def test_vertices_go_the_part_of_the_way_by_which_they_belong():
     result = planes.onto(raised(heights), part)
     # The term for nearly parallel planes leaves some thousandths of the way.
     assert result[:, 2] == pytest.approx((1 - part) * heights * EDGE, abs=0.005 * EDGE[0])
-
-
-def test_a_vertex_belongs_as_far_as_the_lowest_corner_of_its_best_triangle():
-    values = np.random.default_rng(0).random(len(GRID))
-    best = fits(GRID).of_best_triangles(values)
-    lowest = values[FACES].min(axis=1)
-    of_each = [lowest[(FACES == vertex).any(axis=1)].max() for vertex in range(len(GRID))]
-    assert np.array_equal(best, of_each)

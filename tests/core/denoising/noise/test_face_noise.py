@@ -10,7 +10,6 @@ from adaptive_fairing.core.denoising.noise.face_noise import face_noise
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.noise.smooth_noise import SmoothNoise
 from adaptive_fairing.core.denoising.noise_model import NoiseCorrelation
-from adaptive_fairing.core.denoising.normal_filter import triangles_around
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
@@ -35,7 +34,7 @@ def with_heights(heights):
 def found(points):
     surface = TriangleSurface(TOPOLOGY, points)
     slightly_smoothed = TriangleSurface(TOPOLOGY, CLEAN.spread(points, 1))
-    faces = FlatFaces(slightly_smoothed, points, triangles_around(TOPOLOGY), correlation=ASSUMED)
+    faces = FlatFaces(slightly_smoothed, points, correlation=ASSUMED)
     noisy = NoisySurface(points, slightly_smoothed.with_frame(spacing=surface.spacing))
     return face_noise(noisy, faces, EVERYWHERE)
 
@@ -61,7 +60,7 @@ def test_what_planes_take_of_wide_noise_is_put_back():
 def test_faces_of_vertices_are_the_sides_of_the_cube():
     points = with_heights(0.2 * smooth(4))
     surface = TriangleSurface(TOPOLOGY, CLEAN.spread(points, 1))
-    faces = FlatFaces(surface, points, triangles_around(TOPOLOGY), correlation=ASSUMED)
+    faces = FlatFaces(surface, points, correlation=ASSUMED)
     face = faces.of_vertices()
     sides = np.sign(CUBE) * ON_FACE
     for number in np.unique(face[face != NO_FACE]):
