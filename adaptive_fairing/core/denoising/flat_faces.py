@@ -234,26 +234,22 @@ class FlatFaces:
         code, lengths = np.unique(first[is_limit] * k + second[is_limit], return_counts=True)
         pairs = np.stack(np.divmod(code, max(k, 1)))
         order = np.argsort(self.planes.face, kind="stable")
-        starts = np.cumsum(np.bincount(self.planes.face, minlength=k))[:-1]
-        of_faces = np.split(self.planes.vertex[order], starts)
+        sizes = np.bincount(self.planes.face, minlength=k)
+        of_faces = np.split(self.planes.vertex[order], np.cumsum(sizes)[:-1])
 
         def excess(some: IntArray) -> FloatArray:
-            """Return what one quadric for both of pairs (2, p) leaves more than two planes, (p,)."""
+            """Return what quadrics for pairs (2, p) leave more than their planes, (p,)."""
             members = some.T.ravel()
-            sizes = [len(of_faces[each]) for each in members]
             vertex = np.concatenate([of_faces[each] for each in members])
-            pair = np.repeat(np.arange(len(members)) // 2, sizes)
+            place = np.repeat(np.arange(len(members)), sizes[members])
             both = PlaneFits(
-                self._noisy, self._size, vertex, pair, some.shape[1], has_outliers=False
+                self._noisy, self._size, vertex, place // 2, some.shape[1], has_outliers=False
             )
-            return both.left_by_quadrics() - both.squares_off(
-                self.planes, np.repeat(members, sizes)
-            )
+            apart = both.squares_off(self.planes, members[place])
+            return both.left_by_quadrics() - apart
 
         # Few at once, which bounds the memory: a large face has many neighbours.
-        counts = np.array([len(each) for each in of_faces])
-        entries = np.cumsum(counts[pairs].sum(axis=0)) if len(code) else np.zeros(0)
-        chunk = entries // len(self._noisy)
+        chunk = np.cumsum(sizes[pairs].sum(axis=0)) // len(self._noisy)
         found = [excess(pairs[:, chunk == each]) for each in np.unique(chunk)]
         is_round = self._own_part * np.concatenate([np.zeros(0), *found]) < CLEARLY**2
         ends = pairs.ravel()
