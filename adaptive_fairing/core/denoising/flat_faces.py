@@ -21,7 +21,7 @@ from ..runtime.arrays import FloatArray, IntArray
 from .noise_model import WHITE, NoiseCorrelation
 from .parameters import parameters
 from .plane_fits import PlaneFits
-from .plane_merging import FEWEST, flat_regions
+from .plane_merging import FEWEST, flat_regions, triangles_beside
 from .triangle_surface import TriangleSurface
 
 NO_FACE = -1
@@ -60,7 +60,7 @@ class FlatFaces:
     Attributes
     ----------
     face : (m,) int
-        Index of each triangle's face; `NO_FACE` without one.  An index may have no triangles.
+        Index of each triangle's face; `NO_FACE` without one.
     planes : PlaneFits
         Plane of each index.
     """
@@ -88,8 +88,7 @@ class FlatFaces:
         # In local edge lengths, or dense triangles would not count.
         self._turned = surface.triangle_normals() / np.square(self._edges)[:, None]
         self._normals = unit_vectors(self._turned)
-        side = np.flatnonzero(self._topology.twin >= 0)
-        self._beside = side // 3, self._topology.twin[side] // 3
+        self._beside = triangles_beside(self._topology)
         self.face: IntArray = np.full(len(self._edges), NO_FACE)
         self._find(1.0)
 
@@ -110,13 +109,14 @@ class FlatFaces:
             # Faces would count for nothing: that saves the rest.
             self._number(np.full_like(face, NO_FACE))
         for _ in range(DRAWN):
-            self.planes = self._fitted(self._noisy)
+            self._fit()
             self._number(self._drawn())
-        self.planes = self._fitted(self._noisy)
-        self._certainty = self._certainties()
-        is_face = np.append(self._certainty > 0, False)
-        self.face = np.where(is_face[self.face], self.face, NO_FACE)
-        self._corners = self._corners_of_faces()[2]
+        self._fit()
+        certainty = self._certainties()
+        is_face = np.append(certainty > 0, False)
+        self._number(np.where(is_face[self.face], self.face, NO_FACE))
+        self._fit()
+        self._certainty = certainty[certainty > 0]
 
     def flattened(self, noisy: FloatArray, surface: FloatArray) -> FloatArray:
         """Move the vertices of flat faces onto planes fitted to the noisy positions, (n, 3) each.
@@ -129,7 +129,7 @@ class FlatFaces:
         flatness = part / parameters().least_flat - 1
         if flatness <= 0:
             return surface
-        planes = self._fitted(noisy)
+        planes = self.planes if noisy is self._noisy else self._fitted(noisy)
         return planes.onto(surface, min(flatness, 1.0) * self._belonging(planes, surface))
 
     def of_vertices(self) -> IntArray:
@@ -148,17 +148,18 @@ class FlatFaces:
         numbers, self.face[has_face] = np.unique(face[has_face], return_inverse=True)
         self._n_faces = len(numbers)
 
-    def _fitted(self, noisy: FloatArray) -> PlaneFits:
-        vertex, face, _ = self._corners_of_faces()
-        return PlaneFits(noisy, self._size, vertex, face, self._n_faces)
-
-    def _corners_of_faces(self) -> tuple[IntArray, IntArray, IntArray]:
-        """Vertices with each of their faces, (p,) both, and which are a triangle's, (t, 3)."""
+    def _fit(self) -> None:
+        """List the vertices of each face, and fit the planes."""
         has_face = self.face >= 0
         n_faces = max(self._n_faces, 1)
         corners = self._topology.triangles[has_face].astype(np.int64) * n_faces
         pairs, places = np.unique(corners + self.face[has_face][:, None], return_inverse=True)
-        return *np.divmod(pairs, n_faces), places.reshape(corners.shape)
+        self._vertex, self._face_there = np.divmod(pairs, n_faces)
+        self._corners = places.reshape(corners.shape)
+        self.planes = self._fitted(self._noisy)
+
+    def _fitted(self, noisy: FloatArray) -> PlaneFits:
+        return PlaneFits(noisy, self._size, self._vertex, self._face_there, self._n_faces)
 
     def _drawn(self) -> IntArray:
         """Return for each triangle the nearest of its own and its neighbours' faces, (m,)."""
@@ -214,7 +215,7 @@ class FlatFaces:
         within = np.sqrt(2 * np.maximum(1 - length / np.maximum(areas, 1e-300), 0))
         whole, of_all = sums(np.flatnonzero(self.face >= 0))
         normals = unit_vectors(of_all)
-        first, second = (self.face[each] for each in self._beside)
+        first, second = self.face[self._beside]
         is_limit = (first != second) & (first >= 0) & (second >= 0)
         first, second = first[is_limit], second[is_limit]
         way = normals[first] - normals[second]
@@ -229,7 +230,7 @@ class FlatFaces:
     def _round_limits(self) -> FloatArray:
         """Part of each face's limits beyond which it goes on as one quadric, (k,)."""
         k = self._n_faces
-        first, second = (self.face[each] for each in self._beside)
+        first, second = self.face[self._beside]
         is_limit = (first >= 0) & (second >= 0) & (first < second)
         code, lengths = np.unique(first[is_limit] * k + second[is_limit], return_counts=True)
         pairs = np.stack(np.divmod(code, max(k, 1)))
@@ -266,11 +267,19 @@ class FlatFaces:
         """
         vertex, face = planes.vertex, planes.face
         heights = np.abs(self.planes.heights(surface[vertex], face)) / self._reach[vertex]
-        of_triangles = fading(heights)[self._corners].min(axis=1)
-        best = np.zeros(len(vertex))
-        for corner in self._corners.T:
-            np.maximum.at(best, corner, of_triangles)
-        return best * self._certainty[face]
+        return best_of_triangles(fading(heights), self._corners) * self._certainty[face]
+
+
+def best_of_triangles(values: FloatArray, corners: IntArray) -> FloatArray:
+    """Give each place (p,) the best of its triangles' values.
+
+    The value of a triangle, with its corners (t, 3) among the places, is the least of those there.
+    """
+    of_triangles = values[corners].min(axis=1)
+    best = np.zeros(len(values))
+    for place in corners.T:
+        np.maximum.at(best, place, of_triangles)
+    return best
 
 
 def fading(parts: FloatArray) -> FloatArray:

@@ -16,7 +16,7 @@ MEDIAN_TO_DEVIATION = 1.4826
 # Source: J. W. Tukey's biweight with an efficiency of 95 % for normal noise.
 OUTLIER = 4.685
 
-# Deviation in local edge lengths: exact planes have residuals of rounding.
+# Deviation over the size of the noise: exact planes have residuals of rounding.
 LEAST_DEVIATION = 1e-9
 
 # Nearly parallel planes do not say where they meet: a vertex between two planes at an angle of θ

@@ -95,8 +95,7 @@ def flat_regions(
     least_cosine = math.cos(parameters().short_fit_angle)
     regions = _single(topology, normals, noisy, own_part / np.square(size), own_part)
     left = regions.off_plane()
-    side = np.flatnonzero(topology.twin >= 0)
-    pairs = np.stack([side // 3, topology.twin[side] // 3])
+    pairs = triangles_beside(topology)
     pairs = pairs[:, pairs[0] < pairs[1]]
     is_crease = np.zeros(pairs.shape[1], dtype=bool)
     region = np.arange(topology.n_triangles)
@@ -125,6 +124,12 @@ def flat_regions(
         number = (np.cumsum(stays) - 1)[target]
         regions, left, region = regions.at(stays), left[stays], number[region]
         pairs, is_crease = _once(number[pairs], is_crease, len(left))
+
+
+def triangles_beside(topology: TriangleTopology) -> IntArray:
+    """Return the triangles on both sides of every inner edge, each way round, (2, s)."""
+    side = np.flatnonzero(topology.twin >= 0)
+    return np.stack([side, topology.twin[side]]) // 3
 
 
 def _single(
