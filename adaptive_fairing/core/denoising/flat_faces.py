@@ -1,7 +1,8 @@
 """Flat faces of a denoised surface: detection, fit to the noisy positions, flattening.
 
 1.  Merge triangles to regions that are flat but for noise (`plane_merging`), and draw the limits
-    between these along the triangles that are nearest to either plane.
+    between these along the triangles that are nearest to either plane.  Then do both once more:
+    the regions show how much their vertices say.
 2.  Tell faces from pieces of a round surface.  Flat faces turn at their limits and not within, and
     two of them are no single quadric.
 
@@ -30,8 +31,8 @@ NO_FACE = -1
 # less; with 0.35 narrow faces were missed: the error of *steps* was 1.15 times as large.
 LEAST_INSIDE = 0.2
 
-# How often the limits between regions are drawn.
-DRAWN = 2
+# How often regions are merged, and the limits between them drawn.
+ROUNDS = 2
 
 # Standard deviations of the noise by which two planes are clearly nearer than one quadric.
 CLEARLY = 3
@@ -77,7 +78,7 @@ class FlatFaces:
             noise = np.full(len(noisy), tuned.usual_noise)
         self._surface, self._spacing = surface.positions, surface.smooth_spacing
         # Neighbours with smooth noise say less than as many of their own would.
-        self._own_part = correlation.deviation**2 if correlation.passes else 1.0
+        self._assumed_part = correlation.deviation**2 if correlation.passes else 1.0
         # Where the noise is smooth or stronger, more of it is left in the surface.
         self._left = 1 / np.sqrt(correlation.deviation) if correlation.passes else 1.0
         height = np.maximum(1, self._left * noise / tuned.coarse_noise)
@@ -89,7 +90,6 @@ class FlatFaces:
         self._turned = surface.triangle_normals() / np.square(self._edges)[:, None]
         self._normals = unit_vectors(self._turned)
         self._beside = triangles_beside(self._topology)
-        self.face: IntArray = np.full(len(self._edges), NO_FACE)
         self._find(1.0)
 
     def again(self, factor: float) -> FlatFaces:
@@ -99,24 +99,31 @@ class FlatFaces:
         return other
 
     def _find(self, factor: float) -> None:
-        face = flat_regions(
-            self._topology, self._turned, self._noisy, self._size, self._own_part, factor
-        )
-        sizes = np.bincount(face)
-        self._number(np.where(sizes[face] >= FEWEST, face, NO_FACE))
-        may_be_flat = np.append(self._bend_within() < 1, False)[self.face]
-        if np.mean(may_be_flat) < parameters().least_flat:
-            # Faces would count for nothing: that saves the rest.
-            self._number(np.full_like(face, NO_FACE))
-        for _ in range(DRAWN):
+        self._own_part = self._assumed_part
+        self.face = np.full(len(self._edges), NO_FACE)
+        for _ in range(ROUNDS):
+            self._merge(factor)
             self._fit()
             self._number(self._drawn())
-        self._fit()
+            self._fit()
+            # The noise of scanners is alike, whatever was assumed of it.
+            self._own_part = min(self._own_part, self.planes.own_part())
         certainty = self._certainties()
         is_face = np.append(certainty > 0, False)
         self._number(np.where(is_face[self.face], self.face, NO_FACE))
         self._fit()
         self._certainty = certainty[certainty > 0]
+
+    def _merge(self, factor: float) -> None:
+        """Merge the triangles, or the faces so far."""
+        region = flat_regions(
+            self._topology, self._turned, self._noisy, self._size, self._own_part, factor, self.face
+        )
+        self._number(np.where(np.bincount(region)[region] >= FEWEST, region, NO_FACE))
+        may_be_flat = np.append(self._bend_within() < 1, False)[self.face]
+        if np.mean(may_be_flat) < parameters().least_flat:
+            # Faces would count for nothing: that saves the rest.
+            self._number(np.full_like(region, NO_FACE))
 
     def flattened(self, noisy: FloatArray, surface: FloatArray) -> FloatArray:
         """Move the vertices of flat faces onto planes fitted to the noisy positions, (n, 3) each.

@@ -27,6 +27,12 @@ PARALLEL = 0.003
 # with the face, gave the same results.
 FLATNESS = 0.9999
 
+# Terms of polynomials of two variables, by degree.
+N_TERMS = 1, 3, 6, 10
+
+# Vertices of a face that may tell whether noise is alike.
+ENOUGH = 40
+
 # Relative to the trace, keeps a system of a handful of vertices on one line definite.
 RIDGE = 1e-9
 
@@ -89,18 +95,20 @@ class PlaneFits:
         With smooth noise, the vertices carry as much information as the fraction `own_part` of them
         would with independent noise.
         """
-        by_plane, by_quadric = self._explained()
-        left = self._squares() - by_quadric
-        freedom = np.maximum(self._count - 6, 1)
-        limit = special.fdtri(3, freedom, FLATNESS)
-        least = np.finfo(float).tiny
-        gain = (by_quadric - by_plane) / 3
-        bend: FloatArray = own_part * gain * freedom / (limit * np.maximum(left, least))
-        return bend
+        return own_part * self._gains(2, FLATNESS)
+
+    def own_part(self) -> float:
+        """Return how much the vertices say, over what they would with independent noise.
+
+        A quadric leaves nothing but noise on most faces.  Of noise that is alike over wide regions,
+        as along the lines of a scanner, a cubic explains more.
+        """
+        gains = self._gains(3, 0.5)[self._count >= ENOUGH]
+        return 1 / max(1.0, float(np.median(gains))) if len(gains) else 1.0
 
     def left_by_quadrics(self) -> FloatArray:
         """Least squares of the distances from a quadric instead of the plane, (k,)."""
-        left: FloatArray = self._squares() - self._explained()[1]
+        left: FloatArray = self._squares() - self._explained(2)[0]
         return left
 
     def squares_off(self, other: PlaneFits, face: IntArray) -> FloatArray:
@@ -146,22 +154,32 @@ class PlaneFits:
     def _squares(self) -> FloatArray:
         return self._sums(self._weights * np.square(self._size * self._residuals))
 
-    def _explained(self) -> tuple[FloatArray, FloatArray]:
-        """Squares of the residuals (k,) that a further plane explains, and a quadric."""
+    def _gains(self, degree: int, probability: float) -> FloatArray:
+        """F of what polynomials of a degree explain beyond those below, over its quantile, (k,)."""
+        below, explained = self._explained(degree - 1, degree)
+        freedom = np.maximum(self._count - N_TERMS[degree], 1)
+        left = np.maximum(self._squares() - explained, np.finfo(float).tiny)
+        limit = special.fdtri(degree + 1, freedom, probability)
+        gains: FloatArray = (explained - below) / (degree + 1) * freedom / (limit * left)
+        return gains
+
+    def _explained(self, *degrees: int) -> list[FloatArray]:
+        """Squares of the residuals (k,) that polynomials of these degrees explain."""
         offset = self._points - self.centres[self.face]
         lengths = np.sqrt(np.maximum(self._spread[:, :0:-1], np.finfo(float).tiny))
         u, v = (
             dots(offset, self._axes[self.face, :, axis]) / length[self.face]
             for axis, length in zip((2, 1), lengths.T, strict=True)
         )
-        terms = np.stack([np.ones_like(u), u, v, u * u, u * v, v * v])
+        n_most = N_TERMS[max(degrees)]
+        terms = [u ** (total - j) * v**j for total in range(4) for j in range(total + 1)][:n_most]
         height = self._size * self._residuals
         right = np.stack([self._sums(self._weights * row * height) for row in terms], axis=1)
-        matrix = np.empty((len(self), 6, 6))
-        for i, j in zip(*np.tril_indices(6), strict=True):
+        matrix = np.empty((len(self), n_most, n_most))
+        for i, j in zip(*np.tril_indices(n_most), strict=True):
             matrix[:, i, j] = matrix[:, j, i] = self._sums(self._weights * terms[i] * terms[j])
         ridge = RIDGE * np.einsum("kii->k", matrix) + np.finfo(float).tiny
-        matrix += ridge[:, None, None] * np.eye(6)
+        matrix += ridge[:, None, None] * np.eye(n_most)
 
         def explained(n_terms: int) -> FloatArray:
             of_terms = right[:, :n_terms, None]
@@ -169,7 +187,7 @@ class PlaneFits:
             gain: FloatArray = np.einsum("kij,kij->k", found, of_terms)
             return gain
 
-        return explained(3), explained(6)
+        return [explained(N_TERMS[degree]) for degree in degrees]
 
     def _sums(self, values: FloatArray) -> FloatArray:
         return np.bincount(self.face, values, len(self)).astype(np.float64, copy=False)

@@ -51,6 +51,17 @@ class _Regions(NamedTuple):
         """Return some of the regions."""
         return _Regions(*(each[some] for each in self))
 
+    def summed(self, region: IntArray) -> _Regions:
+        """Return the regions 0 to k - 1 to which these belong."""
+        k = region.max() + 1
+
+        def of_each(sums: FloatArray) -> FloatArray:
+            total = np.zeros((k, *sums.shape[1:]))
+            np.add.at(total, region, sums)
+            return total
+
+        return _Regions(*(of_each(sums) for sums in self))
+
     def off_plane(self) -> FloatArray:
         """Least squares (k,) of the distances of a region's vertices from a plane."""
         weight = np.maximum(self.moments[:, 0], np.finfo(float).tiny)
@@ -69,8 +80,9 @@ def flat_regions(
     size: FloatArray,
     own_part: float = 1.0,
     factor: float = 1.0,
+    face: IntArray | None = None,
 ) -> IntArray:
-    """Merge the triangles of a surface to regions that are flat but for noise.
+    """Merge the triangles of a surface, or its faces, to regions that are flat but for noise.
 
     Parameters
     ----------
@@ -85,6 +97,8 @@ def flat_regions(
         Vertices with smooth noise say as much as this part of them would with white noise.
     factor : float
         Of the limit.
+    face : (m,) int, optional
+        Faces so far, below 0 without one.  Where there are any, none but these merge.
 
     Returns
     -------
@@ -94,11 +108,16 @@ def flat_regions(
     limit = factor * 3 * math.log(topology.n_vertices)
     least_cosine = math.cos(parameters().short_fit_angle)
     regions = _single(topology, normals, noisy, own_part / np.square(size), own_part)
-    left = regions.off_plane()
     pairs = triangles_beside(topology)
     pairs = pairs[:, pairs[0] < pairs[1]]
     is_crease = np.zeros(pairs.shape[1], dtype=bool)
     region = np.arange(topology.n_triangles)
+    if face is not None and (face >= 0).any():
+        is_crease = (face[pairs] < 0).any(axis=0)
+        region = np.unique(np.where(face >= 0, face, len(face) + region), return_inverse=True)[1]
+        regions = regions.summed(region)
+        pairs, is_crease = _once(region[pairs], is_crease, len(regions.areas))
+    left = regions.off_plane()
     while True:
         chosen = _nearest_to_each_other(regions, pairs, is_crease)
         if not len(chosen):

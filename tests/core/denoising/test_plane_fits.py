@@ -105,3 +105,22 @@ def test_vertices_go_the_part_of_the_way_by_which_they_belong():
     result = planes.onto(raised(heights), part)
     # The term for nearly parallel planes leaves some thousandths of the way.
     assert result[:, 2] == pytest.approx((1 - part) * heights * EDGE, abs=0.005 * EDGE[0])
+
+
+@pytest.mark.parametrize("averages", [0, 1, 2])
+def test_the_less_smooth_noise_says_the_more_a_cubic_explains(averages):
+    """Averages divide the variance: noise of what is left says no more of a plane than before."""
+    rng, sheets = np.random.default_rng(0), 40
+    neighbours = np.eye(len(GRID))
+    for corner in range(3):
+        neighbours[FACES[:, corner], FACES[:, corner - 1]] = 1
+    neighbours = np.maximum(neighbours, neighbours.T)
+    average = neighbours / neighbours.sum(axis=1, keepdims=True)
+    heights = rng.normal(0, 0.2, (len(GRID), sheets))
+    before = heights.var()
+    for _ in range(averages):
+        heights = average @ heights
+    points = np.concatenate([raised(each) for each in heights.T])
+    face = np.repeat(np.arange(sheets), len(GRID))
+    planes = PlaneFits(points, np.tile(EDGE, sheets), np.arange(len(points)), face, sheets)
+    assert planes.own_part() == pytest.approx(heights.var() / before, rel=0.3)

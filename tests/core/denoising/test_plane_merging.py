@@ -14,7 +14,7 @@ EDGE = np.linalg.norm(GRID[1] - GRID[0])
 IS_LEFT = (MIDDLE[FACES] <= 1e-9).all(axis=1)
 
 
-def regions(heights, noise, *, seed=0, told=None, own_part=1.0):
+def regions(heights, noise, *, seed=0, told=None, own_part=1.0, face=None):
     """Regions of a sheet with clean heights and noise, in edges, of a level that is told."""
     added = np.random.default_rng(seed).normal(0, noise, len(GRID))
     up = np.array([0, 0, EDGE])
@@ -24,7 +24,7 @@ def regions(heights, noise, *, seed=0, told=None, own_part=1.0):
     # As filters leave it: a tenth of the noise.
     surface = TriangleSurface(topology, clean + np.outer(0.1 * added, up))
     normals = surface.triangle_normals() / EDGE**2
-    return flat_regions(topology, normals, clean + np.outer(added, up), size, own_part)
+    return flat_regions(topology, normals, clean + np.outer(added, up), size, own_part, 1.0, face)
 
 
 @pytest.mark.parametrize("noise", [0.05, 0.2, 0.5])
@@ -68,3 +68,16 @@ def test_no_large_region_is_bent_by_a_right_angle():
     way = MIDDLE / EDGE
     heights = np.abs(way)
     assert regions(heights, 0.2, own_part=1e-6).max() > 0
+
+
+def test_faces_merge_where_one_plane_explains_both_and_nothing_else_does():
+    """Halves of a sheet and of a bend, with a strip between that is on no face."""
+    face = np.where(IS_LEFT, 0, 1)
+    strip = np.abs(MIDDLE[FACES]).max(axis=1) < 1.5 * EDGE
+    face[strip & ~IS_LEFT] = -1
+    flat = regions(np.zeros(len(GRID)), 0.2, face=np.where(IS_LEFT, 0, 1))
+    assert flat.max() == 0
+    apart = regions(np.zeros(len(GRID)), 0.2, face=face)
+    assert len(np.unique(apart)) == 2 + np.sum(face < 0)
+    bend = np.abs(MIDDLE) / EDGE * np.tan(np.radians(15))
+    assert regions(bend, 0.2, face=np.where(IS_LEFT, 0, 1)).max() == 1
