@@ -104,6 +104,8 @@ class FlatFaces:
         for _ in range(ROUNDS):
             self._merge(factor)
             self._fit()
+            if not self._n_faces:
+                break
             self._number(self._drawn())
             self._fit()
             # The noise of scanners is alike, whatever was assumed of it.

@@ -171,15 +171,15 @@ class PlaneFits:
             dots(offset, self._axes[self.face, :, axis]) / length[self.face]
             for axis, length in zip((2, 1), lengths.T, strict=True)
         )
-        n_most = N_TERMS[max(degrees)]
-        terms = [u ** (total - j) * v**j for total in range(4) for j in range(total + 1)][:n_most]
+        highest = max(degrees)
+        terms = [u ** (total - j) * v**j for total in range(highest + 1) for j in range(total + 1)]
         height = self._size * self._residuals
         right = np.stack([self._sums(self._weights * row * height) for row in terms], axis=1)
-        matrix = np.empty((len(self), n_most, n_most))
-        for i, j in zip(*np.tril_indices(n_most), strict=True):
+        matrix = np.empty((len(self), len(terms), len(terms)))
+        for i, j in zip(*np.tril_indices(len(terms)), strict=True):
             matrix[:, i, j] = matrix[:, j, i] = self._sums(self._weights * terms[i] * terms[j])
         ridge = RIDGE * np.einsum("kii->k", matrix) + np.finfo(float).tiny
-        matrix += ridge[:, None, None] * np.eye(n_most)
+        matrix += ridge[:, None, None] * np.eye(len(terms))
 
         def explained(n_terms: int) -> FloatArray:
             of_terms = right[:, :n_terms, None]
