@@ -1,8 +1,8 @@
 """Flat faces of a denoised surface: detection, fit to the noisy positions, flattening.
 
 1.  Merge triangles to regions that are flat but for noise (`plane_merging`), and draw the limits
-    between these along the triangles that are nearest to either plane.  Then do both once more:
-    the regions show how much their vertices say.
+    between these along the triangles that are nearest to either plane.  Merge them again where
+    they show that their vertices say less than was assumed.
 2.  Tell faces from pieces of a round surface.  Flat faces turn at their limits and not within, and
     two of them are no single quadric.
 
@@ -31,8 +31,8 @@ NO_FACE = -1
 # less; with 0.35 narrow faces were missed: the error of *steps* was 1.15 times as large.
 LEAST_INSIDE = 0.2
 
-# How often regions are merged, and the limits between them drawn.
-ROUNDS = 2
+# How often the limits between regions are drawn.
+DRAWN = 2
 
 # Standard deviations of the noise by which two planes are clearly nearer than one quadric.
 CLEARLY = 3
@@ -101,15 +101,15 @@ class FlatFaces:
     def _find(self, factor: float) -> None:
         self._own_part = self._assumed_part
         self.face = np.full(len(self._edges), NO_FACE)
-        for _ in range(ROUNDS):
-            self._merge(factor)
-            self._fit()
-            if not self._n_faces:
-                break
+        self._merge(factor)
+        for _ in range(DRAWN):
             self._number(self._drawn())
             self._fit()
-            # The noise of scanners is alike, whatever was assumed of it.
-            self._own_part = min(self._own_part, self.planes.own_part())
+            own_part = self.planes.own_part()
+            if own_part < self._own_part:
+                # The noise of scanners is alike, whatever was assumed of it.
+                self._own_part = own_part
+                self._merge(factor)
         certainty = self._certainties()
         is_face = np.append(certainty > 0, False)
         self._number(np.where(is_face[self.face], self.face, NO_FACE))
@@ -117,7 +117,7 @@ class FlatFaces:
         self._certainty = certainty[certainty > 0]
 
     def _merge(self, factor: float) -> None:
-        """Merge the triangles, or the faces so far."""
+        """Merge the triangles, or the faces so far, and fit the planes."""
         region = flat_regions(
             self._topology, self._turned, self._noisy, self._size, self._own_part, factor, self.face
         )
@@ -126,6 +126,7 @@ class FlatFaces:
         if np.mean(may_be_flat) < parameters().least_flat:
             # Faces would count for nothing: that saves the rest.
             self._number(np.full_like(region, NO_FACE))
+        self._fit()
 
     def flattened(self, noisy: FloatArray, surface: FloatArray) -> FloatArray:
         """Move the vertices of flat faces onto planes fitted to the noisy positions, (n, 3) each.

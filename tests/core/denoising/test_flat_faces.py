@@ -187,3 +187,19 @@ def test_low_spikes_leave_no_dents():
     assert np.sqrt(np.mean(dents**2)) < PARAMETERS.clean_roughness
     again = denoise(spiky, FACES, plan=found.plan)
     assert np.array_equal(again.positions, found.positions)
+
+
+def test_faces_merge_again_where_their_vertices_say_less_than_was_assumed(monkeypatch):
+    """A ridge of eight degrees: noise of scanners may look so, white noise does not."""
+    flat, faces = meshes.flat_grid(40, 40)
+    way = np.abs(flat[:, 0] - flat[:, 0].mean())
+    ridge = flat - np.outer(way * np.tan(np.radians(4)), [0, 0, 1])
+    noisy = ridge + np.outer(np.random.default_rng(0).normal(0, 0.2, len(flat)), [0, 0, 1])
+
+    def n_faces():
+        found = flat_faces(noisy, faces, ridge)
+        return len(np.unique(found.face[found.face >= 0]))
+
+    assert n_faces() == 2
+    monkeypatch.setattr(PlaneFits, "own_part", lambda fits: 1e-4)
+    assert n_faces() == 1
