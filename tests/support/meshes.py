@@ -269,6 +269,21 @@ def sliver_prism(n_sides: int, seed: int = 0) -> Mesh:
     return vertices, faces.astype(np.int32)
 
 
+def divided(vertices: np.ndarray, faces: np.ndarray, parts: int) -> Mesh:
+    """Divide every edge into parts and every triangle, which stays flat, into parts² triangles."""
+    second, third = np.array([(i, j) for i in range(parts + 1) for j in range(parts + 1 - i)]).T
+    weights = np.column_stack([parts - second - third, second, third]) / parts
+    at = {place: index for index, place in enumerate(zip(second, third, strict=True))}
+    small = np.array(
+        [(at[i, j], at[i + 1, j], at[i, j + 1]) for i, j in at if i + j < parts]
+        + [(at[i + 1, j], at[i + 1, j + 1], at[i, j + 1]) for i, j in at if i + j < parts - 1]
+    )
+    points = np.einsum("kc,fcx->fkx", weights, vertices[faces]).reshape(-1, 3)
+    _, first, same = np.unique(points.round(9), axis=0, return_index=True, return_inverse=True)
+    at_face = len(weights) * np.arange(len(faces))[:, None, None]
+    return points[first], same.ravel()[(at_face + small).reshape(-1, 3)].astype(np.int32)
+
+
 def merged(*meshes: Mesh) -> Mesh:
     """Return several meshes as the components of one, in order."""
     offsets = np.cumsum([0] + [len(vertices) for vertices, _ in meshes])

@@ -103,3 +103,22 @@ def test_corners_of_a_small_part_are_neither_spikes_nor_noise(levels, roundness,
     result = denoise(points, faces)
     assert np.array_equal(result.positions, points)
     assert "nothing was changed" in result.notes[-1]
+
+
+@pytest.mark.parametrize(
+    ("coarse", "parts"),
+    [
+        (meshes.latlong_sphere(12, 8), 2),
+        (meshes.latlong_sphere(12, 8), 5),
+        (meshes.latlong_sphere(16, 10), 4),
+        (meshes.latlong_sphere(20, 12), 4),
+        (meshes.icosphere(2), 5),
+    ],
+)
+def test_flat_facets_that_were_divided_are_no_noise(coarse, parts):
+    """Corners of facets stand out as spikes do, and facets are as even as smooth noise."""
+    points, faces = meshes.divided(*coarse, parts)
+    turn, _ = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))
+    # Of three sizes, turned and rounded: nothing is an exact copy.
+    points = ((points * [1, 0.9, 0.8]) @ turn).astype(np.float32).astype(float)
+    assert np.array_equal(denoise(points, faces).positions, points)

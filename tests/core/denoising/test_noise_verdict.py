@@ -117,6 +117,16 @@ def test_the_tails_of_normal_noise_are_no_spikes(monkeypatch):
     assert verdict.notes == (IMPULSIVE,)
 
 
+def test_below_spikes_smooth_noise_is_found_as_well():
+    stage = stage_of(smooth(0.2) + spikes(1.5))
+    verdict = noise_verdict(stage, "keep")
+    assert verdict.impulsive.any()
+    assert verdict.smooth.passes > 1
+    assert np.median(verdict.level) == pytest.approx(0.2, rel=0.5)
+    assert verdict.notes == (IMPULSIVE, SMOOTH_REMOVED.format(verdict.level[0]))
+    assert verdict.other_readings == ("detail",)
+
+
 def test_a_clean_surface_has_none_and_says_so():
     verdict = noise_verdict(stage_of(0 * WHITE), "keep")
     assert not verdict.level.any()

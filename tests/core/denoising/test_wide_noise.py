@@ -7,7 +7,7 @@ import pytest
 from support.meshes import flat_grid, icosphere
 
 from adaptive_fairing.core import DenoiseSettings, PreparedMesh, TriangleTopology, denoise
-from adaptive_fairing.core.denoising.noise.smooth_noise import passes_of_width
+from adaptive_fairing.core.denoising.noise.given_width import passes_of_width
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 

@@ -66,8 +66,13 @@ class NoisySurface:
         return np.maximum(cosines, LEAST_COSINE)
 
     @cached_property
-    def shows_object(self) -> bool:
-        """Whether a scanner or a camera saw an object here, and this is no terrain on a grid."""
+    def is_object(self) -> bool:
+        """Whether this is an object and no terrain: it has a back, or a camera saw it."""
+        twice_areas = self.frame.triangle_normals()
+        total = np.linalg.norm(twice_areas, axis=1).sum()
+        # The normals of a closed surface add up to nothing.
+        if np.linalg.norm(twice_areas.sum(axis=0)) < total / 2:
+            return True
         rays = self._rays
         return rays is not None and shows_object(self.topology, self.positions, rays)
 

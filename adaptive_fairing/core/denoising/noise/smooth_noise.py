@@ -16,15 +16,12 @@ growing.
 
 Detail as fine, as even and as random as noise, such as the grain of a rock, looks the same.
 
-Of noise whose width the user has told, only the level is estimated, and whether it is narrower than
-told (`noise_of_width`).
+Noise whose width the user has told is not questioned (`given_width`).
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -33,6 +30,7 @@ from ...runtime.arrays import BoolArray, FloatArray
 from ..noise_model import WHITE, NoiseCorrelation, averaged_noise
 from ..parameters import parameters
 from ..triangle_surface import TriangleSurface
+from .contrast import hinges
 from .level import NORMAL_MEDIAN
 from .noisy_surface import NoisySurface
 from .own_numbers import SEVERAL_NOISES, WHITE_NOISE
@@ -46,14 +44,6 @@ PASSES = (0, 1, 2, 3, 4, 6, 8, 12, 16)
 FEWEST_PASSES = 2
 # Weights of the bands in the fit: the narrowest shows the edges of the mesh, the widest the shape.
 WEIGHTS = np.array([0.5, 1.0, 1.0, 0.0])
-
-# Passes that are tried for noise of a given width, over those of that width: down to 0.65 of it.
-PARTS_OF_PASSES = (1.0, 0.75, 0.56, 0.42)
-# Weight of the narrowest band in that fit: finer noise and rounded depths show there as well.
-WEIGHT_OF_NARROWEST = 0.25
-
-# Parts of a band's variance that are tried as that of the noise.
-N_PARTS = 200
 
 # Weaker bands are rounding. They count as so strong, since logarithms and quotients are taken.
 LEAST_STRENGTH = 1e-12
@@ -84,6 +74,8 @@ class SmoothNoise(NamedTuple):
         Logarithm of the strength of the widest band relative to noise; 0 where no shape adds to it.
     least_evidence : float
         Evidence with which it is removed without being asked.
+    hinges : float
+        Strength of the hinges, relative to those of this noise.
     """
 
     level: float
@@ -95,6 +87,7 @@ class SmoothNoise(NamedTuple):
     is_enough: bool = True
     excess: float = 0.0
     least_evidence: float = 0.0
+    hinges: float = 1.0
 
     @property
     def may_be_noise(self) -> bool:
@@ -108,8 +101,13 @@ class SmoothNoise(NamedTuple):
 
     @property
     def _may_be_judged(self) -> bool:
-        """Whether it was measured on enough of the surface, and is not stronger than noise is."""
-        return self.may_be_noise and self.is_enough and self.level <= parameters().face_height
+        """Whether it was measured on enough of the surface, and no contrast contradicts it.
+
+        It is not stronger than noise is, and noise is in all hinges: flat facets have none.
+        """
+        tuned = parameters()
+        is_everywhere = self.hinges >= tuned.least_hinges and self.level <= tuned.face_height
+        return self.may_be_noise and self.is_enough and is_everywhere
 
     @property
     def evidence(self) -> float:
@@ -202,14 +200,14 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
 
     first, *others = SEVERAL_NOISES
     candidates = list(compared(first, PASSES))
-    _, misfits = _levels_and_misfits(np.stack([each.ratios for each in candidates]), WEIGHTS)
+    _, misfits = levels_and_misfits(np.stack([each.ratios for each in candidates]), WEIGHTS)
     best = int(np.argmin(misfits))
     # Bands and evenness of one random noise differ by some percent from those of the next.
     same = [candidates[best]]
     for use in others:
         same += compared(use, PASSES[best : best + 1])
     ratios = np.mean([each.ratios for each in same], axis=0)
-    (level,), (misfit,) = _levels_and_misfits(ratios[None], WEIGHTS)
+    (level,), (misfit,) = levels_and_misfits(ratios[None], WEIGHTS)
     strengths_of_noise = (local_strengths(each.bands, frame, is_counted) for each in same)
     evennesses = [
         least_evenness(strength, of_noise, tuned.low_quantile) for of_noise in strengths_of_noise
@@ -229,111 +227,21 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
         is_enough=np.count_nonzero(is_counted) >= tuned.fewest_to_tell_smooth,
         excess=float(ratios[-1] - level),
         least_evidence=tuned.least_evidence,
+        hinges=_relative_hinges(surface, is_counted, float(np.exp(level)), correlation),
     )
 
 
-def noise_of_width(
-    noisy: NoisySurface, on_faces: SmoothNoise | None, is_counted: BoolArray, width: float
-) -> tuple[float, NoiseCorrelation]:
-    """Level, in the surface's unit of length, and correlation of noise of about a given width.
-
-    Noise of width w has the correlation exp(-r² / w²) at a distance of r edges.  A user tells it
-    roughly, and noise that is narrower than assumed seems much stronger than it is.  So the noise
-    is as wide as fits best, from 0.65 of the given width on, or white.
-
-    The contrasts that see it best are heights over flat faces, and differences between averages
-    that are narrower than it or as wide.  Shape adds to these.  So much of them is noise as is
-    likely for noise and shape of usual sizes.  The lesser of both is the level: whether it is noise
-    is not questioned.
-
-    Parameters
-    ----------
-    noisy : NoisySurface
-    on_faces : SmoothNoise, optional
-        Deviations from flat faces, if there are any: on a plane there is no shape.
-    is_counted : (n,) bool
-        Vertices to judge from, several.
-    width : float
-        Distance in edges at which the correlation is about 1 / e; 1 for white noise.
-    """
-    passes = _likeliest_passes(noisy, is_counted, passes_of_width(width))
-    white = noisy.own.noise(WHITE_NOISE)
-    noise, correlation = averaged_noise(white, passes, noisy.frame, is_counted)
-    level = _likely_level(noisy, noise / correlation.deviation, is_counted, passes)
-    if on_faces is not None:
-        level = min(level, on_faces.level)
-    return level, correlation
-
-
-def passes_of_width(width: float) -> int:
-    """Count the averages half with the neighbours that give white noise a width in edges."""
-    return round(width**2) if width > 1 else 0
-
-
-def _likeliest_passes(noisy: NoisySurface, is_counted: BoolArray, most: int) -> int:
-    """Count the averages that give noise whose bands fit best, at most as many as for the width."""
-    if most == 0:
-        return 0
-    frame, white = noisy.frame, noisy.own.noise(WHITE_NOISE)
-    bands = tuple(pairwise(sorted({most // 8, most // 4, most // 2, most})))
-    weights = np.ones(len(bands))
-    weights[0] = WEIGHT_OF_NARROWEST
-    found = quiet_strengths(noisy.positions, frame, bands, is_counted)
-
-    def ratios(passes: int) -> FloatArray:
-        noise, _ = averaged_noise(white, passes, frame, is_counted)
-        return np.log(found / quiet_strengths(frame.raised(noise), frame, bands, is_counted))
-
-    tried = np.unique([0, *(round(part * most) for part in PARTS_OF_PASSES)])
-    _, misfits = _levels_and_misfits(np.stack([ratios(passes) for passes in tried]), weights)
-    likeliest = int(np.argmin(misfits))
-    if likeliest == 0 or len(tried) < 4:
-        return int(tried[likeliest])
-    # A parabola through three numbers besides that of white noise refines it.
-    middle = min(max(likeliest, 2), len(tried) - 2)
-    near = slice(middle - 1, middle + 2)
-    square, slope, _ = np.polyfit(np.log(tried[near]), misfits[near], 2)
-    if square <= 0:
-        return most
-    best = float(np.exp(np.clip(-slope / (2 * square), *np.log(tried[[1, -1]]))))
-    # With two passes noise seems far weaker than with three: rather one too many.
-    return max(round(best), min(math.ceil(best), 3))
-
-
-def _likely_level(
-    noisy: NoisySurface, noise: FloatArray, is_counted: BoolArray, passes: int
+def _relative_hinges(
+    surface: NoisySurface, is_counted: BoolArray, size: float, correlation: NoiseCorrelation
 ) -> float:
-    """Mean of the levels that are likely for a noise, from two bands that have shape as well.
-
-    One band is narrower than the noise, one as wide.  The variance of both is that of the noise and
-    of the shape.  The noise, the shape, and its growth from band to band have usual sizes, from
-    which they differ by a factor of e or so.
-
-    The noise (n,) is given with a standard deviation of 1, averaged by a number of passes.
-    """
-    tuned, frame, typical = parameters(), noisy.frame, max(passes, 1)
-    bands = (passes // 4, max(1, passes // 2)), (typical, 2 * typical)
-    found, expected = (
-        quiet_strengths(positions, frame, bands, is_counted)
-        for positions in (noisy.positions, frame.raised(noise))
-    )
-    if found.min() <= LEAST_STRENGTH:
+    """Strength of a surface's hinges relative to those of averaged white noise of some size."""
+    frame = surface.frame
+    noise = frame.raised(size * correlation.applied(surface.own.noise(WHITE_NOISE), frame))
+    found = surface.hinges.among(is_counted)
+    if not len(found.value):
         return 0.0
-    sizes = found / expected
-    # Finer noise adds to the narrow band alone.
-    sizes[1] = sizes.max()
-    part = (np.arange(N_PARTS) + 0.5) / N_PARTS
-    level = sizes[0] * np.sqrt(part)
-    narrow, wide = np.sqrt(np.square(sizes)[:, None] - np.square(level))
-    # Shape goes with the squared width of a band, which is that of its passes, and with the length
-    # of the edges: n vertices over the same shape make them as long as 1 / √n.
-    usual_shape = tuned.usual_bend * typical / np.sqrt(np.count_nonzero(is_counted))
-    usual_growth = bands[1][1] / bands[0][1] * expected[0] / expected[1]
-    factors = level / tuned.usual_noise, narrow / usual_shape, wide / narrow / usual_growth
-    unlikely = np.square(np.log(factors)).sum(axis=0)
-    # Equal steps of the variance are no equal steps of the logarithms.
-    odds = np.exp((unlikely.min() - unlikely) / 2) / (part * np.square(narrow * wide))
-    return float(np.average(level, weights=odds))
+    of_noise = hinges(frame.positions + noise, frame).among(is_counted)
+    return found.deviation(found.value) / max(found.deviation(of_noise.value), LEAST_STRENGTH)
 
 
 def _of_white_noise(white: FloatArray, frame: TriangleSurface, is_counted: BoolArray) -> FloatArray:
@@ -343,7 +251,7 @@ def _of_white_noise(white: FloatArray, frame: TriangleSurface, is_counted: BoolA
     return quiet / typical_sizes(heights[:, is_counted])
 
 
-def _levels_and_misfits(ratios: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
+def levels_and_misfits(ratios: FloatArray, weights: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Mean logarithm of every noise's bands, (p, k), and the squares by which they differ, (p,)."""
     levels = np.average(ratios, axis=1, weights=weights)
     return levels, np.square(ratios - levels[:, None]) @ weights

@@ -6,8 +6,8 @@ from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
 from adaptive_fairing.core.denoising.noise.contrast import hinges
-from adaptive_fairing.core.denoising.noise.smooth_noise import passes_of_width
-from adaptive_fairing.core.denoising.noise_verdict import noise_verdict
+from adaptive_fairing.core.denoising.noise.given_width import passes_of_width
+from adaptive_fairing.core.denoising.noise_verdict import IMPULSIVE, noise_verdict
 from adaptive_fairing.core.denoising.stage import Stage
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
@@ -125,3 +125,25 @@ def test_passes_give_the_width_they_are_for():
         alike = surface.spread(kernel, passes_of_width(width))
         # Along a row of the grid: neighbours lie one edge apart.
         assert alike[width] / alike[0] == pytest.approx(np.exp(-1), abs=0.12)
+
+
+@pytest.mark.parametrize("width", [1, 3])
+def test_besides_noise_of_a_given_width_spikes_are_put_back(width):
+    surface = surface_of(*SHAPES["round"])
+    generator = np.random.default_rng(2)
+    heights = generator.normal(size=len(surface.positions))
+    heights[generator.random(len(heights)) > 0.1] = 0
+    judged = verdict(surface, with_noise(surface, width, 0.1) + surface.raised(heights), width)
+    assert judged.impulsive.any()
+    assert judged.notes == (IMPULSIVE,)
+    left = surface.along_normal(judged.stage.noisy.positions - surface.positions)
+    assert left.std() < 0.6 * np.hypot(0.1, heights.std())
+    assert np.median(judged.level) == pytest.approx(0.1, rel=0.5)
+
+
+def test_white_noise_that_is_found_anyway_is_as_it_was_found():
+    surface = surface_of(*SHAPES["round"])
+    points = with_noise(surface, 1, 0.2)
+    told, by_itself = verdict(surface, points, 1), verdict(surface, points, None)
+    assert np.array_equal(told.level, by_itself.level)
+    assert told.correlation == by_itself.correlation

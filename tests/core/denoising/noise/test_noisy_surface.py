@@ -64,6 +64,16 @@ def test_a_surface_that_no_camera_saw_keeps_its_unit():
     assert surface.in_unit(np.ones(len(vertices), bool)) is surface
 
 
+def test_an_object_has_a_back_and_terrain_has_none():
+    """A ball has one, with a hole as well; less than half of it has none, and hills have none."""
+    vertices, faces = meshes.icosphere(3)
+    height = vertices[faces].mean(axis=1)[:, 2]
+    for least, is_object in ((-2.0, True), (-0.5, True), (0.1, False)):
+        topology = TriangleTopology(faces[height > least], len(vertices))
+        assert surface_of(vertices, topology).is_object == is_object
+    assert not surface_of(np.column_stack([GRID[:, :2], np.sin(GRID[:, 0])])).is_object
+
+
 def test_contrasts_are_those_of_the_positions_in_units_of_the_frame():
     surface = depth_image(0.5)
     for name, contrast in (("hinges", hinges), ("roughness", roughness)):

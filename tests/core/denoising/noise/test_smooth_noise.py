@@ -71,6 +71,7 @@ TOLD = SmoothNoise(
         {"correlation": NoiseCorrelation(passes=1)},
         {"misfit": 1.0},
         {"excess": 1.0},
+        {"hinges": 0.3},
         {"outliers": 1.5},
         {"outliers": 0.3},
         {"lean": 0.1},
@@ -97,6 +98,19 @@ def test_where_the_odds_are_even_or_it_goes_on_growing_a_note_says_that_it_may_b
         assert smooth.is_likely
         assert not smooth.is_noise
     assert not TOLD._replace(evenness=0.4).is_likely
+
+
+def test_noise_is_in_all_hinges_and_flat_facets_have_none():
+    """Facets that were divided are even, and their bands like those of noise."""
+    points, faces = meshes.divided(*meshes.icosphere(2), 5)
+    everywhere = np.ones(len(points), dtype=bool)
+    frame = TriangleSurface(TriangleTopology(faces, len(points)), points)
+    facets = smooth_noise(NoisySurface(points, frame), everywhere)
+    assert facets.hinges < 0.1
+    assert not facets.is_noise
+    assert facets._replace(hinges=1.0).is_noise
+    for passes in (2, 4, 8):
+        assert found(noisy(0.2, passes)).hinges > 1.5 * parameters().least_hinges
 
 
 @pytest.mark.parametrize("shape", ["bumps", "ridges"])
