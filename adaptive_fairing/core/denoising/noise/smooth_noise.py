@@ -101,13 +101,8 @@ class SmoothNoise(NamedTuple):
 
     @property
     def _may_be_judged(self) -> bool:
-        """Whether it was measured on enough of the surface, and no contrast contradicts it.
-
-        It is not stronger than noise is, and noise is in all hinges: flat facets have none.
-        """
-        tuned = parameters()
-        is_everywhere = self.hinges >= tuned.least_hinges and self.level <= tuned.face_height
-        return self.may_be_noise and self.is_enough and is_everywhere
+        """Whether it was measured on enough of the surface, and is not stronger than noise is."""
+        return self.may_be_noise and self.is_enough and self.level <= parameters().face_height
 
     @property
     def evidence(self) -> float:
@@ -121,8 +116,13 @@ class SmoothNoise(NamedTuple):
 
     @property
     def may_be_told(self) -> bool:
-        """Whether evidence decides: there is enough, and the widest band does not go on growing."""
-        return self._may_be_judged and self.excess <= parameters().told_excess
+        """Whether evidence decides: there is enough, and nothing contradicts it alone.
+
+        Noise is in all hinges, and flat facets have none. The widest band does not go on growing.
+        """
+        tuned = parameters()
+        is_everywhere = self.hinges >= tuned.least_hinges
+        return self._may_be_judged and is_everywhere and self.excess <= tuned.told_excess
 
     @property
     def is_noise(self) -> bool:

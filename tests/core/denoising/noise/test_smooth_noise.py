@@ -93,7 +93,7 @@ def test_what_speaks_against_noise_takes_evidence_from_it():
 
 
 def test_where_the_odds_are_even_or_it_goes_on_growing_a_note_says_that_it_may_be_noise():
-    for unclear in ({"evenness": 0.7}, {"excess": 1.0}):
+    for unclear in ({"evenness": 0.7}, {"excess": 1.0}, {"hinges": 0.1}):
         smooth = TOLD._replace(**unclear)
         assert smooth.is_likely
         assert not smooth.is_noise
