@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -113,27 +114,47 @@ def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> Noise
     if np.count_nonzero(counted) < parameters().fewest:
         none = np.zeros(len(counted))
         return NoiseVerdict(stage, none, None, none > 0, none, (stage.parts.too_few(),))
-    keeps_clean = clean != "denoise"
+    verdict, roughness = _narrow_noise(stage, keeps_clean=clean != "denoise")
+    if width is not None:
+        return _of_width(verdict, width)
+    # White noise that is stronger hides the smooth kind.
+    if np.median(roughness[counted]) >= parameters().least_roughness:
+        return verdict
+    return _with_smooth_noise(verdict, clean)
 
-    def calmed(impulsive: BoolArray) -> tuple[Stage, NoiseFound, KnownNoise]:
-        """Put spikes back, estimate what noise is left, and put normal noise like it back."""
-        calm = stage.calmed(impulsive)
-        noisy, parts = calm.noisy, calm.parts
-        after = parts.noise(noisy, keeps_clean=keeps_clean)
-        noise = after.level * noisy.own.noise(WHITE_NOISE)
-        return calm, after, put_back_of(noise, noisy, parts.is_counted, parts.may_move)
 
+class _Calm(NamedTuple):
+    """A surface whose spikes were put back.
+
+    Attributes
+    ----------
+    stage : Stage
+    found : NoiseFound
+        What noise is left.
+    other : KnownNoise
+        Normal noise like it, put back in the same way.
+    moved : (n,)
+        How far the spikes were put back, along the normals, in local edge lengths.
+    """
+
+    stage: Stage
+    found: NoiseFound
+    other: KnownNoise
+    moved: FloatArray
+
+
+def _narrow_noise(stage: Stage, *, keeps_clean: bool) -> tuple[NoiseVerdict, FloatArray]:
+    """Judge spikes and noise that is at most alike at neighbours; also give the roughness, (n,)."""
     found = stage.parts.noise(stage.noisy, keeps_clean=keeps_clean)
     if found.impulsive.any():
-        calm, after, other = calmed(found.impulsive)
-        impulsive = _noisy_spikes(stage, calm, found, after, other)
+        calm = _calmed(stage, found.impulsive, keeps_clean)
+        impulsive = _noisy_spikes(stage, found, calm)
         if impulsive.any():
             if not np.array_equal(impulsive, found.impulsive):
-                calm, after, other = calmed(impulsive)
-            verdict = _without_spikes(stage, calm, found, after, other, impulsive)
-            return _with_smooth_noise(verdict, after.roughness, clean, width)
+                calm = _calmed(stage, impulsive, keeps_clean)
+            return _without_spikes(found, calm, impulsive), calm.found.roughness
         # Spikes of the shape: there is noise only where it is rough without them.
-        level, notes = np.where(after.level > 0, found.level, 0), after.notes
+        level, notes = np.where(calm.found.level > 0, found.level, 0), calm.found.notes
         if not (notes or level.any()):
             notes = (stage.parts.why_nothing(found.roughness),)
         found = found._replace(level=level, impulsive=impulsive, notes=notes)
@@ -143,73 +164,60 @@ def noise_verdict(stage: Stage, clean: str, width: float | None = None) -> Noise
     verdict = NoiseVerdict(
         stage, level, None, impulsive, level, found.notes, others, unevenness=found.unevenness
     )
-    return _with_smooth_noise(verdict, found.roughness, clean, width)
+    return verdict, found.roughness
 
 
-def _noisy_spikes(
-    stage: Stage, calm: Stage, found: NoiseFound, after: NoiseFound, other: KnownNoise
-) -> BoolArray:
-    """Whether vertices which stand out are noise, (n,); not if they belong to the shape.
+def _calmed(stage: Stage, impulsive: BoolArray, keeps_clean: bool) -> _Calm:
+    """Put spikes back among some vertices, (n,) bool, and estimate what noise is left."""
+    calm = stage.calmed(impulsive)
+    noisy, parts = calm.noisy, calm.parts
+    found = parts.noise(noisy, keeps_clean=keeps_clean)
+    noise = found.level * noisy.own.noise(WHITE_NOISE)
+    other = put_back_of(noise, noisy, parts.is_counted, parts.may_move)
+    moved = calm.frame.along_normal(stage.noisy.positions - noisy.positions)
+    return _Calm(calm, found, other, moved)
 
-    Before and after they were put back, with the noise found then, and normal noise like it.
-    """
-    tuned, parts = parameters(), stage.parts
-    n_spikes, n_judged = parts.sums(calm.spikes), parts.counts()
+
+def _noisy_spikes(stage: Stage, found: NoiseFound, calm: _Calm) -> BoolArray:
+    """Whether vertices which stand out are noise, (n,); not if they belong to the shape."""
+    tuned, parts, spikes = parameters(), stage.parts, calm.stage.spikes
+    n_spikes, n_judged = parts.sums(spikes), parts.counts()
     # Where there is no other noise, they stand out of more than the roughness of clean meshes: the
     # corners of facets that were divided had up to 0.067 edges, rounded depths 0.11, spikes 0.58.
-    moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
-    size, _ = spike_law(np.abs(moved[parts.is_counted]), calm.spikes[parts.is_counted])
+    size, _ = spike_law(np.abs(calm.moved[parts.is_counted]), spikes[parts.is_counted])
     may_be_alone = (n_spikes >= tuned.fewest) & (size > 2 * tuned.clean_roughness)
     # Spikes may be anywhere, corners of a shape are beside others.
     least = np.maximum(found.roughness, tuned.clean_roughness)
-    clustering = parts.clustering(stage.track.start, calm.noisy.positions, least)
+    clustering = parts.clustering(stage.track.start, calm.stage.noisy.positions, least)
     are_anywhere = clustering <= n_spikes / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
     # Normal noise has vertices that stand out, too.
-    explained, squares = (parts.sums(np.square(each)) for each in (other.moved, moved))
+    explained, squares = (parts.sums(np.square(each)) for each in (calm.other.moved, calm.moved))
     are_more = explained <= tuned.most_explained * squares
-    is_noise = parts.at_vertices(may_be_alone) | (after.level > 0)
+    is_noise = parts.at_vertices(may_be_alone) | (calm.found.level > 0)
     is_noise &= parts.at_vertices(are_anywhere & are_more)
     noisy: BoolArray = is_noise & found.impulsive
     return noisy
 
 
-def _without_spikes(
-    stage: Stage,
-    calm: Stage,
-    found: NoiseFound,
-    after: NoiseFound,
-    other: KnownNoise,
-    impulsive: BoolArray,
-) -> NoiseVerdict:
+def _without_spikes(found: NoiseFound, calm: _Calm, impulsive: BoolArray) -> NoiseVerdict:
     """Judge what is left without spikes: other noise, low spikes, and what was put back."""
-    parts = calm.parts
-    reach = np.maximum(after.level, np.where(impulsive, found.roughness, 0))
-    moved = calm.frame.along_normal(stage.noisy.positions - calm.noisy.positions)
+    stage, after = calm.stage, calm.found
+    parts = stage.parts
     noise, more = left_of_spikes(
-        calm.noisy, moved, calm.spikes, other, parts.is_counted, parts.may_move
+        stage.noisy, calm.moved, stage.spikes, calm.other, parts.is_counted, parts.may_move
     )
     left = np.where(impulsive & parts.is_counted, more, 0)
     level = np.sqrt(np.square(after.level) + left)
-    reach = np.maximum(level, reach)
+    reach = np.maximum(level, np.where(impulsive, found.roughness, 0))
     uneven = after.unevenness
     return NoiseVerdict(
-        calm, level, None, impulsive, reach, (IMPULSIVE,), spiky=noise, unevenness=uneven
+        stage, level, None, impulsive, reach, (IMPULSIVE,), spiky=noise, unevenness=uneven
     )
 
 
-def _with_smooth_noise(
-    verdict: NoiseVerdict, rough: FloatArray, clean: str, width: float | None
-) -> NoiseVerdict:
-    """Look for noise that is smooth over several edges, on flat faces and elsewhere.
-
-    The surface has a roughness (n,). Noise whose width was given is there.
-    """
+def _with_smooth_noise(verdict: NoiseVerdict, clean: str) -> NoiseVerdict:
+    """Look for noise that is smooth over several edges, on flat faces and elsewhere."""
     stage, counted = verdict.stage, verdict.stage.parts.is_counted
-    if width is not None:
-        return _of_width(verdict, width)
-    # White noise that is stronger hides the smooth kind.
-    if np.median(rough[counted]) >= parameters().least_roughness:
-        return verdict
     seen = stage.noisy.in_unit(counted)
     anywhere = smooth_noise(seen, counted)
     # Wider waves that are stronger and stronger are those of terrain, and this is none.
