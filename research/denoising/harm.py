@@ -1,6 +1,6 @@
 """Harm that `denoise` does to models it was not tuned on.
 
-    python -m research.denoising.harm              100 models, and 6 decimated shapes
+    python -m research.denoising.harm              100 models, and 8 decimated shapes
     python -m research.denoising.harm --models 40 --seed 1000
 
 First boolean models: two to four of Blender's primitives, cut from each other or joined, as they
@@ -30,7 +30,7 @@ from .measures import Reference
 from .noise import add_noise
 from .pairs import CLEAN, made
 
-SHAPES = ("foot", "bracket", "gear", "pawn", "coral", "hills")
+SHAPES = ("foot", "bracket", "gear", "pawn", "coral", "hills", "mountains", "crocodile")
 RATIO = 0.15
 NOISES = tuple(
     (kind, size) for kind in ("normal", "uniform") for size in (0.02, 0.05, 0.1, 0.2, 0.4)

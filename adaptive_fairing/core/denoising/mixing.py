@@ -309,6 +309,7 @@ def _look_like_noise(
     # Uneven noise could explain clusters, so only noise without any is taken for uneven.
     is_strict = clean == "detail" or verdict.unevenness is not None
     is_noise = excess <= (tuned.clustered_detail if is_strict else tuned.most_clustered)
+    is_noise &= parts.likeness(before, after, there) <= tuned.most_alike
     # Where nothing goes, nothing is alike.
     clusters = is_noise & (found > 0) & (excess > tuned.clustered_detail)
     return is_noise, bool(clusters.any())

@@ -159,6 +159,40 @@ def test_noise_that_is_removed_does_not_come_in_clusters(two_balls):
         assert corners > PARAMETERS.most_clustered
 
 
+def test_noise_that_is_removed_is_independent_of_the_shape():
+    """What is removed of a shape follows the bending that stays; each part by itself."""
+    ball, faces = meshes.icosphere(4)
+    n = len(ball)
+    bumpy = ball * (1 + 0.1 * np.sin(5 * ball).sum(axis=1, keepdims=True))
+    points, faces = side_by_side((bumpy, faces), (bumpy, faces))
+    surface = TriangleSurface(TriangleTopology(faces, len(points)), points)
+    parts = MeshParts(surface, np.zeros(len(points), dtype=bool))
+    numbers = np.random.default_rng(3).normal(size=2 * n)
+    bending = surface.mean @ surface.rises(points)
+    bending = (bending - bending.mean()) / bending.std()
+    # A third of what goes is shape, in the second part.
+    ways = np.where(np.arange(2 * n) < n, numbers, numbers + np.sqrt(0.5) * bending)
+    for size in (0.02, 0.2):
+        before = TriangleSurface(surface.topology, points + surface.raised(size * ways))
+        noise, shape = parts.likeness(before, points, np.full(2 * n, size))
+        assert abs(noise) < 4 / np.sqrt(n)
+        assert shape == pytest.approx(np.sqrt(1 / 3), abs=0.05)
+        assert shape > PARAMETERS.most_alike
+
+
+@pytest.mark.parametrize(("size", "length", "noise"), [(60, 10, 0.1), (90, 10, 0.1)])
+def test_creases_across_the_mesh_are_not_removed(size, length, noise):
+    """A folded sheet, whose triangles make teeth of its creases, with less noise than teeth."""
+    points, faces = meshes.flat_grid(size, size)
+    points[:, 2] = np.abs(points[:, 0] % length - length / 2)
+    surface = TriangleSurface(TriangleTopology(faces, len(points)), points)
+    numbers = np.random.default_rng(0).normal(size=len(points))
+    noisy_points = points + noise * numbers[:, None] * surface.normals
+    found = denoise(noisy_points, faces)
+    before, after = (np.linalg.norm(each - points) for each in (noisy_points, found.positions))
+    assert after <= before
+
+
 def test_what_comes_in_clusters_is_not_removed():
     """Roughness much stronger on a third of a ball, where noise would be as strong everywhere."""
     ball, faces = meshes.icosphere(4)
