@@ -219,7 +219,7 @@ class MeshParts:
         return [Mixture(each, self._weights, self._part) for each in chosen]
 
     def clustering(
-        self, before: TriangleSurface, after: FloatArray, noise: FloatArray
+        self, before: TriangleSurface, after: TriangleSurface, noise: FloatArray
     ) -> FloatArray:
         """Correlate the displacements of vertices with those of their neighbours, (p,).
 
@@ -229,22 +229,22 @@ class MeshParts:
 
         Parameters
         ----------
-        before : TriangleSurface
-        after : (n, 3)
-            Denoised positions of the same vertices.
+        before, after : TriangleSurface
+            The same vertices before and after noise was removed.
         noise : (n,)
             Standard deviation in local edge lengths.
         """
-        surface = TriangleSurface(before.topology, after)
-        removed = np.abs(surface.along_normal(before.positions - after))
+        removed = np.abs(after.along_normal(before.positions - after.positions))
         is_judged = self.is_counted & (noise > 0)
         # The logarithm lets a few large ones not decide for all.
         size = np.where(is_judged, np.log1p(removed / np.where(is_judged, noise, 1)), 0)
-        part_beside = surface.mean @ is_judged.astype(float)
-        beside = surface.mean @ size / np.maximum(part_beside, np.finfo(float).tiny)
+        part_beside = after.mean @ is_judged.astype(float)
+        beside = after.mean @ size / np.maximum(part_beside, np.finfo(float).tiny)
         return self._correlation(size, beside, is_judged & (part_beside > 0))
 
-    def likeness(self, before: TriangleSurface, after: FloatArray, noise: FloatArray) -> FloatArray:
+    def likeness(
+        self, before: TriangleSurface, after: TriangleSurface, noise: FloatArray
+    ) -> FloatArray:
         """Correlate the displacements of vertices with the bending that stays there, (p,).
 
         Noise is independent of the surface below it. Of a shape, what bends most is removed most,
@@ -258,10 +258,9 @@ class MeshParts:
         Source: the noise of a method, A. Buades, B. Coll, J.-M. Morel, A review of image denoising
         algorithms, with a new one, 2005.
         """
-        surface = TriangleSurface(before.topology, after)
         is_judged = self.is_counted & (noise > 0)
-        removed = surface.along_normal(before.positions - after)
-        bending = surface.mean @ surface.rises(after)
+        removed = after.along_normal(before.positions - after.positions)
+        bending = after.mean @ after.rises(after.positions)
         return self._correlation(removed / np.where(is_judged, noise, 1), bending, is_judged)
 
     def _correlation(

@@ -266,7 +266,8 @@ def _planned(
     is_told = settings.clean == "denoise" or settings.width != "auto" or correlation.passes
     impulsive, is_noise, clusters = verdict.impulsive, np.ones(len(parts.counts()), bool), False
     if not is_told:
-        after = sliding.limited(track.mixed(as_it_is.spread(usable)))
+        mixed = track.mixed(as_it_is.spread(usable))
+        after = TriangleSurface(before.topology, sliding.limited(mixed))
         is_noise, clusters = _look_like_noise(before, after, verdict, settings.clean)
         mixtures = [each.within(is_noise) for each in mixtures]
         impulsive = parts.at_vertices(is_noise) & impulsive
@@ -290,14 +291,12 @@ def _planned(
 
 
 def _look_like_noise(
-    before: TriangleSurface, after: FloatArray, verdict: NoiseVerdict, clean: str
+    before: TriangleSurface, after: TriangleSurface, verdict: NoiseVerdict, clean: str
 ) -> tuple[BoolArray, bool]:
-    """Whether what was removed from each part is like noise, (p,), and some of it like detail.
-
-    The surface had positions (n, 3) after the removal.
-    """
+    """Whether what was removed from each part is like noise, (p,), and some of it like detail."""
     tuned, stage, parts = parameters(), verdict.stage, verdict.stage.parts
-    like_noise = [before.positions - stage.frame.raised(each) for each in verdict.examples()]
+    noises = (stage.frame.raised(each) for each in verdict.examples())
+    like_noise = [TriangleSurface(before.topology, before.positions - each) for each in noises]
     # Smooth patches have no noise, and what is removed beside them no clusters.
     there = np.where(parts.is_rough(before), verdict.whole(verdict.level), 0)
     found, *of_noise = ordered_map(

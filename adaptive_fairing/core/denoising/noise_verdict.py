@@ -188,7 +188,7 @@ def _noisy_spikes(stage: Stage, found: NoiseFound, calm: _Calm) -> BoolArray:
     may_be_alone = (n_spikes >= tuned.fewest) & (size > 2 * tuned.clean_roughness)
     # Spikes may be anywhere, corners of a shape are beside others.
     least = np.maximum(found.roughness, tuned.clean_roughness)
-    clustering = parts.clustering(stage.track.start, calm.stage.noisy.positions, least)
+    clustering = parts.clustering(stage.track.start, calm.stage.track.start, least)
     are_anywhere = clustering <= n_spikes / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
     # Normal noise has vertices that stand out, too.
     explained, squares = (parts.sums(np.square(each)) for each in (calm.other.moved, calm.moved))

@@ -160,8 +160,8 @@ class DenoiseParameters:
     clustered_detail: float = 0.18
     # And with the bending that stays around it, it correlates by at most this. With 22 kinds of
     # noise on 19 tuning shapes that was at most 0.29 where it helped; 0.38 to 0.61 on a knurled
-    # cylinder and on decimated terrain with noise of 0.02 to 0.1, which ended at 1.1 to 6.7 times
-    # their noise.
+    # cylinder with noise of 0.02 to 0.1 and on decimated terrain with up to 0.05, which ended at
+    # 2.7 to 6.7 times their noise.
     most_alike: float = 0.33
 
     # bounds

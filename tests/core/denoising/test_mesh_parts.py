@@ -153,7 +153,7 @@ def test_noise_that_is_removed_does_not_come_in_clusters(two_balls):
     near_edge = np.exp(-((np.tile(BALL[:, 0], 2) / 0.3) ** 2))
     shape = np.where(np.arange(2 * n) < n, 1, 3 * near_edge) * numbers
     for size in (0.05, 0.3):
-        after = surface.positions - surface.raised(size * shape)
+        after = TriangleSurface(surface.topology, surface.positions - surface.raised(size * shape))
         noise, corners = parts.clustering(surface, after, np.full(2 * n, size))
         assert abs(noise) < 4 / np.sqrt(n)
         assert corners > PARAMETERS.most_clustered
@@ -174,20 +174,20 @@ def test_noise_that_is_removed_is_independent_of_the_shape():
     ways = np.where(np.arange(2 * n) < n, numbers, numbers + np.sqrt(0.5) * bending)
     for size in (0.02, 0.2):
         before = TriangleSurface(surface.topology, points + surface.raised(size * ways))
-        noise, shape = parts.likeness(before, points, np.full(2 * n, size))
+        noise, shape = parts.likeness(before, surface, np.full(2 * n, size))
         assert abs(noise) < 4 / np.sqrt(n)
         assert shape == pytest.approx(np.sqrt(1 / 3), abs=0.05)
         assert shape > PARAMETERS.most_alike
 
 
-@pytest.mark.parametrize(("size", "length", "noise"), [(60, 10, 0.1), (90, 10, 0.1)])
-def test_creases_across_the_mesh_are_not_removed(size, length, noise):
+@pytest.mark.parametrize("size", [60, 90])
+def test_creases_across_the_mesh_are_not_removed(size):
     """A folded sheet, whose triangles make teeth of its creases, with less noise than teeth."""
     points, faces = meshes.flat_grid(size, size)
-    points[:, 2] = np.abs(points[:, 0] % length - length / 2)
+    points[:, 2] = np.abs(points[:, 0] % 10 - 5)
     surface = TriangleSurface(TriangleTopology(faces, len(points)), points)
     numbers = np.random.default_rng(0).normal(size=len(points))
-    noisy_points = points + noise * numbers[:, None] * surface.normals
+    noisy_points = points + 0.1 * numbers[:, None] * surface.normals
     found = denoise(noisy_points, faces)
     before, after = (np.linalg.norm(each - points) for each in (noisy_points, found.positions))
     assert after <= before
