@@ -131,6 +131,9 @@ class MeshParts:
             is_detail = by_hinges is None and detail.fades(counted)
             if not (is_detail or impulsive[members].any() or is_contour):
                 reason = copies or detail.bends(counted)
+                # Hinges tell the noise beside edges that follow creases.
+                if not (reason or by_hinges):
+                    reason = detail.is_laid_out(counted, level)
                 if reason:
                     models.append(reason)
                     is_detail = True

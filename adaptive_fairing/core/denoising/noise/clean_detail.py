@@ -21,6 +21,7 @@ from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import BoolArray, FloatArray, IntArray, LongArray
 from ...runtime.lazy import cached_property
 from ..parameters import parameters
+from .laid_edges import laid_excess
 from .noisy_surface import NoisySurface
 from .own_numbers import hashed
 
@@ -79,15 +80,26 @@ class CleanDetail:
         return is_voxel_contour(triangles, self._surface.positions)
 
     def bends(self, is_counted: BoolArray) -> str:
-        """Text on signs that vertices, (n,) bool, belong to a bent low-poly model; "" without any.
+        """Text on signs that vertices, (n,) bool, belong to a bent low-poly model; "" without any."""
+        tuned, judged = parameters(), self._whole_of_few(is_counted)
+        _, kept = self._surface.fading.of_mesh(judged)
+        return self._said_of(judged) if kept > tuned.least_kept else ""
 
-        Small parts, such as the eyes of a head, go with the whole.
+    def is_laid_out(self, is_counted: BoolArray, level: FloatArray) -> str:
+        """Text on signs that the edges at vertices, (n,) bool, follow bends; "" without any.
+
+        `level` (n,) is the roughness in local edge lengths.
         """
-        tuned = parameters()
-        if np.count_nonzero(is_counted) < tuned.fewest_to_tell:
-            return self._of_whole
-        _, kept = self._surface.fading.of_mesh(is_counted)
-        return self._said_of(is_counted) if kept > tuned.least_kept else ""
+        tuned, judged = parameters(), self._whole_of_few(is_counted)
+        excess = laid_excess(self._surface, level, judged)
+        if excess <= max(tuned.most_laid, tuned.chance / np.sqrt(np.count_nonzero(judged))):
+            return ""
+        return f"{100 * excess:.0f} % more of its edges follow bends than noise would leave"
+
+    def _whole_of_few(self, is_counted: BoolArray) -> BoolArray:
+        """Vertices to judge from: the whole for small parts, such as the eyes of a head."""
+        is_small = np.count_nonzero(is_counted) < parameters().fewest_to_tell
+        return self._all_counted if is_small else is_counted
 
     def _are_at(self, is_counted: BoolArray) -> BoolArray:
         """Whether each triangle has one of some vertices, (n,) bool."""
@@ -97,10 +109,6 @@ class CleanDetail:
     @cached_property
     def _are_repeated(self) -> BoolArray:
         return are_repeated(self._surface.topology, self._surface.positions)
-
-    @cached_property
-    def _of_whole(self) -> str:
-        return self._said_of(self._all_counted)
 
     def _said_of(self, is_counted: BoolArray) -> str:
         """Text on signs that vertices, (n,) bool, are a bent low-poly shape; "" without any.
