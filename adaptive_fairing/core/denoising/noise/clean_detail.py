@@ -80,7 +80,7 @@ class CleanDetail:
         return is_voxel_contour(triangles, self._surface.positions)
 
     def bends(self, is_counted: BoolArray) -> str:
-        """Text on signs that vertices, (n,) bool, belong to a bent low-poly model; "" without any."""
+        """Text on signs that vertices, (n,) bool, are of a bent low-poly model; "" without any."""
         tuned, judged = parameters(), self._whole_of_few(is_counted)
         _, kept = self._surface.fading.of_mesh(judged)
         return self._said_of(judged) if kept > tuned.least_kept else ""
