@@ -120,23 +120,20 @@ class MeshParts:
                 partial(detail.copies, counted),
             )
             # The steps of contoured voxels stand out as well, but fade; single vertices do not.
-            stands_out = stands_out and not fades
-            by_hinges = None if is_contour else of_hinges
-            laid = ""
-            # Hinges tell the noise beside edges that follow creases. But where such edges meet are
-            # corners, and spikes know no edges.
-            if keeps_clean and (stands_out or not by_hinges):
-                laid = detail.is_laid_out(counted, level)
-            if stands_out and not laid:
+            if stands_out and not fades:
                 impulsive[members] = self.may_move[members]
             if not keeps_clean:
                 noise[counted] = level[counted]
                 continue
+            by_hinges = None if is_contour else of_hinges
             least, least_noise = by_hinges or (level[counted], rough_noise)
             # The fading of the roughness tells nothing of what the hinges see.
             is_detail = by_hinges is None and detail.fades(counted)
             if not (is_detail or impulsive[members].any() or is_contour):
-                reason = copies or detail.bends(counted) or laid
+                reason = copies or detail.bends(counted)
+                # Hinges tell the noise beside edges that follow creases.
+                if not (reason or by_hinges):
+                    reason = detail.is_laid_out(counted, level)
                 if reason:
                     models.append(reason)
                     is_detail = True
