@@ -180,7 +180,7 @@ class DenoiseParameters:
     # edges on small meshes. With 0.9 two of 150 random models moved.
     least_kept: float = 0.75
     # Of all edges this part more than with white noise are better as they are than turned. Clean
-    # organic shapes, decimated to 0.15 of their triangles, had 0.08 to 0.2, with noise of 0.05 up to
+    # organic shapes, decimated to 0.15 of their triangles, had 0.08 to 0.2, with 0.05 of noise to
     # 0.14; 705 noisy meshes at most 0.072. With 0.1 runs on decimated shapes ended the same.
     most_laid: float = 0.08
 
