@@ -133,7 +133,7 @@ class MeshParts:
                 reason = copies or detail.bends(counted)
                 # Hinges tell the noise beside edges that follow creases.
                 if not (reason or by_hinges):
-                    reason = detail.is_laid_out(counted, level)
+                    reason = detail.layout(counted, level)
                 if reason:
                     models.append(reason)
                     is_detail = True

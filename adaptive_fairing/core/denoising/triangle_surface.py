@@ -91,6 +91,6 @@ class TriangleSurface:
     def crease_part(self) -> float:
         """Fraction of the inner edges that are creases, where triangles meet at an angle."""
         normal, twin = unit_vectors(self.triangle_normals()), self.topology.twin
-        side = np.flatnonzero(twin > np.arange(len(twin)))  # every inner edge once
+        side = self.topology.inner_edges
         cosine = dots(normal[side // 3], normal[twin[side] // 3])
         return float(np.mean(cosine < np.cos(parameters().short_fit_angle))) if len(side) else 0.0

@@ -20,6 +20,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import breadth_first_order, connected_components
 
 from ..runtime.arrays import BoolArray, IntArray, LongArray
+from .topology import following
 
 
 @dataclass(frozen=True)
@@ -210,10 +211,6 @@ def _orientation_from_seed(
 def _fans(edges: _PairedEdges, joined: BoolArray, triangles: LongArray) -> tuple[LongArray, int]:
     """Find the fans of triangles around the vertices: the fan of each corner, and how many."""
     first, second = edges.first[joined], edges.second[joined]
-
-    def following(half_edge: LongArray) -> LongArray:
-        return half_edge - half_edge % 3 + (half_edge + 1) % 3
-
     # The half-edges run in opposite directions: the start of one is the end of the other.
     rows = np.concatenate([first, following(first)])
     columns = np.concatenate([following(second), second])

@@ -80,6 +80,11 @@ class TriangleTopology:
         return self.triangles.reshape(-1)
 
     @property
+    def inner_edges(self) -> IndexArray:
+        """One half-edge of every edge between two triangles, ascending."""
+        return np.flatnonzero(self.twin > np.arange(len(self.twin)))
+
+    @property
     def is_closed(self) -> bool:
         """Whether no edge lies on a boundary."""
         return not self.on_boundary.any()
@@ -164,6 +169,11 @@ class TriangleTopology:
                 f"{listed(pillow)}; delete one triangle of each pair",
                 vertices=pillow,
             )
+
+
+def following(half_edge: IndexArray | IntArray, steps: int = 1) -> IndexArray:
+    """Half-edges so many steps further around their triangles, (k,)."""
+    return half_edge - half_edge % 3 + (half_edge + steps) % 3
 
 
 def require_topology(topology: object) -> None:

@@ -85,7 +85,7 @@ class CleanDetail:
         _, kept = self._surface.fading.of_mesh(judged)
         return self._said_of(judged) if kept > tuned.least_kept else ""
 
-    def is_laid_out(self, is_counted: BoolArray, level: FloatArray) -> str:
+    def layout(self, is_counted: BoolArray, level: FloatArray) -> str:
         """Text on signs that the edges at vertices, (n,) bool, follow bends; "" without any.
 
         `level` (n,) is the roughness in local edge lengths.

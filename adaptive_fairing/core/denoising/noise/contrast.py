@@ -22,6 +22,7 @@ from scipy import sparse
 from scipy.special import ndtri
 
 from ...mesh.normals import dots
+from ...mesh.topology import following
 from ...runtime.arrays import BoolArray, FloatArray, IntArray
 from ...runtime.lazy import cached_property
 from ...runtime.threads import chunks, for_each
@@ -128,14 +129,14 @@ def hinges(positions: FloatArray, frame: TriangleSurface) -> Contrast:
     """
     topology, normals = frame.topology, frame.normals
     corners, lengths = topology.triangles.ravel(), np.square(frame.spacing)
-    sides = np.flatnonzero(topology.twin > np.arange(len(topology.twin)))
+    sides = topology.inner_edges
     ends = np.empty((len(sides), 2), corners.dtype)
     volume, per_edge, per_length = np.empty((3, len(sides)))
 
     def of_chunk(own: slice) -> None:
         side, other = sides[own], topology.twin[sides[own]]
-        start, end, apex = (corners[side // 3 * 3 + (side + step) % 3] for step in range(3))
-        beyond = corners[other // 3 * 3 + (other + 2) % 3]
+        start, end, apex = (corners[following(side, step)] for step in range(3))
+        beyond = corners[following(other, 2)]
         ends[own, 0], ends[own, 1] = start, end
         along, first, second = (positions[each] - positions[start] for each in (end, apex, beyond))
         # The volume is linear in each position; its derivatives are these normals.

@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...mesh.normals import dots, triangle_normals, unit_vectors
-from ...mesh.topology import TriangleTopology
+from ...mesh.topology import TriangleTopology, following
 from ...runtime.arrays import BoolArray, FloatArray, IntArray
 from .noisy_surface import NoisySurface
 
@@ -54,11 +54,11 @@ def _preference(topology: TriangleTopology, positions: FloatArray, is_counted: B
     piecewise linear interpolation, 1990.
     """
     normals = unit_vectors(triangle_normals(positions, topology.triangles))
-    corners, twin = topology.triangles.ravel(), topology.twin
-    side = np.flatnonzero((twin > np.arange(len(twin))) & is_counted[corners])
+    corners, twin, side = topology.origins, topology.twin, topology.inner_edges
+    side = side[is_counted[corners[side]]]
     side = side[:: 1 + len(side) // MOST_EDGES]
     other = twin[side]
-    rims = [each // 3 * 3 + (each + step) % 3 for each in (side, other) for step in (1, 2)]
+    rims = [following(each, step) for each in (side, other) for step in (1, 2)]
     ends = start, end, apex, beyond = [corners[each] for each in (side, *rims[:2], rims[3])]
     across = [twin[each] for each in rims]
     beside = [normals[each // 3] for each in across]

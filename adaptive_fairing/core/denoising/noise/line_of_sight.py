@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from ...mesh.normals import dots, triangle_normals, unit_vectors
-from ...mesh.topology import TriangleTopology
+from ...mesh.topology import TriangleTopology, following
 from ...runtime.arrays import FloatArray, IntArray
 from ..lifted_metric import squared_edges
 from ..triangle_surface import TriangleSurface
@@ -53,12 +53,13 @@ def lines_of_sight(topology: TriangleTopology, positions: FloatArray) -> FloatAr
     squares = squared_edges(topology.triangles, positions).T
     is_longest = (squares == squares.max(axis=1, keepdims=True)).ravel()
     is_diagonal = is_longest & is_longest[topology.twin]
-    side = np.flatnonzero(is_diagonal & (topology.twin > np.arange(len(topology.twin))))
+    side = topology.inner_edges
+    side = side[is_diagonal[side]]
     other = topology.twin[side]
     corners = topology.triangles.ravel()
 
     def corner(half_edge: IntArray, step: int) -> FloatArray:
-        points: FloatArray = positions[corners[half_edge // 3 * 3 + (half_edge + step) % 3]]
+        points: FloatArray = positions[corners[following(half_edge, step)]]
         return points
 
     # Half-edge k of a triangle runs from its corner k to the next.
