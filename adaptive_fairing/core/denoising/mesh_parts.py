@@ -98,7 +98,7 @@ class MeshParts:
         tuned = parameters()
         clean = tuned.clean_roughness
         n_counted = int(np.count_nonzero(self.is_counted))
-        noise, level = np.zeros((2, len(self.is_counted)))
+        noise, level, told = np.zeros((3, len(self.is_counted)))
         impulsive = np.zeros(len(level), dtype=bool)
         detail = CleanDetail(surface, self.is_counted)
         models = []
@@ -109,6 +109,7 @@ class MeshParts:
             if np.count_nonzero(counted) < tuned.fewest:
                 continue
             level[counted], rough_noise = self._by_roughness(surface, counted)
+            told[counted] = level[counted]
             if np.median(level[counted]) <= clean:
                 continue
             # Not all are needed on every surface, but side by side they cost little.
@@ -126,18 +127,15 @@ class MeshParts:
                 noise[counted] = level[counted]
                 continue
             by_hinges = None if is_contour else of_hinges
-            least, least_noise = by_hinges or (level[counted], rough_noise)
+            told[counted], least_noise = by_hinges or (level[counted], rough_noise)
             # The fading of the roughness tells nothing of what the hinges see.
             is_detail = by_hinges is None and detail.fades(counted)
             if not (is_detail or impulsive[members].any() or is_contour):
-                reason = copies or detail.bends(counted)
-                # Hinges tell the noise beside edges that follow creases.
-                if not (reason or by_hinges):
-                    reason = detail.layout(counted, level)
+                reason = copies or detail.shape(counted, told)
                 if reason:
                     models.append(reason)
                     is_detail = True
-            if not is_detail and np.median(least) > clean:
+            if not is_detail and np.median(told[counted]) > clean:
                 noise[counted] = least_noise
         if impulsive.any() or noise.any():
             if n_counted < tuned.fewest_to_tell and keeps_clean:

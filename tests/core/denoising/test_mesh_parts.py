@@ -14,6 +14,7 @@ from adaptive_fairing.core.denoising.noise.clean_detail import CleanDetail
 from adaptive_fairing.core.denoising.noise.contrast import LineRoughness
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
+from adaptive_fairing.core.denoising.stage import Stage
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
 BALL, FACES = meshes.icosphere(3)
@@ -33,9 +34,8 @@ def side_by_side(*parts):
 
 def found_in(points, faces):
     topology = TriangleTopology(faces, len(points))
-    frame = TriangleSurface(topology, points)
-    parts = MeshParts(frame, np.zeros(len(points), dtype=bool))
-    return parts.noise(NoisySurface(points, frame))
+    stage = Stage(topology, points, np.zeros(len(points), dtype=bool), lambda report: None)
+    return stage.parts.noise(stage.noisy)
 
 
 def levels_of(points, faces):

@@ -14,9 +14,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import sparse
 
-from ...mesh.normals import dots
 from ...mesh.topology import TriangleTopology
 from ...runtime.arrays import BoolArray, FloatArray, IntArray, LongArray
 from ...runtime.lazy import cached_property
@@ -79,27 +77,26 @@ class CleanDetail:
         triangles = self._surface.topology.triangles[self._are_at(is_counted)]
         return is_voxel_contour(triangles, self._surface.positions)
 
-    def bends(self, is_counted: BoolArray) -> str:
-        """Text on signs that vertices, (n,) bool, are of a bent low-poly model; "" without any."""
-        tuned, judged = parameters(), self._whole_of_few(is_counted)
-        _, kept = self._surface.fading.of_mesh(judged)
-        return self._said_of(judged) if kept > tuned.least_kept else ""
+    def shape(self, is_counted: BoolArray, level: FloatArray) -> str:
+        """Text on signs that vertices, (n,) bool, are rough by their shape; "" without any.
 
-    def layout(self, is_counted: BoolArray, level: FloatArray) -> str:
-        """Text on signs that the edges at vertices, (n,) bool, follow bends; "" without any.
-
-        `level` (n,) is the roughness in local edge lengths.
+        Noise knows no edges, and does not fade in differences of higher order.  `level` (n,) is
+        that of the noise, if it is noise, in local edge lengths.
         """
-        tuned, judged = parameters(), self._whole_of_few(is_counted)
-        excess = laid_excess(self._surface, level, judged)
-        if excess <= max(tuned.most_laid, tuned.chance / np.sqrt(np.count_nonzero(judged))):
+        tuned = parameters()
+        # Small parts, such as the eyes of a head, are judged with the whole.
+        is_small = np.count_nonzero(is_counted) < tuned.fewest_to_tell
+        judged = self._all_counted if is_small else is_counted
+        laid, deviation = laid_excess(self._surface, level, judged)
+        faded = 1 - min(self._surface.fading.of_mesh(judged)[1], 1)
+        # What chance may have hidden is shape until more vertices tell.
+        signs = laid + deviation + tuned.fading_weight * faded
+        if signs <= tuned.most_shape:
             return ""
-        return f"{100 * excess:.0f} % more of its edges follow bends than noise would leave"
-
-    def _whole_of_few(self, is_counted: BoolArray) -> BoolArray:
-        """Vertices to judge from: the whole for small parts, such as the eyes of a head."""
-        is_small = np.count_nonzero(is_counted) < parameters().fewest_to_tell
-        return self._all_counted if is_small else is_counted
+        return (
+            f"{100 * max(laid, 0):.0f} % more of its edges follow bends than noise would leave, "
+            f"and its roughness fades by {100 * faded:.0f} %"
+        )
 
     def _are_at(self, is_counted: BoolArray) -> BoolArray:
         """Whether each triangle has one of some vertices, (n,) bool."""
@@ -109,46 +106,6 @@ class CleanDetail:
     @cached_property
     def _are_repeated(self) -> BoolArray:
         return are_repeated(self._surface.topology, self._surface.positions)
-
-    def _said_of(self, is_counted: BoolArray) -> str:
-        """Text on signs that vertices, (n,) bool, are a bent low-poly shape; "" without any.
-
-        The measure is the deviation of a vertex from the mean of its neighbours.  In white noise it
-        is independent of the neighbours' deviations; on a smooth shape they are nearly equal.
-        """
-        tuned = parameters()
-        if np.count_nonzero(self._all_counted) > tuned.low_poly:
-            return ""
-        rises = self._surface.frame.rises(self._surface.positions)
-        of_mesh, of_noise = self._alikeness(rises, is_counted), self._expected(is_counted)
-        alike = (of_mesh - of_noise) / max(1 - of_noise, 1e-9)
-        if alike < tuned.least_bend_correlation:
-            return ""
-        return (
-            f"neighbouring vertices stand out alike by {100 * alike:.0f} %, as where a shape bends"
-        )
-
-    def _alikeness(self, own: FloatArray, is_counted: BoolArray) -> float:
-        """Correlation of the deviations (n,) from the neighbours' mean with the neighbours'."""
-        around = self._surface.frame.mean @ own
-        own, around = own[is_counted], around[is_counted]
-        size = float(own.std() * around.std())
-        return float(np.mean((own - own.mean()) * (around - around.mean()))) / size if size else 0.0
-
-    def _expected(self, is_counted: BoolArray) -> float:
-        """Correlation that white noise has: `_alikeness` of many noises.
-
-        Row i of a matrix has what every vertex, raised by one local edge, adds to deviation i.
-        """
-        frame = self._surface.frame
-        mean, size = frame.mean.tocoo(), frame.spacing
-        at, of = mean.coords
-        along = dots(frame.normals[at], frame.normals[of]) * size[of] / size[at]
-        beside = sparse.csr_array((mean.data * along, (at, of)), shape=mean.shape)
-        deviations = sparse.csr_array(sparse.identity(len(size), format="csr") - beside)
-        own, around = deviations[is_counted], (frame.mean @ deviations)[is_counted]
-        sizes = np.sqrt(own.power(2).sum() * around.power(2).sum())
-        return float(own.multiply(around).sum() / sizes) if sizes else 0.0
 
 
 def are_repeated(topology: TriangleTopology, positions: FloatArray) -> BoolArray:

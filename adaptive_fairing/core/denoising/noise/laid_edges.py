@@ -19,7 +19,9 @@ from .noisy_surface import NoisySurface
 MOST_EDGES = 50_000
 
 
-def laid_excess(surface: NoisySurface, level: FloatArray, is_counted: BoolArray) -> float:
+def laid_excess(
+    surface: NoisySurface, level: FloatArray, is_counted: BoolArray
+) -> tuple[float, float]:
     """Measure how many more edges are better as they are than if noise had come later.
 
     Parameters
@@ -32,23 +34,27 @@ def laid_excess(surface: NoisySurface, level: FloatArray, is_counted: BoolArray)
 
     Returns
     -------
-    float
+    excess : float
         Edges that are better as they are, less those that are worse, over all edges; minus the
         same of white noise on the slightly smoothed surface. Between -2 and 2.
+    deviation : float
+        Standard deviation of the excess by chance, as if every edge were drawn for itself.
     """
     topology, positions, frame = surface.topology, surface.positions, surface.frame
-    found = _preference(topology, positions, is_counted)
+    found, deviation = _preference(topology, positions, is_counted)
     # Only the heights are replaced: along the surface the vertices stay.
     smooth = positions + frame.raised(frame.along_normal(frame.positions - positions))
     of_noise = [
-        _preference(topology, smooth + frame.raised(level * each), is_counted)
+        _preference(topology, smooth + frame.raised(level * each), is_counted)[0]
         for each in surface.own.several()
     ]
-    return found - float(np.mean(of_noise))
+    return found - float(np.mean(of_noise)), deviation
 
 
-def _preference(topology: TriangleTopology, positions: FloatArray, is_counted: BoolArray) -> float:
-    """Compare edges as they are with the other diagonals: mean of 1, 0 and -1.
+def _preference(
+    topology: TriangleTopology, positions: FloatArray, is_counted: BoolArray
+) -> tuple[float, float]:
+    """Compare edges as they are with the other diagonals: mean of 1, 0 and -1, and its deviation.
 
     Source: angles between normals, N. Dyn, D. Levin, S. Rippa, Data dependent triangulations for
     piecewise linear interpolation, 1990.
@@ -82,4 +88,7 @@ def _preference(topology: TriangleTopology, positions: FloatArray, is_counted: B
     is_convex = np.all([dots(each, here + there) > 0 for each in (at_start, at_end)], axis=0)
     is_inside = np.all([is_counted[each] for each in ends], axis=0)
     is_judged = is_convex & is_inside & np.all([each >= 0 for each in across], axis=0)
-    return float(better[is_judged].mean()) if is_judged.any() else 0.0
+    judged = better[is_judged]
+    if not len(judged):
+        return 0.0, 0.0
+    return float(judged.mean()), float(judged.std() / np.sqrt(len(judged)))
