@@ -13,10 +13,12 @@ from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealAr
 from ..runtime.threads import side_by_side
 from .mixture import Mixture, least_risk_coefficients
 from .noise.clean_detail import CleanDetail
-from .noise.level import scan_level, variance_law
+from .noise.contrast import Contrast
+from .noise.level import MEDIAN_ERROR, scan_level, variance_law
 from .noise.noisy_surface import NoisySurface
 from .noise.spikes import is_impulsive
 from .noise.unevenness import unevenness
+from .noise_model import VarianceLaw
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
@@ -108,13 +110,12 @@ class MeshParts:
             # As in a mesh of so few vertices nothing can be judged: specks do not change.
             if np.count_nonzero(counted) < tuned.fewest:
                 continue
-            level[counted], rough_noise = self._by_roughness(surface, counted)
-            told[counted] = level[counted]
+            level[counted], law = _level(surface, surface.roughness, counted)
             if np.median(level[counted]) <= clean:
                 continue
             # Not all are needed on every surface, but side by side they cost little.
             of_hinges, stands_out, fades, is_contour, copies = side_by_side(
-                partial(self._by_hinges, surface, level, counted),
+                partial(_by_hinges, surface, counted),
                 partial(is_impulsive, surface, level, counted),
                 partial(surface.fading.fades, counted),
                 partial(detail.is_contour, counted),
@@ -126,17 +127,19 @@ class MeshParts:
             if not keeps_clean:
                 noise[counted] = level[counted]
                 continue
-            by_hinges = None if is_contour else of_hinges
-            told[counted], least_noise = by_hinges or (level[counted], rough_noise)
-            # The fading of the roughness tells nothing of what the hinges see.
-            is_detail = by_hinges is None and detail.fades(counted)
+            # Every kind of contrast is an upper bound: shape only adds.
+            rough = level[counted]
+            least = told[counted] = rough if is_contour else np.minimum(rough, of_hinges)
+            # The fading of the roughness tells nothing where shape has raised it.
+            is_raised = np.median(least) < tuned.clearly_less * np.median(rough)
+            is_detail = not is_raised and detail.fades(counted)
             if not (is_detail or impulsive[members].any() or is_contour):
                 reason = copies or detail.shape(counted, told)
                 if reason:
                     models.append(reason)
                     is_detail = True
-            if not is_detail and np.median(told[counted]) > clean:
-                noise[counted] = least_noise
+            if not is_detail and np.median(least) > clean:
+                noise[counted] = law.noise(surface.frame.spacing[counted], least)
         if impulsive.any() or noise.any():
             if n_counted < tuned.fewest_to_tell and keeps_clean:
                 return NoiseFound(0 * noise, np.zeros_like(impulsive), level, (self.too_few(),))
@@ -145,35 +148,6 @@ class MeshParts:
             return NoiseFound(noise, impulsive, level, unevenness=uneven)
         note = self.why_nothing(level, models)
         return NoiseFound(noise, impulsive, level, (note,))
-
-    def _by_roughness(
-        self, surface: NoisySurface, counted: BoolArray
-    ) -> tuple[FloatArray, FloatArray]:
-        """Level and noise (c,) of some vertices, (n,) bool, by their roughness."""
-        rough, frame = surface.roughness, surface.frame
-        law, spacing = variance_law(rough, counted), frame.spacing[counted]
-        level = law.level(spacing)
-        if np.median(level) > parameters().clean_roughness and surface.cosines is not None:
-            level = scan_level(rough, frame, counted, surface.cosines)[counted]
-            return level, level
-        return level, law.noise(spacing)
-
-    def _by_hinges(
-        self, surface: NoisySurface, level: FloatArray, counted: BoolArray
-    ) -> tuple[FloatArray, FloatArray] | None:
-        """Level and noise (c,) of some vertices, (n,) bool, if the hinges allow less than `level`.
-
-        Every kind of contrast is an upper bound: noise shows in all of them alike, and shape only
-        adds.
-        """
-        tuned, spacing = parameters(), surface.frame.spacing[counted]
-        if not counted[surface.hinges.vertices].all(axis=1).any():
-            return None
-        law = variance_law(surface.hinges, counted)
-        of_hinges = law.level(spacing)
-        # Noise that turns triangles over leaves nothing in their hinges.
-        limit = min(tuned.clearly_less * np.median(level[counted]), tuned.coarse_noise)
-        return (of_hinges, law.noise(spacing)) if np.median(of_hinges) < limit else None
 
     def too_few(self) -> str:
         """Note that there are too few vertices to judge from."""
@@ -307,6 +281,32 @@ class MeshParts:
         """Pass flags (p,) of the parts on to their vertices, (n,)."""
         of_vertices: BoolArray = of_parts[self._part]
         return of_vertices
+
+
+def _level(
+    surface: NoisySurface, contrast: Contrast, counted: BoolArray
+) -> tuple[FloatArray, VarianceLaw]:
+    """Level (c,) of the noise of some vertices, (n,) bool, and its law, by one kind of contrast."""
+    frame, law = surface.frame, variance_law(contrast, counted)
+    level = law.level(frame.spacing[counted])
+    if surface.cosines is None or np.median(level) <= parameters().clean_roughness:
+        return level, law
+    # The noise of a scan does not grow with the edges, so none of it is a clean mesh's.
+    seen = scan_level(contrast, frame, counted, surface.cosines)
+    return seen[counted], law._replace(per_edge=0.0)
+
+
+def _by_hinges(surface: NoisySurface, counted: BoolArray) -> FloatArray:
+    """Level (c,) of some vertices, (n,) bool, by their hinges; infinite if these tell nothing."""
+    nothing = np.full(np.count_nonzero(counted), np.inf)
+    if not counted[surface.hinges.vertices].all(axis=1).any():
+        return nothing
+    level, _ = _level(surface, surface.hinges, counted)
+    # Noise that turns triangles over leaves nothing in their hinges.
+    if np.median(level) > parameters().coarse_noise:
+        return nothing
+    # One of two estimates is always lower: it must be by more than chance.
+    return level * (1 + MEDIAN_ERROR / np.sqrt(len(level)))
 
 
 def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:

@@ -189,7 +189,10 @@ def _noisy_spikes(stage: Stage, found: NoiseFound, calm: _Calm) -> BoolArray:
     # Spikes may be anywhere, corners of a shape are beside others.
     least = np.maximum(found.roughness, tuned.clean_roughness)
     clustering = parts.clustering(stage.track.start, calm.stage.track.start, least)
-    are_anywhere = clustering <= n_spikes / np.maximum(n_judged, 1) + tuned.most_clustered_spikes
+    # What chance may have hidden counts against them: few corners are beside each other.
+    chance = 1 / np.sqrt(np.maximum(n_judged, 1))
+    share = n_spikes / np.maximum(n_judged, 1)
+    are_anywhere = clustering + chance <= share + tuned.most_clustered_spikes
     # Normal noise has vertices that stand out, too.
     explained, squares = (parts.sums(np.square(each)) for each in (calm.other.moved, calm.moved))
     are_more = explained <= tuned.most_explained * squares

@@ -54,10 +54,10 @@ class DenoiseParameters:
     # as spikes after jitter of 0.0001 of an edge. By hand; 4 for the one and 2.5 for the other
     # gave the same.
     chance: float = 3.0
-    # What is below this part of its size in white noise is clearly less: the hinges against the
-    # roughness, which shape has raised then, and the differences of high order against those of low
-    # order, which fade then. White noise on many shapes kept 0.92 to 1.05 in high order, staircases
-    # 0.71 to 0.85. With 0.85 for hinges the results were the same.
+    # What is below this part of its size in white noise is clearly less: the lower bounds against
+    # the roughness, which shape has raised then, and the differences of high order against those of
+    # low order, which fade then. White noise on many shapes kept 0.92 to 1.05 in high order,
+    # staircases 0.71 to 0.85.
     clearly_less: float = 0.9
 
     # flat_faces. On shapes of flat faces, with normal noise and one amplitude of 0.2, a change of
@@ -219,10 +219,11 @@ class DenoiseParameters:
     extra_deviations: float = 1.0
 
     # noise_verdict
-    # The share of spikes among the neighbours of spikes exceeds that among all vertices by at most
-    # this. Spikes and heavy tails on 18 tuning shapes had -0.1 to 0.03, one 0.08. Corners of
-    # decimated shapes had 0.03 to 0.4.
-    most_clustered_spikes: float = 0.05
+    # The share of spikes among the neighbours of spikes exceeds that among all n vertices by at
+    # most this, less 1 / √n for chance. Spikes and heavy tails on 18 tuning shapes had -0.1 to
+    # 0.03, one 0.08, on small meshes at most 0.02. Corners of decimated shapes had 0.03 to 0.4,
+    # those of two CSG models of 390 and 493 vertices 0.024 and 0.026.
+    most_clustered_spikes: float = 0.06
 
     # And normal noise alone, put back in the same way, moves by at most this part of the squares:
     # its own tails stand out too. Heavy tails and spikes on six shapes had at most 0.07, noise of

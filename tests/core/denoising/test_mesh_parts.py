@@ -12,6 +12,7 @@ from adaptive_fairing.core.denoising.mixing import LIKE_DETAIL, UNLIKE_NOISE
 from adaptive_fairing.core.denoising.noise import noisy_surface
 from adaptive_fairing.core.denoising.noise.clean_detail import CleanDetail
 from adaptive_fairing.core.denoising.noise.contrast import LineRoughness
+from adaptive_fairing.core.denoising.noise.level import variance_law
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
 from adaptive_fairing.core.denoising.stage import Stage
@@ -62,6 +63,43 @@ def test_a_clean_part_stays_clean_beside_a_noisy_one():
     moves = np.linalg.norm(denoise(points, faces).positions - points, axis=1)
     assert moves[: len(BALL)].max() < 1e-3 * moves[len(BALL) :].max()
     assert moves[len(BALL) :].max() > 0
+
+
+def bounds_of(points, faces):
+    """Levels (n,) by roughness and by hinges at the inner vertices, and those, (n,) bool.
+
+    Hinges must be lower by more than chance.
+    """
+    topology = TriangleTopology(faces, len(points))
+    stage = Stage(topology, points, np.zeros(len(points), dtype=bool), lambda report: None)
+    surface, counted = stage.noisy, stage.parts.is_counted
+    laws = (variance_law(each, counted) for each in (surface.roughness, surface.hinges))
+    rough, hinged = (law.level(surface.frame.spacing) for law in laws)
+    return rough, (1 + 1.167 / np.sqrt(np.count_nonzero(counted))) * hinged, counted
+
+
+def test_at_every_vertex_the_lower_bound_counts():
+    """Roughness and hinges see the same noise; shape adds more to the one here, the other there."""
+    vertices, faces = meshes.graded_sphere(4)
+    frame = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
+    length = 0.2 * np.median(frame.spacing)
+    heights = length / frame.spacing * np.random.default_rng(2).normal(size=len(vertices))
+    points = vertices + frame.raised(heights)
+    rough, hinged, counted = bounds_of(points, faces)
+    assert np.any(rough < hinged) and np.any(hinged < rough)
+    level, least = even_levels_of(points, faces), np.minimum(rough, hinged)
+    np.testing.assert_allclose(level[counted], least[counted], rtol=1e-3)
+
+
+def test_grooves_on_a_part_of_a_mesh_do_not_raise_its_noise():
+    """Roughness sees them everywhere as its law has no places, hinges do not."""
+    grid, faces = meshes.flat_grid(80, 60)
+    column = grid[:, 0]
+    clean = grid + np.where(column < 26, np.abs(column % 8 - 4), 0)[:, None] * [0, 0, 1]
+    frame = TriangleSurface(TriangleTopology(faces, len(clean)), clean)
+    points = clean + frame.raised(0.1 * np.random.default_rng(0).normal(size=len(clean)))
+    found = even_levels_of(points, faces)
+    assert np.median(found[found > 0]) == pytest.approx(0.1, rel=0.03)
 
 
 def test_small_parts_are_judged_together():
@@ -193,11 +231,26 @@ def test_creases_across_the_mesh_are_not_removed(size):
     assert after <= before
 
 
-def test_what_comes_in_clusters_is_not_removed():
-    """Roughness much stronger on a third of a ball, where noise would be as strong everywhere."""
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_noise_that_is_stronger_on_a_third_of_a_ball_is_removed(seed):
+    """It comes in one cluster, but then it is white around every vertex."""
     ball, faces = meshes.icosphere(4)
     strength = np.where(ball[:, 2:] > 0.3, 2.5, 1)
-    points = ball * (1 + 0.0084 * strength * np.random.default_rng(1).normal(size=(len(ball), 1)))
+    numbers = np.random.default_rng(seed).normal(size=(len(ball), 1))
+    points = ball * (1 + 0.0084 * strength * numbers)
+    before, after = (
+        np.std(np.linalg.norm(each, axis=1)) for each in (points, denoise(points, faces).positions)
+    )
+    assert after < 0.4 * before
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_what_comes_in_clusters_is_not_removed(seed):
+    """Roughness much stronger in stripes of a few edges, where noise would be as strong."""
+    ball, faces = meshes.icosphere(4)
+    strength = np.where(np.sin(5 * np.pi * ball[:, 2:]) > 0.3, 3, 1)
+    numbers = np.random.default_rng(seed).normal(size=(len(ball), 1))
+    points = ball * (1 + 0.0084 * strength * numbers)
     found = denoise(points, faces)
     assert np.array_equal(found.positions, points)
     assert UNLIKE_NOISE in found.notes

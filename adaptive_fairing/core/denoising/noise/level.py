@@ -67,7 +67,7 @@ def variance_law(contrast: Contrast, is_counted: BoolArray) -> VarianceLaw:
 
 
 def scan_level(
-    rough: Contrast, frame: TriangleSurface, is_counted: BoolArray, cosines: FloatArray
+    contrast: Contrast, frame: TriangleSurface, is_counted: BoolArray, cosines: FloatArray
 ) -> FloatArray:
     """Estimate the noise (n,) of a surface seen along a line of sight, in local edge lengths.
 
@@ -77,17 +77,16 @@ def scan_level(
 
     Parameters
     ----------
-    rough, frame, is_counted
-        As for `variance_law`; at least one vertex is counted.
+    contrast, frame, is_counted
+        As for `variance_law`; at least one contrast is among the counted vertices.
     cosines : (n,)
         Cosines of the angles between normals and line of sight, above 0.
     """
-    value = rough.value[is_counted]
-    of_length = np.sqrt(rough.fineness[is_counted])
-    of_sight = cosines[is_counted] * of_length
-    along_sight = _gain(rough, value, of_length, of_sight) > 0
-    expected = of_sight if along_sight else of_length
-    size = float(np.median(value / expected)) / NORMAL_MEDIAN
+    contrast = contrast.among(is_counted)
+    of_length = np.sqrt(contrast.fineness)
+    of_sight = cosines[contrast.vertices].mean(axis=1) * of_length
+    along_sight = _gain(contrast, contrast.value, of_length, of_sight) > 0
+    size = contrast.deviation(contrast.value / (of_sight if along_sight else of_length))
     return size * (cosines if along_sight else 1) / frame.spacing
 
 
@@ -100,7 +99,9 @@ def has_one_length(
 
     Parameters
     ----------
-    rough, is_counted, cosines
+    rough : Contrast
+        Roughness, one contrast for every vertex.
+    is_counted, cosines
         As for `scan_level`.
     """
     judged = is_counted if cosines is None else is_counted & (cosines > FACING)
