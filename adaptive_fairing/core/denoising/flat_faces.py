@@ -93,7 +93,7 @@ class FlatFaces:
         self._find(1.0)
 
     def again(self, factor: float) -> FlatFaces:
-        """Find the faces of the same surface, with this factor of the limit between regions."""
+        """Find the faces of the same surface, merged with another factor."""
         other = copy(self)
         other._find(factor)
         return other

@@ -96,7 +96,8 @@ def flat_regions(
     own_part : float
         Vertices with smooth noise say as much as this part of them would with white noise.
     factor : float
-        Of the limit.
+        Of the limit, and exponent of the areas in the order. Other factors give other regions
+        where rounding decides.
     face : (m,) int, optional
         Faces so far, below 0 without one.  Where there are any, none but these merge.
 
@@ -119,7 +120,7 @@ def flat_regions(
         pairs, is_crease = _once(region[pairs], is_crease, len(regions.areas))
     left = regions.off_plane()
     while True:
-        chosen = _nearest_to_each_other(regions, pairs, is_crease)
+        chosen = _nearest_to_each_other(regions, pairs, is_crease, factor)
         if not len(chosen):
             return region
         keep, lose = pairs[:, chosen]
@@ -172,11 +173,16 @@ def _single(
     return _Regions(normals.copy(), np.sqrt(dots(normals, normals)), moments, vertices)
 
 
-def _nearest_to_each_other(regions: _Regions, pairs: IntArray, is_crease: BoolArray) -> IndexArray:
-    """Find the pairs (2, p) of which either region turns away least from the other, by index."""
+def _nearest_to_each_other(
+    regions: _Regions, pairs: IntArray, is_crease: BoolArray, exponent: float
+) -> IndexArray:
+    """Find the pairs (2, p) of which either region turns away least from the other, by index.
+
+    With an exponent of 1 it is the turn by which the sum of squares over the area grows least.
+    """
     first, second = pairs
     directions = unit_vectors(regions.turned)
-    way, areas = directions[first] - directions[second], regions.areas
+    way, areas = directions[first] - directions[second], regions.areas**exponent
     both = np.maximum(areas[first] + areas[second], np.finfo(float).tiny)
     cost = dots(way, way) * areas[first] * areas[second] / both
     cost[is_crease] = np.inf

@@ -8,7 +8,7 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, PreparedMesh, denoise
 from adaptive_fairing.core.denoising.filters import (
-    OTHER_EVENNESSES,
+    OTHER_FACTORS,
     FilterBank,
     FilterFamily,
     NormalFamily,
@@ -138,7 +138,7 @@ def test_probes_are_flattened_on_the_faces_of_the_surface_itself(monkeypatch):
     monkeypatch.setattr(FlatFaces, "flattened", recorded)
     denoise(*noisy_cube(0.15))
     first, *others = used.values()
-    assert len(first) == 1 + len(OTHER_EVENNESSES)
+    assert len(first) == 1 + len(OTHER_FACTORS)
     assert others and all(each == first for each in others)
 
 
