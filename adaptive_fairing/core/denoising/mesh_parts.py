@@ -139,7 +139,9 @@ class MeshParts:
                     models.append(reason)
                     is_detail = True
             if not is_detail and np.median(least) > clean:
-                noise[counted] = law.noise(surface.frame.spacing[counted], least)
+                # What part of it clean meshes have, the roughness tells.
+                spacing = surface.frame.spacing[counted]
+                noise[counted] = least * law.noise(spacing) / law.level(spacing)
         if impulsive.any() or noise.any():
             if n_counted < tuned.fewest_to_tell and keeps_clean:
                 return NoiseFound(0 * noise, np.zeros_like(impulsive), level, (self.too_few(),))
@@ -291,9 +293,9 @@ def _level(
     level = law.level(frame.spacing[counted])
     if surface.cosines is None or np.median(level) <= parameters().clean_roughness:
         return level, law
-    # The noise of a scan does not grow with the edges, so none of it is a clean mesh's.
     seen = scan_level(contrast, frame, counted, surface.cosines)
-    return seen[counted], law._replace(per_edge=0.0)
+    # The noise of a scan does not grow with the edges, so none of it is a clean mesh's.
+    return seen[counted], VarianceLaw(0.0, 1.0)
 
 
 def _by_hinges(surface: NoisySurface, counted: BoolArray) -> FloatArray:

@@ -31,16 +31,15 @@ class VarianceLaw(NamedTuple):
         """Return the standard deviation in local edge lengths where the edges are h long, (n,)."""
         return np.sqrt(self.per_edge + self.per_length / np.square(spacing))
 
-    def noise(self, spacing: FloatArray, level: FloatArray | None = None) -> FloatArray:
-        """Return the level (n,), or a lower one, without the roughness of clean meshes.
+    def noise(self, spacing: FloatArray) -> FloatArray:
+        """Return the level (n,) without the roughness of clean meshes.
 
         That grows with the edges, so it is a part of a alone.
         """
-        of_law = self.level(spacing)
-        share = self.per_edge / np.maximum(np.square(of_law), np.finfo(float).tiny)
+        variance = np.square(self.level(spacing))
+        share = self.per_edge / np.maximum(variance, np.finfo(float).tiny)
         clean = share * parameters().clean_roughness ** 2
-        whole = of_law if level is None else level
-        noise: FloatArray = np.maximum(whole**4 - clean**2, 0) ** 0.25
+        noise: FloatArray = np.maximum(variance**2 - clean**2, 0) ** 0.25
         return noise
 
     def expected(self, fineness: FloatArray) -> FloatArray:

@@ -44,9 +44,9 @@ def levels(shape, points):
     rough, of_hinges = (variance_law(each, inside) for each in (surface.roughness, surface.hinges))
     # Hinges count where they are lower by more than chance, 1.167 / √n.
     bound = (1 + 1.167 / np.sqrt(len(points))) * of_hinges.level(frame.spacing)
-    least = np.minimum(rough.level(frame.spacing), bound)
+    lower = np.minimum(1, bound / rough.level(frame.spacing))
     found = MeshParts(frame, ~inside).noise(surface)
-    return rough.noise(frame.spacing, least), found.level
+    return lower * rough.noise(frame.spacing), found.level
 
 
 @EVERY_SHAPE
