@@ -181,7 +181,7 @@ def _calmed(stage: Stage, impulsive: BoolArray, keeps_clean: bool) -> _Calm:
 def _noisy_spikes(stage: Stage, found: NoiseFound, calm: _Calm) -> BoolArray:
     """Whether vertices which stand out are noise, (n,); not if they belong to the shape."""
     tuned, parts, spikes = parameters(), stage.parts, calm.stage.spikes
-    n_spikes, n_judged = parts.sums(spikes), parts.counts()
+    n_spikes, n_judged = parts.sums(spikes), np.maximum(parts.counts(), 1)
     # Where there is no other noise, they stand out of more than the roughness of clean meshes: the
     # corners of facets that were divided had up to 0.067 edges, rounded depths 0.11, spikes 0.58.
     size, _ = spike_law(np.abs(calm.moved[parts.is_counted]), spikes[parts.is_counted])
@@ -190,9 +190,8 @@ def _noisy_spikes(stage: Stage, found: NoiseFound, calm: _Calm) -> BoolArray:
     least = np.maximum(found.roughness, tuned.clean_roughness)
     clustering = parts.clustering(stage.track.start, calm.stage.track.start, least)
     # What chance may have hidden counts against them: few corners are beside each other.
-    chance = 1 / np.sqrt(np.maximum(n_judged, 1))
-    share = n_spikes / np.maximum(n_judged, 1)
-    are_anywhere = clustering + chance <= share + tuned.most_clustered_spikes
+    most = n_spikes / n_judged + tuned.most_clustered_spikes
+    are_anywhere = clustering + 1 / np.sqrt(n_judged) <= most
     # Normal noise has vertices that stand out, too.
     explained, squares = (parts.sums(np.square(each)) for each in (calm.other.moved, calm.moved))
     are_more = explained <= tuned.most_explained * squares
