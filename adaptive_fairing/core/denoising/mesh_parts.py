@@ -299,16 +299,14 @@ def _level(
 
 
 def _by_hinges(surface: NoisySurface, counted: BoolArray) -> FloatArray:
-    """Level (c,) of some vertices, (n,) bool, by their hinges; infinite if these tell nothing."""
-    nothing = np.full(np.count_nonzero(counted), np.inf)
+    """Level (c,) of some vertices, (n,) bool, by hinges; infinite where these tell nothing."""
     if not counted[surface.hinges.vertices].all(axis=1).any():
-        return nothing
+        return np.full(np.count_nonzero(counted), np.inf)
     level, _ = _level(surface, surface.hinges, counted)
-    # Noise that turns triangles over leaves nothing in their hinges.
-    if np.median(level) > parameters().coarse_noise:
-        return nothing
     # One of two estimates is always lower: it must be by more than chance.
-    return level * (1 + MEDIAN_ERROR / np.sqrt(len(level)))
+    bound = level * (1 + MEDIAN_ERROR / np.sqrt(len(level)))
+    # Noise that turns triangles over leaves nothing in their hinges.
+    return np.where(level > parameters().coarse_noise, np.inf, bound)
 
 
 def density_classes(size: FloatArray, is_counted: BoolArray) -> FloatArray:

@@ -68,14 +68,15 @@ def test_a_clean_part_stays_clean_beside_a_noisy_one():
 def bounds_of(points, faces):
     """Levels (n,) by roughness and by hinges at the inner vertices, and those, (n,) bool.
 
-    Hinges must be lower by more than chance.
+    Hinges must be lower by more than chance, and tell nothing of noise over 0.25.
     """
     topology = TriangleTopology(faces, len(points))
     stage = Stage(topology, points, np.zeros(len(points), dtype=bool), lambda report: None)
     surface, counted = stage.noisy, stage.parts.is_counted
     laws = (variance_law(each, counted) for each in (surface.roughness, surface.hinges))
     rough, hinged = (law.level(surface.frame.spacing) for law in laws)
-    return rough, (1 + 1.167 / np.sqrt(np.count_nonzero(counted))) * hinged, counted
+    bound = (1 + 1.167 / np.sqrt(np.count_nonzero(counted))) * hinged
+    return rough, np.where(hinged > 0.25, np.inf, bound), counted
 
 
 def test_at_every_vertex_the_lower_bound_counts():
