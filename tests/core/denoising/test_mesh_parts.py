@@ -33,9 +33,13 @@ def side_by_side(*parts):
     return meshes.merged(*((points + 9 * k, faces) for k, (points, faces) in enumerate(parts)))
 
 
-def found_in(points, faces):
+def stage_of(points, faces):
     topology = TriangleTopology(faces, len(points))
-    stage = Stage(topology, points, np.zeros(len(points), dtype=bool), lambda report: None)
+    return Stage(topology, points, np.zeros(len(points), dtype=bool), lambda report: None)
+
+
+def found_in(points, faces):
+    stage = stage_of(points, faces)
     return stage.parts.noise(stage.noisy)
 
 
@@ -70,8 +74,7 @@ def bounds_of(points, faces):
 
     Hinges must be lower by more than chance, and tell nothing of noise over 0.25.
     """
-    topology = TriangleTopology(faces, len(points))
-    stage = Stage(topology, points, np.zeros(len(points), dtype=bool), lambda report: None)
+    stage = stage_of(points, faces)
     surface, counted = stage.noisy, stage.parts.is_counted
     laws = (variance_law(each, counted) for each in (surface.roughness, surface.hinges))
     rough, hinged = (law.level(surface.frame.spacing) for law in laws)
@@ -93,7 +96,7 @@ def test_at_every_vertex_the_lower_bound_counts():
 
 
 def test_grooves_on_a_part_of_a_mesh_do_not_raise_its_noise():
-    """Roughness sees them everywhere as its law has no places, hinges do not."""
+    """The law of the roughness has no places, so they raise all of it; hinges do not see them."""
     grid, faces = meshes.flat_grid(80, 60)
     column = grid[:, 0]
     clean = grid + np.where(column < 26, np.abs(column % 8 - 4), 0)[:, None] * [0, 0, 1]
@@ -247,7 +250,7 @@ def test_noise_that_is_stronger_on_a_third_of_a_ball_is_removed(seed):
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_what_comes_in_clusters_is_not_removed(seed):
-    """Roughness much stronger in stripes of a few edges, where noise would be as strong."""
+    """Roughness much stronger in stripes of a few edges; noise is as strong between them."""
     ball, faces = meshes.icosphere(4)
     strength = np.where(np.sin(5 * np.pi * ball[:, 2:]) > 0.3, 3, 1)
     numbers = np.random.default_rng(seed).normal(size=(len(ball), 1))
