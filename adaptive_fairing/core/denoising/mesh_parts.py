@@ -133,7 +133,7 @@ class MeshParts:
             # The fading of the roughness tells nothing where shape has raised it.
             is_raised = np.median(least) < tuned.clearly_less * np.median(rough)
             is_detail = not is_raised and detail.fades(counted)
-            if not (is_detail or impulsive[members].any() or is_contour):
+            if not (is_detail or is_contour):
                 reason = copies or detail.shape(counted, told)
                 if reason:
                     models.append(reason)
@@ -142,14 +142,13 @@ class MeshParts:
                 # What part of it clean meshes have, the roughness tells.
                 spacing = surface.frame.spacing[counted]
                 noise[counted] = least * law.noise(spacing) / law.level(spacing)
-        if impulsive.any() or noise.any():
-            if n_counted < tuned.fewest_to_tell and keeps_clean:
-                return NoiseFound(0 * noise, np.zeros_like(impulsive), level, (self.too_few(),))
-            uneven = unevenness(surface, noise, self.is_counted)
-            noise = noise if uneven is None else noise * uneven
-            return NoiseFound(noise, impulsive, level, unevenness=uneven)
-        note = self.why_nothing(level, models)
-        return NoiseFound(noise, impulsive, level, (note,))
+        is_any = noise.any() or impulsive.any()
+        if is_any and n_counted < tuned.fewest_to_tell and keeps_clean:
+            return NoiseFound(0 * noise, np.zeros_like(impulsive), level, (self.too_few(),))
+        uneven = unevenness(surface, noise, self.is_counted)
+        noise = noise if uneven is None else noise * uneven
+        notes = () if noise.any() else (self.why_nothing(level, models),)
+        return NoiseFound(noise, impulsive, level, notes, uneven)
 
     def too_few(self) -> str:
         """Note that there are too few vertices to judge from."""

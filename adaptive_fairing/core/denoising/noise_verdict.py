@@ -154,7 +154,8 @@ def _narrow_noise(stage: Stage, *, keeps_clean: bool) -> tuple[NoiseVerdict, Flo
                 calm = _calmed(stage, impulsive, keeps_clean)
             return _without_spikes(found, calm, impulsive), calm.found.roughness
         # Spikes of the shape: there is noise only where it is rough without them.
-        level, notes = np.where(calm.found.level > 0, found.level, 0), calm.found.notes
+        level = np.where(calm.found.level > 0, found.level, 0)
+        notes = found.notes or calm.found.notes
         if not (notes or level.any()):
             notes = (stage.parts.why_nothing(found.roughness),)
         found = found._replace(level=level, impulsive=impulsive, notes=notes)

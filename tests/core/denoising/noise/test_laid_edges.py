@@ -7,6 +7,7 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
+from adaptive_fairing.core.denoising import mesh_parts
 from adaptive_fairing.core.denoising.noise.laid_edges import laid_excess
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
@@ -139,3 +140,13 @@ def test_what_was_laid_out_comes_back_bit_by_bit_and_noise_on_it_does_not(seed):
     assert "of its edges follow bends" in result.notes[-1]
     noisy = with_other_heights(points, ROUGH, 9)
     assert denoise(noisy, faces).positions[:, 2].std() < 0.7 * noisy[:, 2].std()
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_edges_are_asked_where_vertices_stand_out_too(monkeypatch, seed):
+    """Corners stand out. If they are no spikes, all is judged like other roughness."""
+    monkeypatch.setattr(mesh_parts, "is_impulsive", lambda *_: True)
+    points, faces = laid_out(seed)
+    result = denoise(points, faces)
+    assert np.array_equal(result.positions, points)
+    assert "of its edges follow bends" in result.notes[-1]
