@@ -7,8 +7,8 @@
     two of them are no single quadric.
 
 A vertex of one face then moves onto its plane, a vertex of several faces to where they meet.  It
-moves less where a face is hardly a flat one, or the vertex is hardly near enough to it: what
-rounding decides should change nothing.
+moves less where a face is hardly a flat one, where the vertex is hardly near enough to it, or where
+its triangles are nearly as near to another: what rounding decides should change nothing.
 """
 
 from __future__ import annotations
@@ -114,6 +114,7 @@ class FlatFaces:
         is_face = np.append(certainty > 0, False)
         self._number(np.where(is_face[self.face], self.face, NO_FACE))
         self._fit()
+        self._share()
         self._certainty = certainty[certainty > 0]
 
     def _merge(self, factor: float) -> None:
@@ -140,7 +141,8 @@ class FlatFaces:
         if flatness <= 0:
             return surface
         planes = self.planes if noisy is self._noisy else self._fitted(noisy)
-        return planes.onto(surface, min(flatness, 1.0) * self._belonging(planes, surface))
+        belonging = min(flatness, 1.0) * self._belonging(surface)
+        return planes.onto(surface, self._moved, self._moved_to, belonging)
 
     def of_vertices(self) -> IntArray:
         """Return the face of every vertex whose triangles are all on one, (n,), or `NO_FACE`."""
@@ -160,13 +162,49 @@ class FlatFaces:
 
     def _fit(self) -> None:
         """List the vertices of each face, and fit the planes."""
-        has_face = self.face >= 0
-        n_faces = max(self._n_faces, 1)
-        corners = self._topology.triangles[has_face].astype(np.int64) * n_faces
-        pairs, places = np.unique(corners + self.face[has_face][:, None], return_inverse=True)
-        self._vertex, self._face_there = np.divmod(pairs, n_faces)
-        self._corners = places.reshape(corners.shape)
+        self._vertex, self._face_there, _ = self._pairs(*self._faced())
         self.planes = self._fitted(self._noisy)
+
+    def _faced(self) -> tuple[IntArray, IntArray]:
+        """Return the triangles that have a face, and their faces, (t,) each."""
+        triangle = np.flatnonzero(self.face >= 0)
+        return triangle, self.face[triangle]
+
+    def _pairs(self, triangle: IntArray, face: IntArray) -> tuple[IntArray, IntArray, IntArray]:
+        """List the vertices of triangles (t,) with a face of each, (t,).
+
+        Returns
+        -------
+        vertex, face : (p,)
+            Every pair once.
+        corners : (t, 3)
+            Places of the triangles' corners among the pairs.
+        """
+        n_faces = max(self._n_faces, 1)
+        corners = self._topology.triangles[triangle].astype(np.int64) * n_faces
+        pairs, places = np.unique(corners + face[:, None], return_inverse=True)
+        return *np.divmod(pairs, n_faces), places.reshape(corners.shape)
+
+    def _share(self) -> None:
+        """List which vertices move onto which planes, and the share of each face in its triangles.
+
+        A triangle at a limit is shared with the face beyond if that is nearly as near, in halves
+        where both are equally near.
+        """
+        triangle, face = self._faced()
+        first, second = self._beside
+        own, beyond = self.face[first], self.face[second]
+        is_limit = (own != beyond) & (own >= 0) & (beyond >= 0)
+        at_limit, other = first[is_limit], beyond[is_limit]
+        ways = self._ways(at_limit, own[is_limit]), self._ways(at_limit, other)
+        nearness = np.sqrt(ways[0] / np.maximum(ways[1], np.finfo(float).tiny))
+        shared = (1 - fading(nearness)) / 2
+        kept = np.ones(len(self.face))
+        np.minimum.at(kept, at_limit, 1 - shared)
+        self._moved, self._moved_to, self._corners = self._pairs(
+            np.concatenate([triangle, at_limit]), np.concatenate([face, other])
+        )
+        self._shares = np.concatenate([kept[triangle], shared])
 
     def _fitted(self, noisy: FloatArray) -> PlaneFits:
         return PlaneFits(noisy, self._size, self._vertex, self._face_there, self._n_faces)
@@ -268,24 +306,26 @@ class FlatFaces:
         parts: FloatArray = part / np.maximum(np.bincount(ends, np.tile(lengths, 2), k), 1)
         return parts
 
-    def _belonging(self, planes: PlaneFits, surface: FloatArray) -> FloatArray:
-        """How far each vertex belongs to each of its faces, 0 to 1, (p,).
+    def _belonging(self, surface: FloatArray) -> FloatArray:
+        """How far each vertex belongs to each of the faces it moves onto, 0 to 1, (p,).
 
         A triangle belongs to its face the less the nearer its highest vertex is to the end of the
         reach, and a vertex as far as the best of its triangles does.  So a triangle that joins or
         leaves a face there changes nothing.
         """
-        vertex, face = planes.vertex, planes.face
-        heights = np.abs(self.planes.heights(surface[vertex], face)) / self._reach[vertex]
-        return best_of_triangles(fading(heights), self._corners) * self._certainty[face]
+        heights = np.abs(self.planes.heights(surface[self._moved], self._moved_to))
+        near = fading(heights / self._reach[self._moved])
+        best = best_of_triangles(near, self._corners, self._shares)
+        return best * self._certainty[self._moved_to]
 
 
-def best_of_triangles(values: FloatArray, corners: IntArray) -> FloatArray:
+def best_of_triangles(values: FloatArray, corners: IntArray, shares: FloatArray) -> FloatArray:
     """Give each place (p,) the best of its triangles' values.
 
-    The value of a triangle, with its corners (t, 3) among the places, is the least of those there.
+    The value of a triangle, with its corners (t, 3) among the places, is the least of those there
+    times its share, (t,).
     """
-    of_triangles = values[corners].min(axis=1)
+    of_triangles = shares * values[corners].min(axis=1)
     best = np.zeros(len(values))
     for place in corners.T:
         np.maximum.at(best, place, of_triangles)

@@ -115,22 +115,24 @@ class PlaneFits:
         """Squares of the distances from planes of others, those of faces (p,), instead, (k,)."""
         return self._sums(np.square(other.heights(self._points, face) / self._size))
 
-    def onto(self, surface: FloatArray, belonging: FloatArray) -> FloatArray:
-        """Move vertices of a surface (n, 3) the shortest way onto all of their planes.
+    def onto(
+        self, surface: FloatArray, vertex: IntArray, face: IntArray, belonging: FloatArray
+    ) -> FloatArray:
+        """Move vertices of a surface (n, 3) the shortest way onto the planes of their faces, (p,).
 
         Between nearly parallel planes the vertex moves half-way.  It is drawn to a plane the less
         the less it belongs to the face, (p,) from 0 to 1.
         """
         n = len(surface)
-        normals = self.normals[self.face]
-        heights = self.heights(surface[self.vertex], self.face)
+        normals = self.normals[face]
+        heights = self.heights(surface[vertex], face)
         # With one plane, the vertex moves by this part of the way to it.
         weights = PARALLEL * belonging / (1 + PARALLEL - belonging)
         matrix, right = np.empty((n, 3, 3)), np.empty((n, 3))
         for i in range(3):
-            right[:, i] = np.bincount(self.vertex, weights * normals[:, i] * heights, n)
+            right[:, i] = np.bincount(vertex, weights * normals[:, i] * heights, n)
             for j in range(i + 1):
-                product = np.bincount(self.vertex, weights * normals[:, i] * normals[:, j], n)
+                product = np.bincount(vertex, weights * normals[:, i] * normals[:, j], n)
                 matrix[:, i, j] = matrix[:, j, i] = product
         matrix += PARALLEL * np.eye(3)
         way = np.linalg.solve(matrix, right[:, :, None])[:, :, 0]

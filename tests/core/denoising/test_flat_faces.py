@@ -120,9 +120,25 @@ def test_a_face_counts_the_less_the_more_it_is_bent(monkeypatch):
 
 def test_a_vertex_belongs_as_far_as_the_lowest_corner_of_its_best_triangle():
     values = np.random.default_rng(0).random(len(CUBE))
-    lowest = values[FACES].min(axis=1)
+    shares = np.random.default_rng(1).random(len(FACES))
+    lowest = shares * values[FACES].min(axis=1)
     of_each = [lowest[(FACES == vertex).any(axis=1)].max() for vertex in range(len(CUBE))]
-    assert np.array_equal(best_of_triangles(values, FACES), of_each)
+    assert np.array_equal(best_of_triangles(values, FACES, shares), of_each)
+
+
+def test_a_triangle_that_changes_sides_moves_its_vertices_gradually():
+    """The ridge of a flat roof passes under triangles that are nearly as near to either side."""
+    flat, faces = meshes.flat_grid(24, 24)
+    heights = 0.05 * np.random.default_rng(1).normal(size=len(flat))
+    ways = []
+    for ridge in np.linspace(11, 12, 101):
+        roof = -0.3 * np.abs(flat[:, 0] - ridge)
+        noisy, smooth = (np.column_stack([flat[:, :2], roof + part * heights]) for part in (1, 0.5))
+        found = flat_faces(noisy, faces, smooth, 0.05)
+        assert set(found.face) >= {0, 1}
+        ways.append(found.flattened(noisy, smooth) - smooth)
+    steps = np.linalg.norm(np.diff(ways, axis=0), axis=2)
+    assert 0 < steps.max() < 0.5 * np.linalg.norm(ways, axis=2).max()
 
 
 def test_an_open_noisy_sheet_becomes_flat():

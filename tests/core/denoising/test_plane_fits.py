@@ -86,7 +86,7 @@ def test_vertices_go_the_shortest_way_to_where_their_planes_meet():
     pairs = np.unique(np.stack([faces.ravel(), np.repeat(number, 3)], axis=1), axis=0)
     planes = PlaneFits(points, spacing, *pairs.T, 8)
     moved = points + np.random.default_rng(0).normal(0, 0.02, points.shape)
-    result = planes.onto(moved, np.ones(len(planes.vertex)))
+    result = planes.onto(moved, *pairs.T, np.ones(len(pairs)))
     # Less than a hundredth of the way is left, so that nearly parallel planes do not matter.
     height = np.abs(np.abs(result).sum(axis=1) - 1)
     assert height.max() < 0.01 * np.abs(np.abs(moved).sum(axis=1) - 1).max()
@@ -102,7 +102,7 @@ def test_vertices_go_the_part_of_the_way_by_which_they_belong():
     heights = noise(1)
     planes = fits(GRID)
     part = np.random.default_rng(0).random(len(GRID))
-    result = planes.onto(raised(heights), part)
+    result = planes.onto(raised(heights), planes.vertex, planes.face, part)
     # The term for nearly parallel planes leaves some thousandths of the way.
     assert result[:, 2] == pytest.approx((1 - part) * heights * EDGE, abs=0.005 * EDGE[0])
 
