@@ -140,7 +140,9 @@ class FlatFaces:
         flatness = part / parameters().least_flat - 1
         if flatness <= 0:
             return surface
-        planes = self.planes if noisy is self._noisy else self._fitted(noisy)
+        planes = self.planes
+        if noisy is not self._noisy:
+            planes = self._fitted(noisy, planes.vertex, planes.face)
         belonging = min(flatness, 1.0) * self._belonging(surface)
         return planes.onto(surface, self._moved, self._moved_to, belonging)
 
@@ -162,8 +164,8 @@ class FlatFaces:
 
     def _fit(self) -> None:
         """List the vertices of each face, and fit the planes."""
-        self._vertex, self._face_there, _ = self._pairs(*self._faced())
-        self.planes = self._fitted(self._noisy)
+        vertex, face, _ = self._pairs(*self._faced())
+        self.planes = self._fitted(self._noisy, vertex, face)
 
     def _faced(self) -> tuple[IntArray, IntArray]:
         """Return the triangles that have a face, and their faces, (t,) each."""
@@ -192,22 +194,26 @@ class FlatFaces:
         where both are equally near.
         """
         triangle, face = self._faced()
-        first, second = self._beside
-        own, beyond = self.face[first], self.face[second]
-        is_limit = (own != beyond) & (own >= 0) & (beyond >= 0)
-        at_limit, other = first[is_limit], beyond[is_limit]
-        ways = self._ways(at_limit, own[is_limit]), self._ways(at_limit, other)
-        nearness = np.sqrt(ways[0] / np.maximum(ways[1], np.finfo(float).tiny))
+        at_limit, own, beyond = self._limits()
+        way, way_beyond = (self._ways(at_limit, each) for each in (own, beyond))
+        nearness = np.sqrt(way / np.maximum(way_beyond, np.finfo(float).tiny))
         shared = (1 - fading(nearness)) / 2
         kept = np.ones(len(self.face))
         np.minimum.at(kept, at_limit, 1 - shared)
         self._moved, self._moved_to, self._corners = self._pairs(
-            np.concatenate([triangle, at_limit]), np.concatenate([face, other])
+            np.concatenate([triangle, at_limit]), np.concatenate([face, beyond])
         )
         self._shares = np.concatenate([kept[triangle], shared])
 
-    def _fitted(self, noisy: FloatArray) -> PlaneFits:
-        return PlaneFits(noisy, self._size, self._vertex, self._face_there, self._n_faces)
+    def _fitted(self, noisy: FloatArray, vertex: IntArray, face: IntArray) -> PlaneFits:
+        return PlaneFits(noisy, self._size, vertex, face, self._n_faces)
+
+    def _limits(self) -> tuple[IntArray, IntArray, IntArray]:
+        """Return triangles beside another face, their own and that beyond, (s,), for each side."""
+        triangle, _ = self._beside
+        own, beyond = self.face[self._beside]
+        is_limit = (own != beyond) & (own >= 0) & (beyond >= 0)
+        return triangle[is_limit], own[is_limit], beyond[is_limit]
 
     def _drawn(self) -> IntArray:
         """Return for each triangle the nearest of its own and its neighbours' faces, (m,)."""
@@ -263,9 +269,7 @@ class FlatFaces:
         within = np.sqrt(2 * np.maximum(1 - length / np.maximum(areas, 1e-300), 0))
         whole, of_all = sums(np.flatnonzero(self.face >= 0))
         normals = unit_vectors(of_all)
-        first, second = self.face[self._beside]
-        is_limit = (first != second) & (first >= 0) & (second >= 0)
-        first, second = first[is_limit], second[is_limit]
+        _, first, second = self._limits()
         way = normals[first] - normals[second]
         counts = np.bincount(first, minlength=k)
         turns = np.bincount(first, np.sqrt(dots(way, way)), k) / np.maximum(counts, 1)
@@ -278,9 +282,9 @@ class FlatFaces:
     def _round_limits(self) -> FloatArray:
         """Part of each face's limits beyond which it goes on as one quadric, (k,)."""
         k = self._n_faces
-        first, second = self.face[self._beside]
-        is_limit = (first >= 0) & (second >= 0) & (first < second)
-        code, lengths = np.unique(first[is_limit] * k + second[is_limit], return_counts=True)
+        _, first, second = self._limits()
+        is_once = first < second
+        code, lengths = np.unique(first[is_once] * k + second[is_once], return_counts=True)
         pairs = np.stack(np.divmod(code, max(k, 1)))
         order = np.argsort(self.planes.face, kind="stable")
         sizes = np.bincount(self.planes.face, minlength=k)
