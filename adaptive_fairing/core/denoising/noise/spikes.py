@@ -4,7 +4,8 @@ Filters spread a spike over its neighbours, so spikes are put back first.  A ver
 lies far from every straight line between opposite neighbours, and further than its neighbours do.
 It moves onto the nearest of those lines.  Where the surface bends, its neighbours stand out too,
 and it keeps as much height as they have.  A vertex on a crease lies on the line along the crease,
-so it is not a spike.
+so it is not a spike.  Beside a spike it stands out, but if it moved, the others of the crease would
+stand out in turn: it stays.
 
 A vertex near a limit is a spike in part, and goes that part of the way.  What rounding decides
 should change nothing.
@@ -115,6 +116,11 @@ def _put_back(
             break
         calm = 1 - stands_out
         usual = frame.mean @ (height * calm) / np.maximum(frame.mean @ calm, 1e-9)
+        # What disturbs the neighbours more than it helps is no spike, but part of a crease.
+        trial = result - frame.raised(part * (height - usual))
+        change = np.abs(lines.least_deviation(trial, lines.passing(trial))) - np.abs(height)
+        others = topology.ring_size * (frame.mean @ change) / np.maximum(-change, 1e-9)
+        part = part * np.interp(others / tuned.most_disturbed, (1 - DOUBT, 1 + DOUBT), (1, 0))
         result -= frame.raised(part * (height - usual))
         spikes = np.maximum(spikes, part)
     for _ in range(tuned.rounds):

@@ -76,6 +76,22 @@ def test_spikes_come_off_and_the_others_stay(shape):
     assert np.mean(moved[before < 0.01]) < 0.05
 
 
+@pytest.mark.parametrize("height", [-0.6, 0.6])
+def test_creases_stay_beside_a_spike(height):
+    """Vertices of a crease stand out beside one, and then those beside them, to the corners."""
+    vertices, faces = meshes.cube(4)
+    frame = TriangleSurface(TriangleTopology(faces, len(vertices)), vertices)
+    everywhere = np.ones(len(vertices), dtype=bool)
+    on_crease = np.flatnonzero(np.isclose(np.abs(vertices), 1).sum(axis=1) == 2)
+    others = []
+    for spike in on_crease[::9]:
+        points = vertices + frame.raised(np.where(np.arange(len(vertices)) == spike, height, 0))
+        calm, _ = without_spikes(NoisySurface(points, frame), everywhere, everywhere)
+        off = np.linalg.norm(calm - vertices, axis=1) / frame.spacing
+        others.append(np.count_nonzero(np.delete(off, spike) > 0.1))
+    assert np.mean(others) < 10
+
+
 @pytest.mark.parametrize("shape", SHAPES)
 @pytest.mark.parametrize("below", [0.01, 0.02])
 def test_no_spike_survives(shape, below):
