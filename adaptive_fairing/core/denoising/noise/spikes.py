@@ -112,15 +112,15 @@ def _put_back(
         stands_out = np.interp(size / limit, (1 - DOUBT, 1 + DOUBT), (0, 1))
         is_highest = np.interp(size / np.maximum(around, tiny), (HIGHEST, 1), (0, 1))
         part = stands_out * is_highest
-        if not part.any():
-            break
         calm = 1 - stands_out
         usual = frame.mean @ (height * calm) / np.maximum(frame.mean @ calm, 1e-9)
-        # What disturbs the neighbours more than it helps is no spike, but part of a crease.
+        # What disturbs its neighbours more than it helps is no spike, but part of a crease.
         trial = result - frame.raised(part * (height - usual))
         change = np.abs(lines.least_deviation(trial, lines.passing(trial))) - np.abs(height)
         others = topology.ring_size * (frame.mean @ change) / np.maximum(-change, 1e-9)
         part = part * np.interp(others / tuned.most_disturbed, (1 - DOUBT, 1 + DOUBT), (1, 0))
+        if not part.any():
+            break
         result -= frame.raised(part * (height - usual))
         spikes = np.maximum(spikes, part)
     for _ in range(tuned.rounds):
