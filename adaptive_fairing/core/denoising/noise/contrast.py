@@ -193,11 +193,15 @@ class OppositeLines:
         for_each(of_chunk, self._chunks)
         return np.clip(place, 0, 1, out=place)
 
-    def least_deviation(self, positions: FloatArray, passing: FloatArray) -> FloatArray:
+    def least_deviation(
+        self, positions: FloatArray, passing: FloatArray | None = None
+    ) -> FloatArray:
         """Height of each vertex over the line that it deviates least from, (n,).
 
-        Along the normals, in local edge lengths; 0 at vertices without neighbours.
+        Along the normals, in local edge lengths; 0 at vertices without neighbours.  Without
+        `passing`, vertices are at the places of `positions`.
         """
+        passing = self.passing(positions) if passing is None else passing
         least = np.zeros(len(positions))
 
         def of_chunk(own: slice) -> None:

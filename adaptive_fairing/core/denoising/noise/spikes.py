@@ -103,7 +103,7 @@ def _put_back(
     centre = np.repeat(np.arange(topology.n_vertices), topology.ring_size)
     spikes, tiny = np.zeros(len(result)), np.finfo(float).tiny
     for _ in range(tuned.rounds):
-        height = lines.least_deviation(result, lines.passing(result))
+        height = lines.least_deviation(result)
         size = np.where(may_move, np.abs(height), 0)
         level = max(float(np.median(size[is_counted])), tuned.clean_roughness * unit)
         limit = tuned.spike_factor * level / unit
@@ -113,18 +113,18 @@ def _put_back(
         is_highest = np.interp(size / np.maximum(around, tiny), (HIGHEST, 1), (0, 1))
         part = stands_out * is_highest
         calm = 1 - stands_out
-        usual = frame.mean @ (height * calm) / np.maximum(frame.mean @ calm, 1e-9)
+        above = height - frame.mean @ (height * calm) / np.maximum(frame.mean @ calm, 1e-9)
         # What disturbs its neighbours more than it helps is no spike, but part of a crease.
-        trial = result - frame.raised(part * (height - usual))
-        change = np.abs(lines.least_deviation(trial, lines.passing(trial))) - np.abs(height)
-        others = topology.ring_size * (frame.mean @ change) / np.maximum(-change, 1e-9)
-        part = part * np.interp(others / tuned.most_disturbed, (1 - DOUBT, 1 + DOUBT), (1, 0))
+        trial = result - frame.raised(part * above)
+        change = np.abs(lines.least_deviation(trial)) - np.abs(height)
+        disturbed = topology.ring_size * (frame.mean @ change) / np.maximum(-change, 1e-9)
+        part *= np.interp(disturbed / tuned.most_disturbed, (1 - DOUBT, 1 + DOUBT), (1, 0))
         if not part.any():
             break
-        result -= frame.raised(part * (height - usual))
+        result -= frame.raised(part * above)
         spikes = np.maximum(spikes, part)
     for _ in range(tuned.rounds):
-        height = lines.least_deviation(result, lines.passing(result))
+        height = lines.least_deviation(result)
         # Half of the way: neighbours move at the same time.
         result -= frame.raised(spikes * (height - frame.mean @ height) / 2)
     return result, spikes
