@@ -1,11 +1,12 @@
 """Harm that `denoise` does to models it was not tuned on.
 
-    python -m research.denoising.harm              100 models, and 8 decimated shapes
+    python -m research.denoising.harm              100 models, 8 decimated shapes, 54 walls
     python -m research.denoising.harm --models 40 --seed 1000
 
 First boolean models: two to four of Blender's primitives, cut from each other or joined, as they
 are, rounded, far from the origin, and with jitter.  Counts those with a vertex that moves by more
-than a part of the diagonal.  Then shapes decimated by Blender, with noise from little to much.
+than a part of the diagonal.  Then shapes decimated by Blender, with noise from little to much, and
+thin walls around triply periodic surfaces, as they are printed, without noise and with little.
 Counts the results that are further from the clean surface than the noisy mesh is.  Prints tables in
 Markdown, with confidence intervals of 95 % after Clopper and Pearson.
 """
@@ -13,7 +14,8 @@ Markdown, with confidence intervals of 95 % after Clopper and Pearson.
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import product
 
 import bpy
 import numpy as np
@@ -29,12 +31,17 @@ from .false_alarms import rate_row
 from .measures import Reference
 from .noise import add_noise
 from .pairs import CLEAN, made
+from .shapes.implicit import periodic_wall
 
 SHAPES = ("foot", "bracket", "gear", "pawn", "coral", "hills", "mountains", "crocodile")
 RATIO = 0.15
 NOISES = tuple(
     (kind, size) for kind in ("normal", "uniform") for size in (0.02, 0.05, 0.1, 0.2, 0.4)
 )
+
+WALLS = tuple(product(("gyroid", "primitive", "diamond"), (32, 44), (1, 1.5, 2), (0.4, 0.7, 1.2)))
+"""Name, cells, periods and thickness of each `periodic_wall`."""
+WALL_NOISES = (0.02, 0.03, 0.04)
 
 JITTER = 0.001
 """Of the diagonal."""
@@ -63,7 +70,7 @@ VARIANTS: dict[str, tuple[Callable[..., FloatArray], float]] = {
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Print both tables."""
+    """Print the tables."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--models", type=int, default=100, help="how many (default %(default)s)")
     parser.add_argument("--seed", type=int, default=0, help="of the first (default %(default)s)")
@@ -84,12 +91,23 @@ def main(arguments: Sequence[str] | None = None) -> None:
     )
     shapes = ((pair.name, pair.clean, pair.faces) for pair in made(options.shapes, [CLEAN]))
     ratios = dict(tqdm(decimated_runs(shapes), total=len(options.shapes) * len(NOISES)))
+    _print_ratios("decimated shapes", ratios)
+    still = [_named(*wall) for wall in WALLS if largest_move(*periodic_wall(*wall)) > 0]
+    row = rate_row("clean", still, len(WALLS))
+    print(f"\n{table(('walls that moved', 'meshes', '95 % interval', 'which'), [row])}")
+    runs = len(WALLS) * len(WALL_NOISES)
+    _print_ratios("walls", dict(tqdm(wall_runs(WALLS), total=runs)))
+
+
+def _print_ratios(what: str, ratios: Mapping[str, float]) -> None:
+    """Print how many distances after, over before, are above two limits, and their mean."""
     rows = [
         rate_row(f"> {limit}", [f"{run} ({ratio:.2f})" for run, ratio in ratios.items()
                                 if ratio > limit], len(ratios))
         for limit in (1.1, 1.5)
     ]  # fmt: skip
-    print(f"\n{table(('distance after, over before', 'runs', '95 % interval', 'which'), rows)}")
+    columns = f"{what}: distance after, over before", "runs", "95 % interval", "which"
+    print(f"\n{table(columns, rows)}")
     mean = np.exp(np.mean(np.log(list(ratios.values())))) if ratios else np.nan
     print(f"\nGeometric mean of the distance after, over before: {mean:.3f}")
 
@@ -132,13 +150,31 @@ def decimated_runs(
         item = new_object(clean, clean_faces)
         add_modifier(item, "DECIMATE", ratio=RATIO)
         vertices, faces = evaluated(item)
-        reference = Reference(vertices, faces)
-        for number, (kind, size) in enumerate(NOISES):
-            noisy = add_noise(vertices, faces, kind, size, number)
-            after, before = (
-                reference.score(each)["mean"] for each in (denoise(noisy, faces).positions, noisy)
-            )
-            yield f"{name} {kind} {size}", after / before
+        yield from noisy_runs(name, vertices, faces, NOISES)
+
+
+def wall_runs(walls: Iterable[tuple[str, int, float, float]]) -> Iterator[tuple[str, float]]:
+    """Denoise walls with little noise: a name, and the distance after over before."""
+    noises = [("normal", size) for size in WALL_NOISES]
+    for wall in walls:
+        yield from noisy_runs(_named(*wall), *periodic_wall(*wall), noises)
+
+
+def _named(name: str, cells: int, periods: float, thickness: float) -> str:
+    return f"{name}, {cells} cells, {periods:g} periods, {thickness:g} thick,"
+
+
+def noisy_runs(
+    name: str, clean: FloatArray, faces: Faces, noises: Iterable[tuple[str, float]]
+) -> Iterator[tuple[str, float]]:
+    """Denoise a shape with noises of some kinds and sizes: a name, and the distances' ratio."""
+    reference = Reference(clean, faces)
+    for number, (kind, size) in enumerate(noises):
+        noisy = add_noise(clean, faces, kind, size, number)
+        after, before = (
+            reference.score(each)["mean"] for each in (denoise(noisy, faces).positions, noisy)
+        )
+        yield f"{name} {kind} {size}", after / before
 
 
 def largest_move(vertices: FloatArray, faces: Faces) -> float:

@@ -30,6 +30,7 @@ from .smooth_noise import (
     least_evenness,
     local_strengths,
     typical_sizes,
+    with_presence,
 )
 
 # Weights of the bands in the fit.  The narrowest one shows the edges of the mesh as well.
@@ -103,7 +104,7 @@ def face_noise(
     local /= np.maximum(typical_sizes(local), 1e-9)[:, None]
     tails = np.array([_tail(local[1]), _tail(relative[is_inner])])
     level = float(np.median(levels[face[is_inner]]))
-    return SmoothNoise(
+    found_here = SmoothNoise(
         level,
         correlation,
         misfit(np.mean(differences, axis=0)),
@@ -112,6 +113,7 @@ def face_noise(
         outliers=float(np.maximum(tails, 1 / np.maximum(tails, 1e-9)).max()),
         lean=leaning(local),
     )
+    return with_presence(found_here, surface, is_counted)
 
 
 def _tail(values: FloatArray) -> float:

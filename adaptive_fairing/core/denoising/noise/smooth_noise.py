@@ -74,8 +74,8 @@ class SmoothNoise(NamedTuple):
         Logarithm of the strength of the widest band relative to noise; 0 where no shape adds to it.
     least_evidence : float
         Evidence with which it is removed without being asked.
-    hinges : float
-        Strength of the hinges, relative to those of this noise.
+    presence : float
+        Strength where there is least of it, relative to this noise; 1 if it is not asked.
     """
 
     level: float
@@ -87,7 +87,7 @@ class SmoothNoise(NamedTuple):
     is_enough: bool = True
     excess: float = 0.0
     least_evidence: float = 0.0
-    hinges: float = 1.0
+    presence: float = 1.0
 
     @property
     def may_be_noise(self) -> bool:
@@ -100,7 +100,7 @@ class SmoothNoise(NamedTuple):
         )
 
     @property
-    def _may_be_judged(self) -> bool:
+    def may_be_judged(self) -> bool:
         """Whether it was measured on enough of the surface, and is not stronger than noise is."""
         return self.may_be_noise and self.is_enough and self.level <= parameters().face_height
 
@@ -112,17 +112,17 @@ class SmoothNoise(NamedTuple):
     @property
     def is_likely(self) -> bool:
         """Whether this is noise rather than detail, but not as clearly as `is_noise`."""
-        return self._may_be_judged and self.evidence >= 0
+        return self.may_be_judged and self.evidence >= 0
 
     @property
     def may_be_told(self) -> bool:
         """Whether evidence decides: there is enough, and nothing contradicts it alone.
 
-        Noise is in all hinges, and flat facets have none. The widest band does not go on growing.
+        Noise is everywhere, and the widest band does not go on growing.
         """
         tuned = parameters()
-        is_everywhere = self.hinges >= tuned.least_hinges
-        return self._may_be_judged and is_everywhere and self.excess <= tuned.told_excess
+        is_everywhere = self.presence >= tuned.least_presence
+        return self.may_be_judged and is_everywhere and self.excess <= tuned.told_excess
 
     @property
     def is_noise(self) -> bool:
@@ -217,7 +217,7 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
     relative = (heights[:2, is_counted] / strength[:2])[:, is_quiet]
     relative /= np.maximum(typical_sizes(relative), 1e-9)[:, None]
     correlation = candidates[best].correlation
-    return SmoothNoise(
+    found = SmoothNoise(
         float(np.exp(level)) * correlation.deviation,
         correlation,
         float(misfit),
@@ -227,21 +227,38 @@ def smooth_noise(surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
         is_enough=np.count_nonzero(is_counted) >= tuned.fewest_to_tell_smooth,
         excess=float(ratios[-1] - level),
         least_evidence=tuned.least_evidence,
-        hinges=_relative_hinges(surface, is_counted, float(np.exp(level)), correlation),
     )
+    return with_presence(found, surface, is_counted)
 
 
-def _relative_hinges(
-    surface: NoisySurface, is_counted: BoolArray, size: float, correlation: NoiseCorrelation
-) -> float:
-    """Strength of a surface's hinges relative to those of averaged white noise of some size."""
-    frame = surface.frame
-    noise = frame.raised(size * correlation.applied(surface.own.noise(WHITE_NOISE), frame))
+def with_presence(told: SmoothNoise, surface: NoisySurface, is_counted: BoolArray) -> SmoothNoise:
+    """Ask whether noise that may be told is everywhere, as noise is.
+
+    It is in all hinges, where flat facets have none.  It is in the bands where they are low, too,
+    where bent walls that were taken for noisy flat faces have less.  The presence is the geometric
+    mean of both.
+    """
+    if not told.may_be_judged:
+        return told
+    tuned, frame = parameters(), surface.frame
+    white = surface.own.noise(WHITE_NOISE)
+    heights, correlation = averaged_noise(white, told.correlation.passes, frame, is_counted)
+    noise = frame.raised(told.level / correlation.deviation * heights)
     found = surface.hinges.among(is_counted)
     if not len(found.value):
-        return 0.0
-    of_noise = hinges(frame.positions + noise, frame).among(is_counted)
-    return found.deviation(found.value) / max(found.deviation(of_noise.value), LEAST_STRENGTH)
+        return told._replace(presence=0.0)
+    expected = hinges(frame.positions + noise, frame).among(is_counted)
+    in_hinges = found.deviation(found.value) / max(found.deviation(expected.value), LEAST_STRENGTH)
+
+    def low_bands(positions: FloatArray) -> FloatArray:
+        """Low strength of the bands that show neither the edges of the mesh nor the shape."""
+        bands = band_heights(positions, frame, BANDS[1:N_NARROW])
+        strengths = local_strengths(bands, frame, is_counted)
+        low: FloatArray = np.quantile(strengths, tuned.low_quantile, axis=1)
+        return low
+
+    in_bands = min(float((low_bands(surface.positions) / low_bands(noise)).min()), 1.0)
+    return told._replace(presence=float(np.sqrt(in_hinges * in_bands)))
 
 
 def _of_white_noise(white: FloatArray, frame: TriangleSurface, is_counted: BoolArray) -> FloatArray:

@@ -8,7 +8,7 @@ from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.flat_faces import NO_FACE, FlatFaces
 from adaptive_fairing.core.denoising.noise.face_noise import face_noise
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
-from adaptive_fairing.core.denoising.noise.smooth_noise import SmoothNoise
+from adaptive_fairing.core.denoising.noise.smooth_noise import SmoothNoise, with_presence
 from adaptive_fairing.core.denoising.noise_model import NoiseCorrelation
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
@@ -123,6 +123,21 @@ TOLD = SmoothNoise(
 def test_all_conditions_must_hold(wrong):
     assert TOLD.is_noise
     assert not TOLD._replace(**wrong).is_noise
+
+
+def test_noise_is_everywhere():
+    """Bends of thin walls are on what counts as faces there, and hardly anywhere else."""
+    points = with_heights(0.2 * smooth(4))
+    noise = found(points)
+    assert noise.is_noise
+    assert noise.presence > 1.1 * PARAMETERS.least_presence
+    # Half of the cube is as it was, faces and hinges.
+    is_clean = CUBE.sum(axis=1) > 0
+    halved = np.where(is_clean[:, None], CUBE, points)
+    surface = TriangleSurface(TOPOLOGY, CLEAN.spread(halved, 1))
+    asked = with_presence(noise._replace(presence=1.0), NoisySurface(halved, surface), EVERYWHERE)
+    assert asked.presence < 0.2
+    assert not asked.is_noise
 
 
 @pytest.mark.parametrize("passes, left", [(4, 0.35), (12, 0.6)])
