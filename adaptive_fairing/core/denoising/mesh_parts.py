@@ -77,6 +77,7 @@ class MeshParts:
         each = np.split(order, np.cumsum(np.bincount(label))[:-1])
         members = [each[index] for index in np.flatnonzero(own)]
         rest = [each[index] for index in np.flatnonzero(~own)]
+        self._n_own = len(members)
         if rest:
             members.append(np.concatenate(rest))
         # A slice saves copies of the largest arrays where there is one part.
@@ -104,7 +105,7 @@ class MeshParts:
         impulsive = np.zeros(len(level), dtype=bool)
         detail = CleanDetail(surface, self.is_counted)
         models = []
-        for members in self._members:
+        for part, members in enumerate(self._members):
             counted = np.zeros(len(level), dtype=bool)
             counted[members] = self.is_counted[members]
             # As in a mesh of so few vertices nothing can be judged: specks do not change.
@@ -112,6 +113,10 @@ class MeshParts:
                 continue
             level[counted], law = _level(surface, surface.roughness, counted)
             if np.median(level[counted]) <= clean:
+                continue
+            # Nor in small parts together: crumbs of a clean model are shapes of a few vertices.
+            is_left_over = part == self._n_own > 0
+            if keeps_clean and is_left_over and not (noise.any() or impulsive.any()):
                 continue
             # Not all are needed on every surface, but side by side they cost little.
             of_hinges, stands_out, fades, is_contour, copies = side_by_side(

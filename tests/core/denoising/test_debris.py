@@ -38,3 +38,14 @@ def test_a_loose_vertex_changes_next_to_nothing(place):
     alone = denoise(points, faces).positions
     beside = denoised((np.array([place], dtype=float), np.zeros((0, 3), np.int32)))
     assert np.linalg.norm(beside - alone) < 1e-3 * np.linalg.norm(alone - points)
+
+
+def test_crumbs_of_a_clean_model_are_no_noise():
+    """Cut-off corners of walls, as a few vertices each, with hardly any noise."""
+    generator = np.random.default_rng(0)
+    crumb, triangles = meshes.octahedron()
+    places = 2 * generator.normal(size=(48, 3))
+    crumbs = [(0.02 * crumb + place, triangles) for place in places]
+    points, faces = meshes.merged(meshes.icosphere(4), *crumbs)
+    points = points + 1e-4 * generator.normal(size=points.shape)
+    assert np.array_equal(denoise(points, faces).positions, points)
