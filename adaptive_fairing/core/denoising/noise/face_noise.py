@@ -46,9 +46,8 @@ def face_noise(
 ) -> SmoothNoise | None:
     """Measure the deviations of a surface from the planes of its flat faces; None without any.
 
-    A plane hides no shape, so even odds suffice for noise.  They were found on 42 of 58 noisy
-    meshes, and on 4 of 39 with detail all over them, all of them waves or rocks that are as even as
-    noise.
+    A plane hides no shape, so even odds suffice for noise that is everywhere (`with_presence`).  It
+    was told on 66 of 78 noisy tuning meshes with flat faces.
 
     Parameters
     ----------
@@ -104,7 +103,7 @@ def face_noise(
     local /= np.maximum(typical_sizes(local), 1e-9)[:, None]
     tails = np.array([_tail(local[1]), _tail(relative[is_inner])])
     level = float(np.median(levels[face[is_inner]]))
-    found_here = SmoothNoise(
+    told = SmoothNoise(
         level,
         correlation,
         misfit(np.mean(differences, axis=0)),
@@ -113,7 +112,7 @@ def face_noise(
         outliers=float(np.maximum(tails, 1 / np.maximum(tails, 1e-9)).max()),
         lean=leaning(local),
     )
-    return with_presence(found_here, surface, is_counted)
+    return with_presence(told, surface, is_counted)
 
 
 def _tail(values: FloatArray) -> float:

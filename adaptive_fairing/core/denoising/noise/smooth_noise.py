@@ -10,9 +10,9 @@ and over many neighbours, but so does shape.  Three properties together separate
 
 None of them tells alone.  Their sum, each with a weight, is the logarithm of the odds that this is
 noise and not detail of the shape (`evidence_of_noise`).  `python -m
-research.denoising.smooth_evidence` judges the weights on shapes with noise and with detail.  One
-thing no other makes up for: in the next wider band noise is hardly stronger, while shape goes on
-growing.
+research.denoising.smooth_evidence` judges the weights on shapes with noise and with detail.  Two
+things no other makes up for.  Noise is everywhere, in the hinges and where bands are low, too
+(`with_presence`).  And in the next wider band it is hardly stronger, while shape goes on growing.
 
 Detail as fine, as even and as random as noise, such as the grain of a rock, looks the same.
 
@@ -152,7 +152,9 @@ def evidence_of_noise(misfit: float, evenness: float, outliers: float, lean: flo
 
     The arguments are measures of `SmoothNoise`.
 
-    Source: logistic regression, D. R. Cox, The regression analysis of binary sequences, 1958.
+    The weights are those that tell the most noise at few alarms.
+
+    Source: the logistic model, D. R. Cox, The regression analysis of binary sequences, 1958.
     """
     tuned = parameters()
     if not np.isfinite(misfit):
