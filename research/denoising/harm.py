@@ -31,7 +31,7 @@ from .false_alarms import rate_row
 from .measures import Reference
 from .noise import add_noise
 from .pairs import CLEAN, made
-from .shapes.implicit import periodic_wall
+from .walls import periodic_wall
 
 SHAPES = ("foot", "bracket", "gear", "pawn", "coral", "hills", "mountains", "crocodile")
 RATIO = 0.15
@@ -153,9 +153,11 @@ def decimated_runs(
         yield from noisy_runs(name, vertices, faces, NOISES)
 
 
-def wall_runs(walls: Iterable[tuple[str, int, float, float]]) -> Iterator[tuple[str, float]]:
+def wall_runs(
+    walls: Iterable[tuple[str, int, float, float]], sizes: Iterable[float] = WALL_NOISES
+) -> Iterator[tuple[str, float]]:
     """Denoise walls with little noise: a name, and the distance after over before."""
-    noises = [("normal", size) for size in WALL_NOISES]
+    noises = [("normal", size) for size in sizes]
     for wall in walls:
         yield from noisy_runs(_named(*wall), *periodic_wall(*wall), noises)
 

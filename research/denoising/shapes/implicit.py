@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from skimage.measure import marching_cubes
 
@@ -11,22 +9,11 @@ from research.samples.implicit import Ellipsoid, Formula, Solid, Tube, rotation,
 from research.samples.meshing import dense_mesh
 from tools.geometry.triangles import FloatArray
 
+from ..walls import PERIODIC
 from .meshing import MeshArrays, graded, near, remeshed, uneven
 
 LEVEL = 0.35
 """Of the molecule's density, at its surface."""
-
-PERIODIC: dict[str, Callable[[FloatArray, FloatArray, FloatArray], FloatArray]] = {
-    "gyroid": lambda x, y, z: np.sin(x) * np.cos(y) + np.sin(y) * np.cos(z) + np.sin(z) * np.cos(x),
-    "primitive": lambda x, y, z: np.cos(x) + np.cos(y) + np.cos(z),
-    "diamond": lambda x, y, z: (
-        np.sin(x) * np.sin(y) * np.sin(z)
-        + np.sin(x) * np.cos(y) * np.cos(z)
-        + np.cos(x) * np.sin(y) * np.cos(z)
-        + np.cos(x) * np.cos(y) * np.sin(z)
-    ),
-}
-"""Waves whose zero sets are near to triply periodic minimal surfaces."""
 
 
 def coral() -> MeshArrays:
@@ -97,28 +84,6 @@ def gyroid() -> MeshArrays:
     vertices = (2 * reach / (n - 1)) * vertices.astype(float) - reach
     vertices, faces = remeshed(vertices, faces, 0.07)
     return graded(vertices, faces, 12_000, near(vertices, (1, 0, 0), 1.2))
-
-
-def periodic_wall(name: str, cells: int, periods: float, thickness: float) -> MeshArrays:
-    """Make a thin wall around a triply periodic minimal surface, cut out by a ball.
-
-    Parameters
-    ----------
-    name
-        Of `PERIODIC`.
-    cells
-        Cells along each side of the volume that is meshed.
-    periods
-        Periods of the surface along that side.
-    thickness
-        Of the wall, as a range of values of the wave: 0.4 to 1.2 are thin.
-    """
-    axis = np.linspace(-np.pi, np.pi, cells) * periods
-    places = np.meshgrid(axis, axis, axis, indexing="ij")
-    wall = np.abs(PERIODIC[name](*places)) - thickness / 2
-    ball = np.linalg.norm(places, axis=0) - 0.9 * np.pi * periods
-    vertices, faces, _, _ = marching_cubes(np.maximum(wall, ball), 0.0)
-    return vertices.astype(float), faces[:, ::-1].astype(np.int32)
 
 
 def octopus() -> MeshArrays:
