@@ -242,8 +242,7 @@ def with_presence(told: SmoothNoise, surface: NoisySurface, is_counted: BoolArra
     """
     if not told.may_be_judged:
         return told
-    tuned, frame = parameters(), surface.frame
-    white = surface.own.noise(WHITE_NOISE)
+    frame, white = surface.frame, surface.own.noise(WHITE_NOISE)
     heights, correlation = averaged_noise(white, told.correlation.passes, frame, is_counted)
     noise = frame.raised(told.level / correlation.deviation * heights)
     found = surface.hinges.among(is_counted)
@@ -252,14 +251,12 @@ def with_presence(told: SmoothNoise, surface: NoisySurface, is_counted: BoolArra
     expected = hinges(frame.positions + noise, frame).among(is_counted)
     in_hinges = found.deviation(found.value) / max(found.deviation(expected.value), LEAST_STRENGTH)
 
-    def low_bands(positions: FloatArray) -> FloatArray:
-        """Low strength of the bands that show neither the edges of the mesh nor the shape."""
-        bands = band_heights(positions, frame, BANDS[1:N_NARROW])
-        strengths = local_strengths(bands, frame, is_counted)
-        low: FloatArray = np.quantile(strengths, tuned.low_quantile, axis=1)
-        return low
-
-    in_bands = min(float((low_bands(surface.positions) / low_bands(noise)).min()), 1.0)
+    # The narrowest band shows the edges of the mesh, the widest the shape.
+    bands, low = BANDS[1:N_NARROW], parameters().low_quantile
+    of_surface, of_noise = (
+        quiet_strengths(each, frame, bands, is_counted, low) for each in (surface.positions, noise)
+    )
+    in_bands = min(float((of_surface / of_noise).min()), 1.0)
     return told._replace(presence=float(np.sqrt(in_hinges * in_bands)))
 
 
@@ -276,9 +273,11 @@ def levels_and_misfits(ratios: FloatArray, weights: FloatArray) -> tuple[FloatAr
     return levels, np.square(ratios - levels[:, None]) @ weights
 
 
-def quiet_part(strength: FloatArray) -> FloatArray:
-    """Strength (k,) of the bands in the quietest part of the surface."""
-    quiet: FloatArray = np.quantile(strength, parameters().quiet_fraction, axis=1)
+def quiet_part(strength: FloatArray, fraction: float | None = None) -> FloatArray:
+    """Strength (k,) of the bands in the quietest part of the surface, or at another fraction."""
+    if fraction is None:
+        fraction = parameters().quiet_fraction
+    quiet: FloatArray = np.quantile(strength, fraction, axis=1)
     return quiet
 
 
@@ -287,10 +286,11 @@ def quiet_strengths(
     frame: TriangleSurface,
     bands: tuple[tuple[int, int], ...],
     is_counted: BoolArray,
+    fraction: float | None = None,
 ) -> FloatArray:
-    """Strength (k,) of bands of positions (n, 3) in the quietest part of the counted vertices."""
+    """Strength (k,) of bands of positions (n, 3) in a quiet part of the counted vertices."""
     heights = band_heights(positions, frame, bands)
-    return quiet_part(local_strengths(heights, frame, is_counted))
+    return quiet_part(local_strengths(heights, frame, is_counted), fraction)
 
 
 def least_evenness(strength: FloatArray, of_noise: FloatArray, fraction: float) -> float:
