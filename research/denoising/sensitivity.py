@@ -2,7 +2,7 @@
 
     python -m research.denoising.sensitivity                       three small tuning shapes
     python -m research.denoising.sensitivity --factor 1.5 --shapes gear foot
-    python -m research.denoising.sensitivity --noise impulsive:0.3 --parameters spike_factor
+    python -m research.denoising.sensitivity --noise impulsive:0.3 --parameters normal_ratio
 
 Prints a table in Markdown with one row a parameter: the change in percent of the error (distance to
 the clean surface) and of the angle of the normals, geometric means over the meshes, with the

@@ -216,8 +216,8 @@ def rounds_for(typical: float, correlation: NoiseCorrelation = WHITE) -> tuple[R
     tuned = parameters()
     factor = min(typical / tuned.coarse_noise, 1.0)
     wide, narrow = factor * tuned.wide_angle, factor * tuned.narrow_angle
-    short = Smoothing(tuned.short_fit_angle, tuned.short_fit_passes)
-    long = Smoothing(tuned.long_fit_angle, (tuned.long_fit_passes,))
+    short = Smoothing(tuned.short_fit_angle, tuned.fit_passes)
+    long = Smoothing(tuned.long_fit_angle, tuned.fit_passes[-1:])
     of_noisy = NormalFamily("noisy normals", (long,), is_of_noisy=True)
     every, gentle = all_diffusions(), gentle_diffusions()
     return (

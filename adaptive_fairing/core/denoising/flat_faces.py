@@ -34,9 +34,6 @@ LEAST_INSIDE = 0.2
 # How often the limits between regions are drawn.
 DRAWN = 2
 
-# Standard deviations of the noise by which two planes are clearly nearer than one quadric.
-CLEARLY = 3
-
 # What a triangle turns away from a plane, as 1 - cos, counts as so many squared edge lengths.
 TURN = 0.3
 
@@ -304,7 +301,8 @@ class FlatFaces:
         # Few at once, which bounds the memory: a large face has many neighbours.
         chunk = np.cumsum(sizes[pairs].sum(axis=0)) // len(self._noisy)
         found = [excess(pairs[:, chunk == each]) for each in np.unique(chunk)]
-        is_round = self._own_part * np.concatenate([np.zeros(0), *found]) < CLEARLY**2
+        most = parameters().clear_deviations ** 2
+        is_round = self._own_part * np.concatenate([np.zeros(0), *found]) < most
         ends = pairs.ravel()
         part = np.bincount(ends, np.tile(lengths * is_round, 2), k)
         parts: FloatArray = part / np.maximum(np.bincount(ends, np.tile(lengths, 2), k), 1)

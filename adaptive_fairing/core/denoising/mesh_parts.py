@@ -72,7 +72,7 @@ class MeshParts:
         size = frame.spread(np.log(frame.spacing), tuned.averaging_passes)
         _, label = csgraph.connected_components(topology.adjacency(), directed=False)
         n_counted = np.bincount(label, self.is_counted)
-        own = n_counted >= tuned.own_estimate
+        own = n_counted >= tuned.fewest_to_tell
         order = np.argsort(label, kind="stable")
         each = np.split(order, np.cumsum(np.bincount(label))[:-1])
         members = [each[index] for index in np.flatnonzero(own)]

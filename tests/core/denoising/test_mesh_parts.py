@@ -116,7 +116,7 @@ def test_small_parts_are_judged_together():
         for seed, level in enumerate((0.15, 0.4, 0.15, 0.4))
     ]
     n = len(SMALL_BALL)
-    assert n < PARAMETERS.own_estimate <= len(BALL)
+    assert n < PARAMETERS.fewest_to_tell <= len(BALL)
     points, faces = side_by_side(*parts)
 
     def contrast():
@@ -125,7 +125,7 @@ def test_small_parts_are_judged_together():
         return of_part[[1, 3]].mean() / of_part[[0, 2]].mean()
 
     assert contrast() == pytest.approx(1, abs=0.1)
-    with using(replace(PARAMETERS, own_estimate=n)):
+    with using(replace(PARAMETERS, fewest_to_tell=n)):
         assert contrast() > 1.8
 
 

@@ -276,7 +276,7 @@ class Fading:
         """Whether the roughness of vertices, (n,) bool, fades more than that of white noise."""
         tuned = parameters()
         _, kept = self.of_mesh(is_counted)
-        chance = tuned.chance / np.sqrt(np.count_nonzero(is_counted))
+        chance = tuned.clear_deviations / np.sqrt(np.count_nonzero(is_counted))
         return kept < min(tuned.clearly_less, 1 - chance)
 
     def of_mesh(self, is_counted: BoolArray) -> tuple[float, float]:

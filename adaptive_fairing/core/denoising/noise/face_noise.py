@@ -64,7 +64,7 @@ def face_noise(
     face[is_small[face]] = -1
     is_inner = face >= 0
     n_inner = int(np.count_nonzero(is_inner))
-    if n_inner < max(tuned.own_estimate, LEAST_INSIDE * np.count_nonzero(is_counted)):
+    if n_inner < max(tuned.fewest_to_tell, LEAST_INSIDE * np.count_nonzero(is_counted)):
         return None
     frame = _within_faces(surface, face, planes.normals)
     off_plane = planes.heights(surface.positions, face)[:, None] * planes.normals[face]

@@ -122,7 +122,7 @@ def _variances(contrast: Contrast, bins: list[IndexArray]) -> FloatArray:
 def _bins(contrast: Contrast) -> list[IndexArray]:
     """Sort the contrasts into bins by the density around them."""
     order = np.argsort(contrast.size, kind="stable")
-    n_bins = int(np.clip(len(order) // parameters().own_estimate, 1, len(LEAST_OF) - 1))
+    n_bins = int(np.clip(len(order) // parameters().fewest_to_tell, 1, len(LEAST_OF) - 1))
     return np.array_split(order, n_bins)
 
 

@@ -61,7 +61,7 @@ def is_impulsive(surface: NoisySurface, level: FloatArray, is_counted: BoolArray
         return False
     size = (lines.least / np.maximum(level, 1e-9))[is_counted]
     ratio = _tail(size) / max(_tail(lines.least_of_noise[is_counted]), 1e-9)
-    chance = tuned.chance / np.sqrt(len(size))
+    chance = tuned.clear_deviations / np.sqrt(len(size))
     return ratio > tuned.normal_ratio + chance
 
 
@@ -106,7 +106,7 @@ def _put_back(
         height = lines.least_deviation(result)
         size = np.where(may_move, np.abs(height), 0)
         level = max(float(np.median(size[is_counted])), tuned.clean_roughness * unit)
-        limit = tuned.spike_factor * level / unit
+        limit = tuned.clear_deviations * level / unit
         around = np.zeros(len(result))
         np.maximum.at(around, centre, size[topology.ring])
         stands_out = np.interp(size / limit, (1 - DOUBT, 1 + DOUBT), (0, 1))

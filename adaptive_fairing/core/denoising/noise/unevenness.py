@@ -46,7 +46,7 @@ def unevenness(
         is even.
     """
     tuned, judged = parameters(), is_counted & (level > 0)
-    if np.count_nonzero(judged) < tuned.own_estimate:
+    if np.count_nonzero(judged) < tuned.fewest_to_tell:
         return None
     kinds = [surface.roughness]
     # Noise that turns triangles over leaves nothing in their hinges.

@@ -33,7 +33,7 @@ def excess(points, faces, clean, level):
 
 
 def chance(n):
-    return PARAMETERS.chance / np.sqrt(n)
+    return PARAMETERS.clear_deviations / np.sqrt(n)
 
 
 def sum_of_angles(points, faces):

@@ -8,6 +8,7 @@ from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising import mesh_parts, mixing
 from adaptive_fairing.core.denoising.noise.noisy_surface import NoisySurface
 from adaptive_fairing.core.denoising.noise.unevenness import unevenness
+from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
 VERTICES, FACES = meshes.icosphere(5)
@@ -56,7 +57,7 @@ def test_noise_as_weak_as_detail_is_not_raised():
 
 
 def test_few_vertices_tell_nothing():
-    few = np.arange(len(VERTICES)) < 300
+    few = np.arange(len(VERTICES)) < PARAMETERS.fewest_to_tell - 1
     assert unevenness(NoisySurface(noisy(GROWING), FRAME), LEVEL, few) is None
 
 
