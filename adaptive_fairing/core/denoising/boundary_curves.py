@@ -6,6 +6,9 @@ every closed curve of the boundary is denoised by itself: a vertex moves to an a
 curve around it.  The average is as wide as the curve allows: it must stay within the confidence
 intervals of all narrower averages.  At a corner it leaves one of them at once, so corners stay.
 
+Smooth noise is alike along the curve, too, so averages over the curve leave most of it.  But it is
+also alike beside the curve, inside the surface, where the filters have removed it.
+
 Source: intersection of confidence intervals, A. Goldenshluger and A. Nemirovski, On spatially
 adaptive estimation of nonparametric regression, 1997.
 """
@@ -20,6 +23,7 @@ from scipy.special import binom
 from ..mesh.normals import dots, unit_vectors
 from ..runtime.arrays import FloatArray
 from .noise.level import NORMAL_MEDIAN
+from .noise_model import WHITE, NoiseCorrelation
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
@@ -40,14 +44,18 @@ class BoundaryCurves:
     noise : (n,)
         Standard deviation across the surface in local edge lengths; 0 where it was not judged, as
         on the boundary.
+    correlation : NoiseCorrelation, optional
+        White noise otherwise.
 
     Attributes
     ----------
     vertices : (r,)
     """
 
-    def __init__(self, start: TriangleSurface, noise: FloatArray) -> None:
-        topology = start.topology
+    def __init__(
+        self, start: TriangleSurface, noise: FloatArray, correlation: NoiseCorrelation = WHITE
+    ) -> None:
+        topology, self._correlation = start.topology, correlation
         self.vertices = topology.boundary_vertices
         place = np.full(topology.n_vertices, -1)
         place[self.vertices] = np.arange(len(self.vertices))
@@ -56,19 +64,24 @@ class BoundaryCurves:
         self._spacing = start.spacing[self.vertices]
         self._noise, self._beside = noise, start.mean[self.vertices]
         self._part_judged = self._beside @ (noise > 0).astype(float)
+        self._is_inside = ~topology.on_boundary
+        self._part_inside = self._beside @ self._is_inside.astype(float)
 
     def moves(self, filtered: FloatArray, normals: FloatArray, strength: float) -> FloatArray:
         """Compute the moves (r, 3) of the vertices.
 
         Parameters
         ----------
-        filtered : (r, 3)
-            Moves by the filters; where they are 0 there is no noise to remove.
-        normals : (r, 3)
+        filtered : (n, 3)
+            Moves of all vertices by the filters; where they are 0 there is no noise to remove.
+        normals : (n, 3)
             Unit normals of the surface.
         strength : float
             Factor of the noise.
         """
+        heights = np.where(self._is_inside, dots(filtered, normals), 0)
+        inside = self._beside @ heights / np.where(self._part_inside > 0, self._part_inside, 1)
+        filtered, normals = filtered[self.vertices], normals[self.vertices]
         noise = strength * self._beside_curves(self._noise)
         noise[~filtered.any(axis=1)] = 0
         sideways = unit_vectors(
@@ -78,7 +91,7 @@ class BoundaryCurves:
         across = dots(filtered, normals)
         slide = parameters().sliding_fraction * dots(filtered, along)
         parts = (
-            (self._across(across, noise), normals),
+            (self._across(across, inside, noise), normals),
             (self._sideways(sideways, self._part_sideways(sideways) * noise), sideways),
             (np.clip(slide, -noise, noise), along),
         )
@@ -108,17 +121,28 @@ class BoundaryCurves:
         of_vertex: FloatArray = part[curve]
         return of_vertex
 
-    def _across(self, filtered: FloatArray, noise: FloatArray) -> FloatArray:
-        """Take the filters' moves across the surface, (r,), less their mean along the whole curve.
+    def _across(self, filtered: FloatArray, inside: FloatArray, noise: FloatArray) -> FloatArray:
+        """Find the moves across the surface, (r,).
+
+        First what the moves inside (r,) tell of smooth noise, then what is left of the filters'.
+
+        Source: best linear prediction, A. S. Goldberger, 1962.
+        """
+        alike = self._correlation.of_neighbours
+        told = alike * np.where(noise > 0, inside, 0)
+        return told + self._along_curve(filtered - told, np.sqrt(1 - alike**2) * noise)
+
+    def _along_curve(self, moves: FloatArray, noise: FloatArray) -> FloatArray:
+        """Take moves across the surface, (r,), less their mean along the whole curve.
 
         The filters are right about the shape of a curve, but they have drawn all of it inwards.
         """
-        smooth, done, ways = filtered, 0, []
+        smooth, done, ways = moves, 0, []
         for passes in PASSES:
             for _ in range(passes - done):
                 smooth = self._smoothed(smooth)
             done = passes
-            ways.append((filtered - smooth, middle(2 * passes) ** 0.5))
+            ways.append((moves - smooth, self._kept(2 * passes) ** 0.5))
         return widest(ways, noise)
 
     def _sideways(self, direction: FloatArray, noise: FloatArray) -> FloatArray:
@@ -128,9 +152,17 @@ class BoundaryCurves:
             while len(smooth) <= 2 * passes:
                 smooth.append(self._smoothed(smooth[-1]))
             average = 2 * smooth[passes] - smooth[2 * passes]
-            kept = 4 * middle(2 * passes) - 4 * middle(3 * passes) + middle(4 * passes)
+            kept = 4 * self._kept(2 * passes) - 4 * self._kept(3 * passes) + self._kept(4 * passes)
             ways.append((dots(average - self._points, direction), kept**0.5))
         return widest(ways, noise)
+
+    def _kept(self, passes: int) -> float:
+        """Covariance of the noise with its average Kᵖ along a curve, over its variance.
+
+        Along a curve smooth noise is like white noise after half as many passes of K.
+        """
+        averaged = self._correlation.passes
+        return middle(passes + averaged) / middle(averaged)
 
     def _mean(self, values: FloatArray) -> FloatArray:
         return (values[self._next] + values[self._previous]) / 2

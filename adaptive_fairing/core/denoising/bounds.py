@@ -31,6 +31,7 @@ from ..problem.deviation import limited
 from ..runtime.arrays import BoolArray, FloatArray
 from .boundary_curves import BoundaryCurves
 from .noise.line_of_sight import lines_of_sight, on_rays
+from .noise_model import NoiseCorrelation
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
@@ -46,8 +47,8 @@ class Sliding:
         The same surface, slightly smoothed.
     noise : (n,)
         Standard deviation in local edge lengths.
-    boundary_moves : bool
-        Whether boundaries are denoised as curves.
+    correlation : NoiseCorrelation, optional
+        Of the noise, where boundaries are denoised as curves; None where they stay.
     """
 
     def __init__(
@@ -55,14 +56,15 @@ class Sliding:
         start: TriangleSurface,
         frame: TriangleSurface,
         noise: FloatArray,
-        boundary_moves: bool = False,
+        correlation: NoiseCorrelation | None = None,
     ) -> None:
         tuned = parameters()
         self._topology, self._triangles = start.topology, start.topology.triangles
         self._positions = start.positions
         self._rays = lines_of_sight(start.topology, start.positions)
-        moves = boundary_moves and start.topology.on_boundary.any()
-        self._curves = BoundaryCurves(start, noise) if moves else None
+        self._curves = None
+        if correlation is not None and start.topology.on_boundary.any():
+            self._curves = BoundaryCurves(start, noise, correlation)
         normals = start.normals
         for _ in range(tuned.averaging_passes):
             normals = unit_vectors(frame.spread(normals, 1))
@@ -92,7 +94,7 @@ class Sliding:
         along_kept, kept = np.full(len(faired), tuned.sliding_fraction), np.ones(len(faired))
         if self._curves is not None and strength is not None:
             boundary = self._curves.vertices
-            way = self._curves.moves(move[boundary], normals[boundary], strength)
+            way = self._curves.moves(move, normals, strength)
             along[boundary] = way - dots(way, normals[boundary])[:, None] * normals[boundary]
             move[boundary], along_kept[boundary] = way, 1
         judged = np.flatnonzero(self._may_turn)

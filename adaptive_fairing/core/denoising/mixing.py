@@ -29,6 +29,7 @@ from ..runtime.threads import for_each, ordered_map
 from .bounds import Bounds, Sliding, unfolded
 from .filters import Filter, Round, rounds_for
 from .mixture import Mixture, filter_divergence
+from .noise_model import NoiseCorrelation
 from .noise_verdict import NoiseVerdict, noise_verdict
 from .parameters import parameters
 from .plan import STRENGTHS, DenoisePlan
@@ -139,7 +140,7 @@ def mixed_surfaces(
         results = [without_folds(start.positions)] * len(STRENGTHS)
     else:
         progress.begin("mix")
-        limits = sliding or _sliding(stage, plan.noise, settings)
+        limits = sliding or _sliding(stage, plan.noise, plan.correlation, settings)
 
         def at_strength(number: int) -> FloatArray:
             mixed = stage.track.mixed(plan.mixtures[number])
@@ -191,8 +192,11 @@ def _of_likely_reading(
     return planned
 
 
-def _sliding(stage: Stage, noise: FloatArray, settings: DenoiseSettings) -> Sliding:
-    return Sliding(stage.track.start, stage.frame, noise, settings.boundary == "free")
+def _sliding(
+    stage: Stage, noise: FloatArray, correlation: NoiseCorrelation, settings: DenoiseSettings
+) -> Sliding:
+    is_free = settings.boundary == "free"
+    return Sliding(stage.track.start, stage.frame, noise, correlation if is_free else None)
 
 
 def _planned(
@@ -204,7 +208,7 @@ def _planned(
     """Filter in all rounds, and choose the coefficients of the filters after each."""
     tuned, stage, correlation = parameters(), verdict.stage, verdict.correlation
     noise = verdict.whole(verdict.level)
-    sliding = _sliding(stage, noise, settings)
+    sliding = _sliding(stage, noise, correlation, settings)
     track, frame, parts = stage.track, stage.frame, stage.parts
     seen = verdict.level
     typical = float(np.median(noise[noise > 0]))

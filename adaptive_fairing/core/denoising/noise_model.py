@@ -67,6 +67,15 @@ class NoiseCorrelation(NamedTuple):
     deviation: float = 1.0
     passes: int = 0
 
+    @property
+    def of_neighbours(self) -> float:
+        """Correlation of smooth noise at neighbours.
+
+        Averages half with the neighbours spread the noise of a vertex like a normal distribution,
+        whose variance grows by a quarter of a squared edge with each of them.
+        """
+        return float(np.exp(-1 / self.passes)) if self.passes else 0.0
+
     def applied(self, values: FloatArray, frame: TriangleSurface) -> FloatArray:
         """Give white noise (n,), in local edge lengths, this correlation."""
         if self.passes:

@@ -35,6 +35,17 @@ def test_lengths_are_mixed_with_those_of_the_neighbours(coefficient):
     np.testing.assert_allclose(mixed * FRAME.spacing, expected, rtol=0, atol=1e-12)
 
 
+@pytest.mark.parametrize("passes", [1, 2, 4, 8, 16])
+def test_noise_of_neighbours_is_as_alike_as_is_said(passes):
+    points, faces = meshes.icosphere(5)
+    sphere = TriangleSurface(TriangleTopology(faces, len(points)), points)
+    smooth = NoiseCorrelation(passes=passes)
+    heights = smooth.applied(np.random.default_rng(0).normal(size=len(points)), sphere)
+    first, second = heights[meshes.edges_of(faces)].T
+    assert np.corrcoef(first, second)[0, 1] == pytest.approx(smooth.of_neighbours, abs=0.03)
+    assert WHITE.of_neighbours == 0
+
+
 @pytest.mark.parametrize("passes", [1, 3])
 def test_a_pass_averages_lengths_half_with_those_of_the_neighbours(passes):
     expected = NOISE * FRAME.spacing
