@@ -25,7 +25,7 @@ from ..runtime.arrays import FloatArray
 from .noise.level import NORMAL_MEDIAN
 from .noise_model import WHITE, NoiseCorrelation
 from .parameters import parameters
-from .triangle_surface import TriangleSurface
+from .triangle_surface import TriangleSurface, mean_among
 
 # Passes of averaging along a curve, ascending: each twice as wide in its variance.
 PASSES = (1, 2, 4, 8, 16, 32)
@@ -61,11 +61,12 @@ class BoundaryCurves:
         place[self.vertices] = np.arange(len(self.vertices))
         self._next, self._previous = (place[each] for each in topology.boundary_neighbours)
         self._points = start.positions[self.vertices]
-        self._spacing = start.spacing[self.vertices]
-        self._noise, self._beside = noise, start.mean[self.vertices]
-        self._part_judged = self._beside @ (noise > 0).astype(float)
-        self._is_inside = ~topology.on_boundary
-        self._part_inside = self._beside @ self._is_inside.astype(float)
+        self._beside, self._is_inside = start.mean[self.vertices], ~topology.on_boundary
+        # As lengths: the mean noise of the judged neighbours, else a typical one.
+        is_judged = noise > 0
+        typical = float(np.median(noise[is_judged])) if is_judged.any() else 0.0
+        beside = mean_among(self._beside, noise, is_judged)
+        self._noise = np.where(beside > 0, beside, typical) * start.spacing[self.vertices]
 
     def moves(self, filtered: FloatArray, normals: FloatArray, strength: float) -> FloatArray:
         """Compute the moves (r, 3) of the vertices.
@@ -79,10 +80,9 @@ class BoundaryCurves:
         strength : float
             Factor of the noise.
         """
-        heights = np.where(self._is_inside, dots(filtered, normals), 0)
-        inside = self._beside @ heights / np.where(self._part_inside > 0, self._part_inside, 1)
+        inside = mean_among(self._beside, dots(filtered, normals), self._is_inside)
         filtered, normals = filtered[self.vertices], normals[self.vertices]
-        noise = strength * self._beside_curves(self._noise)
+        noise = strength * self._noise
         noise[~filtered.any(axis=1)] = 0
         sideways = unit_vectors(
             np.cross(normals, self._points[self._next] - self._points[self._previous])
@@ -97,13 +97,6 @@ class BoundaryCurves:
         )
         return sum((way[:, None] * axis for way, axis in parts), np.zeros((len(noise), 3)))
 
-    def _beside_curves(self, noise: FloatArray) -> FloatArray:
-        """Mean noise of the judged neighbours, else a typical one, as lengths (r,)."""
-        judged = self._part_judged > 0
-        typical = float(np.median(noise[self._noise > 0])) if self._noise.any() else 0.0
-        mean = self._beside @ noise / np.where(judged, self._part_judged, 1)
-        return np.where(judged, mean, typical) * self._spacing
-
     def _part_sideways(self, sideways: FloatArray) -> FloatArray:
         """Measure the noise sideways as a fraction of that across, at most 1, (r,).
 
@@ -114,8 +107,7 @@ class BoundaryCurves:
         n_curves, curve = csgraph.connected_components(links, directed=False)
         bend = self._mean(self._points) - self._points
         rough = np.abs(dots(bend - self._mean(bend), sideways)) / DIFFERENCE_OF_WHITE
-        noise = self._beside_curves(self._noise)
-        ratio = rough / np.where(noise > 0, noise, np.inf)
+        ratio = rough / np.where(self._noise > 0, self._noise, np.inf)
         part = np.minimum(ndimage.median(ratio, curve, np.arange(n_curves)) / NORMAL_MEDIAN, 1)
         part[np.bincount(curve) < parameters().fewest] = 0
         of_vertex: FloatArray = part[curve]

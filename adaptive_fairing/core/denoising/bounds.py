@@ -33,7 +33,7 @@ from .boundary_curves import BoundaryCurves
 from .noise.line_of_sight import lines_of_sight, on_rays
 from .noise_model import NoiseCorrelation
 from .parameters import parameters
-from .triangle_surface import TriangleSurface
+from .triangle_surface import TriangleSurface, mean_among
 
 
 class Sliding:
@@ -185,9 +185,7 @@ class Bounds:
         reach: FloatArray,
     ) -> None:
         self._before = before.positions
-        judged = is_judged.astype(float)
-        part = frame.mean @ judged
-        beside = (frame.mean @ (judged * reach)) / np.where(part > 0, part, 1)
+        beside = mean_among(frame.mean, reach, is_judged)
         self._noise = np.where(is_judged, reach, beside) * frame.spacing
         self._spike = np.linalg.norm(start - before.positions, axis=1)
         # The largest of n deviates lies at about √(2 ln n) of them.

@@ -8,7 +8,7 @@ from scipy import sparse
 from ..mesh.density import mesh_density, smoothed
 from ..mesh.normals import dots, triangle_normals, unit_vectors, vertex_normals
 from ..mesh.topology import TriangleTopology
-from ..runtime.arrays import FloatArray
+from ..runtime.arrays import BoolArray, FloatArray
 from ..runtime.lazy import cached_property
 from .parameters import parameters
 
@@ -94,3 +94,14 @@ class TriangleSurface:
         side = self.topology.inner_edges
         cosine = dots(normal[side // 3], normal[twin[side] // 3])
         return float(np.mean(cosine < np.cos(parameters().short_fit_angle))) if len(side) else 0.0
+
+
+def mean_among(mean: sparse.csr_array, values: FloatArray, is_some: BoolArray) -> FloatArray:
+    """Average values (n,) over those neighbours that are among some vertices, (n,) bool.
+
+    Returns one value for each of the given rows (r, n) of `TriangleSurface.mean`, (r,); 0 where no
+    neighbour is among them.
+    """
+    part = mean @ is_some.astype(float)
+    average: FloatArray = mean @ np.where(is_some, values, 0) / np.where(part > 0, part, 1)
+    return average
