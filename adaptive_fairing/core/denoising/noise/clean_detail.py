@@ -87,15 +87,16 @@ class CleanDetail:
         # Small parts, such as the eyes of a head, are judged with the whole.
         is_small = np.count_nonzero(is_counted) < tuned.fewest_to_tell
         judged = self._all_counted if is_small else is_counted
-        laid, deviation = laid_excess(self._surface, level, judged)
-        faded = 1 - min(self._surface.fading.of_mesh(judged)[1], 1)
-        # What chance may have hidden is shape until more vertices tell.
-        signs = laid + deviation + tuned.fading_weight * faded
+        better, evened = laid_excess(self._surface, level, judged)
+        faded = 1 - self._surface.fading.of_mesh(judged)[1]
+        # Both add to the first, but do not speak against it.
+        signs = better + tuned.sign_weight * (max(evened, 0) + max(faded, 0))
         if signs <= tuned.most_shape:
             return ""
         return (
-            f"{100 * max(laid, 0):.0f} % more of its edges follow bends than noise would leave, "
-            f"and its roughness fades by {100 * faded:.0f} %"
+            f"{100 * max(better, 0):.0f} % more of its edges follow bends than noise would leave, "
+            f"longer ones bend less by a correlation of {max(evened, 0):.2f}, and its roughness "
+            f"fades by {100 * max(faded, 0):.0f} %"
         )
 
     def _are_at(self, is_counted: BoolArray) -> BoolArray:

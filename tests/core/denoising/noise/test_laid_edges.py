@@ -86,14 +86,32 @@ def test_noise_does_not_know_the_edges(shape, level):
 
 
 @pytest.mark.parametrize("shape", SHAPES)
-def test_the_deviation_is_that_of_many_noises(shape):
+@pytest.mark.parametrize("level", [0.05, 0.2])
+def test_longer_edges_bend_as_noise_has_it(shape, level):
     clean, faces = SHAPES[shape]
     frame = TriangleSurface(TriangleTopology(faces, len(clean)), clean)
-    randoms = map(np.random.default_rng, range(40))
-    noises = (frame.raised(0.2 * each.normal(size=len(clean))) for each in randoms)
-    found = np.array([measured(clean + each, faces, clean, 0.2) for each in noises])
-    # Neighbouring edges are not independent; of 40 values the deviation is known to a ninth.
-    assert found[:, 1].mean() == pytest.approx(found[:, 0].std(), rel=1 / 3)
+    randoms = map(np.random.default_rng, range(8))
+    noises = (frame.raised(level * each.normal(size=len(clean))) for each in randoms)
+    found = [measured(clean + each, faces, clean, level)[1] for each in noises]
+    assert np.abs(found).max() < chance(len(clean))
+    assert abs(np.mean(found)) < chance(len(clean)) / 2
+
+
+@pytest.mark.parametrize(("length", "sign"), [(0.5, 1), (2, -1)])
+def test_longer_edges_bend_less_where_ridges_are_cut_short(length, sign):
+    _, faces = meshes.flat_grid(CELLS, CELLS)
+    column, row = np.divmod(np.arange((CELLS + 1) ** 2), CELLS + 1)
+    # Edges within a ridge are the shortest of all, or the longest.
+    flat = np.column_stack([column, length * (row + column / 2), 0 * row])
+    heights = ROUGH * np.random.default_rng(0).normal(size=CELLS + 1)
+    ridges = flat + heights[column, None] * [0, 0, 1]
+    assert sign * measured(ridges, faces, flat, ROUGH)[1] > chance(len(flat))
+
+
+def test_equal_edges_tell_nothing():
+    points, faces = meshes.octahedron()
+    points = points / np.linalg.norm(points[0])
+    assert np.all(np.isfinite(measured(points, faces, points, 0.1)))
 
 
 @pytest.mark.parametrize("seed", range(2))
@@ -129,7 +147,7 @@ def test_it_does_not_matter_where_the_surface_lies():
 def test_edges_of_a_boundary_triangle_are_not_judged():
     """They lack triangles around that would tell."""
     points = np.array([[0, 0, 0.0], [1, 0, 0.3], [1, 1, 0], [0, 1, 0.1]])
-    assert excess(points, np.array([[0, 1, 2], [0, 2, 3]]), points, 0.1) == 0
+    assert measured(points, np.array([[0, 1, 2], [0, 2, 3]]), points, 0.1) == (0, 0)
 
 
 @pytest.mark.parametrize("seed", range(2))
