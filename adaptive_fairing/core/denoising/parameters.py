@@ -169,14 +169,12 @@ class DenoiseParameters:
     sliding_fraction: float = 0.75
 
     # noise/clean_detail: what looks like noise on a clean mesh.
-    # Weight of two signs of shape beside the edges that fit bends: that longer edges bend less, and
-    # that roughness fades. 0.33 and 0.5 told 957 runs on 56 decimated shapes with noise of 0.02 to
-    # 0.4 about as well.
-    sign_weight: float = 0.4
-    # The sum of the signs above which it is shape. Of 44 of those runs that noise removal would
-    # harm it finds 35; 11 of 838 that it would help keep their noise, and 2 of 24 fused volumes.
-    # With a deviation for chance in place of the length of edges that was 30, 16 and none.
-    most_shape: float = 0.11
+    # Signs of shape above which roughness is shape: the geometric mean of the edges that fit bends
+    # better than with noise, and of the same plus how much less longer edges bend and how much
+    # fades. On 957 runs with decimated shapes it finds 32 of 44 that noise removal would harm; 9 of
+    # 838 that it would help keep their noise, and one fused volume of 24. With a weighted sum of
+    # the edges, a deviation for chance and the fading that was 30, 16 and none.
+    most_shape: float = 0.115
 
     # noise/contrast: fading in differences of high order.
     # Contours are rougher than this. Less roughness that fades in differences of high order is

@@ -89,14 +89,14 @@ class CleanDetail:
         judged = self._all_counted if is_small else is_counted
         better, evened = laid_excess(self._surface, level, judged)
         faded = 1 - self._surface.fading.of_mesh(judged)[1]
-        # Both add to the first, but do not speak against it.
-        signs = better + tuned.sign_weight * (max(evened, 0) + max(faded, 0))
-        if signs <= tuned.most_shape:
+        better, evened, faded = (max(each, 0.0) for each in (better, evened, faded))
+        # Noise that is alike at neighbours has the last two, but not the first.
+        if np.sqrt(better * (better + evened + faded)) <= tuned.most_shape:
             return ""
         return (
-            f"{100 * max(better, 0):.0f} % more of its edges follow bends than noise would leave, "
-            f"longer ones bend less by a correlation of {max(evened, 0):.2f}, and its roughness "
-            f"fades by {100 * max(faded, 0):.0f} %"
+            f"{100 * better:.0f} % more of its edges follow bends than noise would leave, longer "
+            f"ones bend less by a correlation of {evened:.2f}, and its roughness fades by "
+            f"{100 * faded:.0f} %"
         )
 
     def _are_at(self, is_counted: BoolArray) -> BoolArray:
