@@ -80,21 +80,9 @@ def test_noise_does_not_know_the_edges(shape, level):
     frame = TriangleSurface(TriangleTopology(faces, len(clean)), clean)
     randoms = map(np.random.default_rng, range(8))
     noises = (frame.raised(level * each.normal(size=len(clean))) for each in randoms)
-    found = [excess(clean + each, faces, clean, level) for each in noises]
+    found = np.array([measured(clean + each, faces, clean, level) for each in noises])
     assert np.abs(found).max() < chance(len(clean))
-    assert abs(np.mean(found)) < chance(len(clean)) / 2
-
-
-@pytest.mark.parametrize("shape", SHAPES)
-@pytest.mark.parametrize("level", [0.05, 0.2])
-def test_longer_edges_bend_as_noise_has_it(shape, level):
-    clean, faces = SHAPES[shape]
-    frame = TriangleSurface(TriangleTopology(faces, len(clean)), clean)
-    randoms = map(np.random.default_rng, range(8))
-    noises = (frame.raised(level * each.normal(size=len(clean))) for each in randoms)
-    found = [measured(clean + each, faces, clean, level)[1] for each in noises]
-    assert np.abs(found).max() < chance(len(clean))
-    assert abs(np.mean(found)) < chance(len(clean)) / 2
+    assert np.abs(found.mean(axis=0)).max() < chance(len(clean)) / 2
 
 
 @pytest.mark.parametrize(("length", "sign"), [(0.5, 1), (2, -1)])
