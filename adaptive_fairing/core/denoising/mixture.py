@@ -11,8 +11,14 @@ divergence measures how much of the noise each filter removes.
 It has no formula for filters that are not linear, so it is measured by filtering again, with a
 little noise added.
 
+The coefficients differ from one density class to another as far as the risk is sure of it.  Few
+vertices tell little, and so do many with strong or smooth noise: there the classes have nearly the
+same coefficients.
+
 Source: C. Stein, Estimation of the mean of a multivariate normal distribution, 1981; mixtures of
-filters after T. Blu and F. Luisier, The SURE-LET approach to image denoising, 2007.
+filters after T. Blu and F. Luisier, The SURE-LET approach to image denoising, 2007; coefficients
+with a normal distribution, D. V. Lindley and A. F. M. Smith, Bayes estimates for the linear model,
+1972.
 """
 
 from __future__ import annotations
@@ -26,6 +32,7 @@ from scipy.optimize import nnls
 
 from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
 from ..runtime.threads import ordered_map
+from .parameters import parameters
 
 # Sums over the vertices are taken over this many at once, which bounds the memory.
 VERTICES_AT_ONCE = 16384
@@ -122,7 +129,8 @@ def least_risk_coefficients(
         Its derivative with respect to the noise of the same vertex: 1 if all noise is removed, 0 if
         none is.
     variances : (s, n)
-        Variances of the noise, in the squared unit of `removed`; there is a mixture for each.
+        Variances of the noise, in the squared unit of `removed`; there is a mixture for each.  The
+        first is that of the noise as it is, white before it was averaged.
     classes : (c, n)
         Weights of the vertices in each density class, with the sum 1; 0 for vertices that do not
         count.  The coefficients at a vertex are the mean over the classes with these weights.
@@ -140,6 +148,7 @@ def least_risk_coefficients(
     if not size > 0:
         return result
     square[np.diag_indices(n)] += RIDGE * size
+    square += np.kron(_alikeness(variances[0], classes), np.eye(n_filters))
     # Not numpy's: its OpenBLAS starts threads for matrices as small as this.
     factor = cholesky(square, lower=True)
     # The sum of a class and a slack is 1, as further equations of great weight.
@@ -156,6 +165,19 @@ def least_risk_coefficients(
             found, _ = nnls(system, target, maxiter=100 * len(target))
             coefficients[:] = found[:n].reshape(n_classes, n_filters)
     return result
+
+
+def _alikeness(variance: FloatArray, classes: RealArray) -> FloatArray:
+    """Quadratic form (c, c) that draws the coefficients of a filter to their mean over the classes.
+
+    It is that of differences with a normal distribution, if what a mixture leaves has the variance
+    of the noise, (n,).
+    """
+    n_classes = len(classes)
+    of_class = classes @ variance / classes.sum(axis=1)
+    from_mean = np.eye(n_classes) - 1 / n_classes
+    alikeness: FloatArray = from_mean @ (of_class[:, None] * from_mean)
+    return alikeness / parameters().class_deviation ** 2
 
 
 def _normal_equations(

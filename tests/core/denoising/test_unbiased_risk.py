@@ -1,10 +1,13 @@
 """Unbiased risk estimate, and the mixture for which it is least."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from adaptive_fairing.core.denoising.mesh_parts import density_classes
 from adaptive_fairing.core.denoising.mixture import least_risk_coefficients
+from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
 
 N = 4000
 ONE_CLASS = np.ones((1, N))
@@ -67,3 +70,49 @@ def test_no_other_mixture_has_less_risk():
     grid = np.linspace(0, 1, 41)
     others = min(risk(np.array([a, b])) for a in grid for b in grid if a + b <= 1)
     assert risk(chosen) <= others + 1e-3 * abs(others)
+
+
+def mean_risk(n, filtered, sigma, deviation=PARAMETERS.class_deviation):
+    """True risk of mixtures of one filter in two classes, over that of removing nothing.
+
+    The filter removes the noise and a part of the signal, one for each class.
+    """
+    generator = np.random.default_rng(0)
+    classes = np.repeat(np.eye(2), n // 2, axis=1)
+    kept = np.repeat(filtered, n // 2)
+    risks = []
+    with using(replace(PARAMETERS, class_deviation=deviation)):
+        for _ in range(200):
+            signal, noise = generator.normal(size=n), sigma * generator.normal(size=n)
+            removed = (noise + kept * signal)[None]
+            (found,) = least_risk_coefficients(
+                removed, np.ones((1, n)), np.full((1, n), sigma**2), classes
+            )
+            left = noise - classes.T @ found[:, 0] * removed[0]
+            risks.append(np.mean(left**2) / sigma**2)
+    return np.mean(risks)
+
+
+def test_classes_learn_from_each_other():
+    """Where they want the same coefficient, few vertices are wrong about it by less."""
+    alike = [1.0, 1.0]
+    assert mean_risk(60, alike, 1.0) < 0.99 * mean_risk(60, alike, 1.0, deviation=1e6)
+
+
+def test_classes_that_differ_have_their_own_coefficients():
+    apart = [0.0, 3.0]
+    for n, most in ((4000, 1.001), (400, 1.05)):
+        assert mean_risk(n, apart, 1.0) < most * mean_risk(n, apart, 1.0, deviation=1e6)
+    assert mean_risk(4000, apart, 1.0) < 0.9 * mean_risk(4000, apart, 1.0, deviation=1e-6)
+
+
+def test_the_same_mixture_in_any_unit_of_length():
+    generator = np.random.default_rng(5)
+    removed = generator.normal(size=(3, N)) + generator.normal(size=N)
+    classes = density_classes(generator.normal(size=N), np.ones(N, dtype=bool))
+    variances = np.stack([np.linspace(0.5, 1, N)] * 2)
+    first, other = (
+        least_risk_coefficients(unit * removed, np.ones((3, N)), unit**2 * variances, classes)
+        for unit in (1, 1e3)
+    )
+    np.testing.assert_allclose(other, first, atol=1e-6)
