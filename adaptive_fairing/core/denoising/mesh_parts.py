@@ -183,7 +183,8 @@ class MeshParts:
         """Mix the filters for the least risk in every part.
 
         The risk follows from the part that each of k filters removes, (n,) each, and from its
-        divergence.  There is one mixture for each of several variances (s, n) of the noise.
+        divergence.  There is one mixture for each of several variances (s, n) of the noise; the
+        first is that of the noise as it is.
         """
         n_parts, n_classes = len(self._members), len(self._weights)
         chosen = np.zeros((len(variances), n_parts, n_classes, len(removed)))

@@ -140,8 +140,8 @@ class DenoiseParameters:
     # Standard deviation by which the coefficients of a filter differ between the density classes,
     # before the risk tells. Errors and angles of 36 shapes with four kinds of noise are 0.996 and
     # 0.993 of those without it, up to 13 % less where few vertices are noisy by one amplitude or
-    # along rays. With 0.1 smooth noise gained more, but the depth camera lost 1 %; with 0.32 it was
-    # half of it.
+    # along rays. With 0.1 smooth noise gained more, but the depth camera lost 1 %; with 0.32 about
+    # half of the gain was left.
     class_deviation: float = 0.2
 
     # mixing
