@@ -19,7 +19,7 @@ import numpy as np
 
 from ..mesh.normals import dots, unit_vectors
 from ..runtime.arrays import FloatArray, IntArray
-from .noise_model import WHITE, NoiseCorrelation
+from .noise_model import WHITE, NoiseCorrelation, certainty
 from .parameters import parameters
 from .plane_fits import PlaneFits
 from .plane_merging import FEWEST, flat_regions, triangles_beside
@@ -36,9 +36,6 @@ DRAWN = 2
 
 # What a triangle turns away from a plane, as 1 - cos, counts as so many squared edge lengths.
 TURN = 0.3
-
-# What is near to a limit counts less, from 1 - 1 / FADING of it on: else rounding would decide.
-FADING = 3
 
 
 class FlatFaces:
@@ -107,12 +104,12 @@ class FlatFaces:
                 # The noise of scanners is alike, whatever was assumed of it.
                 self._own_part = own_part
                 self._merge(factor)
-        certainty = self._certainties()
-        is_face = np.append(certainty > 0, False)
+        certainties = self._certainties()
+        is_face = np.append(certainties > 0, False)
         self._number(np.where(is_face[self.face], self.face, NO_FACE))
         self._fit()
         self._share()
-        self._certainty = certainty[certainty > 0]
+        self._certainty = certainties[certainties > 0]
 
     def _merge(self, factor: float) -> None:
         """Merge the triangles, or the faces so far, and fit the planes."""
@@ -194,7 +191,7 @@ class FlatFaces:
         at_limit, own, beyond = self._limits()
         way, way_beyond = (self._ways(at_limit, each) for each in (own, beyond))
         nearness = np.sqrt(way / np.maximum(way_beyond, np.finfo(float).tiny))
-        shared = (1 - fading(nearness)) / 2
+        shared = (1 - certainty(nearness)) / 2
         kept = np.ones(len(self.face))
         np.minimum.at(kept, at_limit, 1 - shared)
         self._moved, self._moved_to, self._corners = self._pairs(
@@ -242,8 +239,8 @@ class FlatFaces:
             self._bend_within(),
             self._round_limits() / parameters().most_round_limits,
         )
-        certainty: FloatArray = np.min([fading(each) for each in parts], axis=0)
-        return certainty
+        least: FloatArray = np.min([certainty(each) for each in parts], axis=0)
+        return least
 
     def _bend_within(self) -> FloatArray:
         """How much each face turns within, over what it turns at its limits, (k,); 1 is too much.
@@ -316,7 +313,7 @@ class FlatFaces:
         leaves a face there changes nothing.
         """
         heights = np.abs(self.planes.heights(surface[self._moved], self._moved_to))
-        near = fading(heights / self._reach[self._moved])
+        near = certainty(heights / self._reach[self._moved])
         best = best_of_triangles(near, self._corners, self._shares)
         return best * self._certainty[self._moved_to]
 
@@ -332,9 +329,3 @@ def best_of_triangles(values: FloatArray, corners: IntArray, shares: FloatArray)
     for place in corners.T:
         np.maximum.at(best, place, of_triangles)
     return best
-
-
-def fading(parts: FloatArray) -> FloatArray:
-    """Weights (k,) of what comes to these parts of a limit: 0 at the limit and beyond."""
-    weights: FloatArray = np.clip(FADING * (1 - parts), 0, 1)
-    return weights

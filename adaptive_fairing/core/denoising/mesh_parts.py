@@ -18,7 +18,7 @@ from .noise.level import MEDIAN_ERROR, scan_level, variance_law
 from .noise.noisy_surface import NoisySurface
 from .noise.spikes import is_impulsive
 from .noise.unevenness import unevenness
-from .noise_model import VarianceLaw
+from .noise_model import VarianceLaw, certainty
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
 
@@ -38,6 +38,8 @@ class NoiseFound(NamedTuple):
         Reason why there is nothing to do, if so.
     unevenness : (n,), optional
         Factor in `level` of noise that is stronger in one place than in another.
+    certainty : (p,) or float
+        How certainly that is noise in each part, 0 to 1: so much of it is removed.
     """
 
     level: FloatArray
@@ -45,6 +47,7 @@ class NoiseFound(NamedTuple):
     roughness: FloatArray
     notes: tuple[str, ...] = ()
     unevenness: FloatArray | None = None
+    certainty: FloatArray | float = 1.0
 
 
 class MeshParts:
@@ -104,7 +107,7 @@ class MeshParts:
         noise, level, told = np.zeros((3, len(self.is_counted)))
         impulsive = np.zeros(len(level), dtype=bool)
         detail = CleanDetail(surface, self.is_counted)
-        models = []
+        models, certainties = [], np.ones(len(self._members))
         for part, members in enumerate(self._members):
             counted = np.zeros(len(level), dtype=bool)
             counted[members] = self.is_counted[members]
@@ -139,10 +142,12 @@ class MeshParts:
             is_raised = np.median(least) < tuned.clearly_less * np.median(rough)
             is_detail = not is_raised and detail.fades(counted)
             if not (is_detail or is_contour):
-                reason = copies or detail.shape(counted, told)
-                if reason:
+                signs, reason = (1.0, copies) if copies else detail.shape(counted, told)
+                is_detail = signs >= 1
+                if is_detail:
                     models.append(reason)
-                    is_detail = True
+                else:
+                    certainties[part] = certainty(np.array(signs))
             if not is_detail and np.median(least) > clean:
                 # What part of it clean meshes have, the roughness tells.
                 spacing = surface.frame.spacing[counted]
@@ -153,7 +158,7 @@ class MeshParts:
         uneven = unevenness(surface, noise, self.is_counted)
         noise = noise if uneven is None else noise * uneven
         notes = () if noise.any() else (self.why_nothing(level, models),)
-        return NoiseFound(noise, impulsive, level, notes, uneven)
+        return NoiseFound(noise, impulsive, level, notes, uneven, certainties)
 
     def too_few(self) -> str:
         """Note that there are too few vertices to judge from."""

@@ -47,6 +47,11 @@ LIKE_DETAIL = (
     "some of what was removed lies side by side, as detail does and noise hardly does: if it is "
     'detail, the setting "Keep Fine Detail" (clean "detail") keeps it'
 )
+IN_DOUBT = (
+    "the edges follow some of the roughness, as in decimated models: only a part of it was "
+    'removed; the setting "Keep Fine Detail" (clean "detail") keeps all of it, "Denoise Anyway" '
+    '(clean "denoise") keeps none'
+)
 UNLIKE_NOISE = (
     "what would have been removed is not like noise, but like corners and creases: nothing was "
     "changed"
@@ -118,6 +123,8 @@ def mixed_surfaces(
             plan, sliding = planned.plan, planned.sliding
             if plan.is_idle:
                 notes, other_readings = (UNLIKE_NOISE,), ("denoise",)
+            elif (planned.certainty % 1).any():
+                notes, other_readings = (*notes, IN_DOUBT), ("detail", "denoise")
             elif planned.clusters:
                 notes, other_readings = (*notes, LIKE_DETAIL), ("detail",)
     else:
@@ -163,15 +170,15 @@ class _Planned(NamedTuple):
     ----------
     plan : DenoisePlan
     sliding : Sliding
-    is_noise : (p,) bool
-        In which parts that looks like noise.
+    certainty : (p,)
+        How certainly that is noise in each part, 0 to 1.
     clusters : bool
         Whether some of it lies in clusters, as detail does.
     """
 
     plan: DenoisePlan
     sliding: Sliding
-    is_noise: BoolArray
+    certainty: FloatArray
     clusters: bool
 
 
@@ -185,7 +192,7 @@ def _of_likely_reading(
     stage, (first, *others) = verdict.stage, verdict.readings()
     planned = _planned(before, first, settings, progress)
     for reading in others:
-        if planned.is_noise.all():
+        if planned.certainty.all():
             break
         stage.track = Track(stage.bank, stage.track.start)
         planned = _planned(before, reading, settings, progress)
@@ -268,13 +275,13 @@ def _planned(
     mixtures = [each.spread(usable) for each in mixtures]
     # Smooth noise had to look like noise in every band before it was told; or the user has told it.
     is_told = settings.clean == "denoise" or settings.width != "auto" or correlation.passes
-    impulsive, is_noise, clusters = verdict.impulsive, np.ones(len(parts.counts()), bool), False
+    impulsive, certainty, clusters = verdict.impulsive, np.ones(len(parts.counts())), False
     if not is_told:
         mixed = track.mixed(as_it_is.spread(usable))
         after = TriangleSurface(before.topology, sliding.limited(mixed))
-        is_noise, clusters = _look_like_noise(before, after, verdict, settings.clean)
-        mixtures = [each.within(is_noise) for each in mixtures]
-        impulsive = parts.at_vertices(is_noise) & impulsive
+        certainty, clusters = _certainty(before, after, verdict, settings.clean)
+        mixtures = [each.weighted(certainty) for each in mixtures]
+        impulsive = parts.at_vertices(certainty > 0) & impulsive
     counted, kept = parts.is_counted, np.ones(len(mixtures))
     for index, mixture in enumerate(mixtures):
         for used in mixture.used:
@@ -291,13 +298,13 @@ def _planned(
         typical,
         correlation,
     )
-    return _Planned(plan, sliding, is_noise, clusters)
+    return _Planned(plan, sliding, certainty, clusters)
 
 
-def _look_like_noise(
+def _certainty(
     before: TriangleSurface, after: TriangleSurface, verdict: NoiseVerdict, clean: str
-) -> tuple[BoolArray, bool]:
-    """Whether what was removed from each part is like noise, (p,), and some of it like detail."""
+) -> tuple[FloatArray, bool]:
+    """How certainly what was removed from each part is noise, (p,), and some of it like detail."""
     tuned, stage, parts = parameters(), verdict.stage, verdict.stage.parts
     noises = (stage.frame.raised(each) for each in verdict.examples())
     like_noise = [TriangleSurface(before.topology, before.positions - each) for each in noises]
@@ -315,7 +322,9 @@ def _look_like_noise(
     is_noise &= parts.likeness(before, after, there) <= tuned.most_alike
     # Where nothing goes, nothing is alike.
     clusters = is_noise & (found > 0) & (excess > tuned.clustered_detail)
-    return is_noise, bool(clusters.any())
+    certainty = np.where(is_noise, verdict.certainty, 0.0)
+    # What may be detail stays where it was asked for.
+    return np.floor(certainty) if clean == "detail" else certainty, bool(clusters.any())
 
 
 def _filter_all(tracks: Sequence[Track], families: Round, pilot: Mixture | None = None) -> None:

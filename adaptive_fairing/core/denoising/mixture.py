@@ -30,7 +30,7 @@ import numpy as np
 from scipy.linalg import cholesky, solve_triangular
 from scipy.optimize import nnls
 
-from ..runtime.arrays import BoolArray, FloatArray, IndexArray, IntArray, RealArray
+from ..runtime.arrays import FloatArray, IndexArray, IntArray, RealArray
 from ..runtime.threads import ordered_map
 from .parameters import parameters
 
@@ -83,8 +83,8 @@ class Mixture(NamedTuple):
         """Return the same mixture for some of the vertices, by index."""
         return self._replace(weights=self.weights[:, vertices], part=self.part[vertices])
 
-    def within(self, parts: BoolArray) -> Mixture:
-        """Return the same mixture in some parts, (p,) bool; elsewhere nothing is removed."""
+    def weighted(self, parts: FloatArray) -> Mixture:
+        """Return the mixture that removes so much of what this one does in each part, (p,)."""
         return self._replace(by_class=self.by_class * parts[:, None, None])
 
     def spread(self, is_one: Sequence[bool]) -> Mixture:

@@ -1,4 +1,4 @@
-"""Model of the noise: how strong it is where, and how alike at neighbours.
+"""Model of the noise: how strong it is where, how alike at neighbours, and how certain.
 
 The variance law has two terms, noise that grows with the edges and noise of one amplitude.  Smooth
 noise is white noise that was mixed with the mean of the neighbours' noise.
@@ -13,6 +13,15 @@ import numpy as np
 from ..runtime.arrays import BoolArray, FloatArray
 from .parameters import parameters
 from .triangle_surface import TriangleSurface
+
+# What is near to a limit counts less, from 1 - 1 / FADING of it on: else rounding would decide.
+FADING = 3
+
+
+def certainty(parts: FloatArray) -> FloatArray:
+    """How much what comes to these parts of a limit counts, (k,): 0 at the limit and beyond."""
+    weights: FloatArray = np.clip(FADING * (1 - parts), 0, 1)
+    return weights
 
 
 class VarianceLaw(NamedTuple):

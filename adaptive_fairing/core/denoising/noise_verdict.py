@@ -56,6 +56,8 @@ class NoiseVerdict:
         Random noise with spikes like those that were put back: heights in local edge lengths.
     unevenness : (n,), optional
         Factor in `level` and `reach` of noise that is stronger in one place than in another.
+    certainty : (p,) or float
+        How certainly that is noise in each part of the mesh, 0 to 1: so much of it is removed.
     """
 
     stage: Stage
@@ -67,6 +69,7 @@ class NoiseVerdict:
     other_readings: tuple[str, ...] = ()
     spiky: FloatArray | None = None
     unevenness: FloatArray | None = None
+    certainty: FloatArray | float = 1.0
 
     def readings(self) -> tuple[NoiseVerdict, ...]:
         """Return this verdict and, if the noise is uneven, that for even noise."""
@@ -163,7 +166,15 @@ def _narrow_noise(stage: Stage, *, keeps_clean: bool) -> tuple[NoiseVerdict, Flo
     others = ("denoise",) if was_kept and found.roughness.any() else ()
     level, impulsive = found.level, found.impulsive
     verdict = NoiseVerdict(
-        stage, level, None, impulsive, level, found.notes, others, unevenness=found.unevenness
+        stage,
+        level,
+        None,
+        impulsive,
+        level,
+        found.notes,
+        others,
+        unevenness=found.unevenness,
+        certainty=found.certainty,
     )
     return verdict, found.roughness
 
@@ -212,9 +223,16 @@ def _without_spikes(found: NoiseFound, calm: _Calm, impulsive: BoolArray) -> Noi
     left = np.where(impulsive & parts.is_counted, more, 0)
     level = np.sqrt(np.square(after.level) + left)
     reach = np.maximum(level, np.where(impulsive, found.roughness, 0))
-    uneven = after.unevenness
     return NoiseVerdict(
-        stage, level, None, impulsive, reach, (IMPULSIVE,), spiky=noise, unevenness=uneven
+        stage,
+        level,
+        None,
+        impulsive,
+        reach,
+        (IMPULSIVE,),
+        spiky=noise,
+        unevenness=after.unevenness,
+        certainty=after.certainty,
     )
 
 

@@ -55,7 +55,7 @@ class DenoiseResult:
     other_readings : tuple of str
         Values of `DenoiseSettings.clean` that take the same roughness for something else:
         "denoise" where it was kept as a clean mesh's, "detail" where what was removed
-        may be detail.
+        may be detail, both where a part of it was removed.
     settings : DenoiseSettings
     plan : DenoisePlan
         To treat other frames of this surface alike, or another part of it if it is of the whole.

@@ -7,7 +7,8 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology, denoise
-from adaptive_fairing.core.denoising.flat_faces import FADING, FlatFaces, best_of_triangles
+from adaptive_fairing.core.denoising.flat_faces import FlatFaces, best_of_triangles
+from adaptive_fairing.core.denoising.noise_model import FADING
 from adaptive_fairing.core.denoising.parameters import PARAMETERS, using
 from adaptive_fairing.core.denoising.plan import STRENGTHS
 from adaptive_fairing.core.denoising.plane_fits import PlaneFits

@@ -8,7 +8,7 @@ from support import meshes
 
 from adaptive_fairing.core import DenoiseSettings, TriangleTopology, denoise
 from adaptive_fairing.core.denoising.mesh_parts import MeshParts, density_classes
-from adaptive_fairing.core.denoising.mixing import LIKE_DETAIL, UNLIKE_NOISE
+from adaptive_fairing.core.denoising.mixing import IN_DOUBT, LIKE_DETAIL, UNLIKE_NOISE
 from adaptive_fairing.core.denoising.noise import noisy_surface
 from adaptive_fairing.core.denoising.noise.clean_detail import CleanDetail
 from adaptive_fairing.core.denoising.noise.contrast import LineRoughness
@@ -277,6 +277,27 @@ def test_a_note_tells_that_what_was_removed_may_be_detail():
     assert kept.other_readings == ("denoise",)
     even = ball * (1 + 0.0084 * numbers)
     assert not denoise(even, faces).notes
+
+
+@pytest.mark.parametrize(("signs", "part"), [(0.6, 1), (0.8, 0.6), (0.99, 0.03), (1, 0)])
+def test_less_is_removed_the_more_signs_of_shape_there_are(signs, part, monkeypatch):
+    """Nothing leaps where they reach their limit."""
+    points = noisy(BALL, FACES, 0.1)
+    whole = denoise(points, FACES)
+    monkeypatch.setattr(CleanDetail, "shape", lambda *_: (signs, "it has edges"))
+    found = denoise(points, FACES)
+    moved, most = (np.linalg.norm(each.positions - points) for each in (found, whole))
+    # Along the surface vertices go as far as triangles let them.
+    assert moved == pytest.approx(part * most, rel=0.1)
+    in_doubt = 0 < part < 1
+    assert (IN_DOUBT in found.notes) == in_doubt
+    if in_doubt:
+        assert found.other_readings == ("detail", "denoise")
+        kept, removed = (
+            denoise(points, FACES, DenoiseSettings(clean=each)) for each in found.other_readings
+        )
+        assert np.array_equal(kept.positions, points)
+        assert np.linalg.norm(removed.positions - points) > 0.9 * most
 
 
 @pytest.mark.parametrize("part", [0.05, 0.1, 0.15, 0.2, 0.25])

@@ -5,7 +5,12 @@ import pytest
 from support import meshes
 
 from adaptive_fairing.core import TriangleTopology
-from adaptive_fairing.core.denoising.noise_model import WHITE, NoiseCorrelation, VarianceLaw
+from adaptive_fairing.core.denoising.noise_model import (
+    WHITE,
+    NoiseCorrelation,
+    VarianceLaw,
+    certainty,
+)
 from adaptive_fairing.core.denoising.parameters import PARAMETERS
 from adaptive_fairing.core.denoising.triangle_surface import TriangleSurface
 
@@ -20,6 +25,15 @@ def mean_around(lengths):
     both = np.concatenate([edges, edges[:, ::-1]])
     total = np.bincount(both[:, 0], lengths[both[:, 1]])
     return total / np.bincount(both[:, 0])
+
+
+def test_what_comes_near_to_a_limit_counts_less_and_less():
+    parts = np.linspace(-1, 2, 301)
+    counts = certainty(parts)
+    assert (counts[parts < 0.66] == 1).all()
+    assert (counts[parts > 0.999] == 0).all()
+    assert (np.diff(counts) <= 0).all()
+    assert np.abs(np.diff(counts)).max() < 0.031  # no leap
 
 
 def test_white_noise_stays_as_it_is():

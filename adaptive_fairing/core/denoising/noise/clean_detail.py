@@ -77,11 +77,11 @@ class CleanDetail:
         triangles = self._surface.topology.triangles[self._are_at(is_counted)]
         return is_voxel_contour(triangles, self._surface.positions)
 
-    def shape(self, is_counted: BoolArray, level: FloatArray) -> str:
-        """Text on signs that vertices, (n,) bool, are rough by their shape; "" without any.
+    def shape(self, is_counted: BoolArray, level: FloatArray) -> tuple[float, str]:
+        """Signs that vertices, (n,) bool, are rough by their shape, and a text on them.
 
         Noise knows no edges, and does not fade in differences of higher order.  `level` (n,) is
-        that of the noise, if it is noise, in local edge lengths.
+        that of the noise, if it is noise, in local edge lengths.  From 1 on it is shape.
         """
         tuned = parameters()
         # Small parts, such as the eyes of a head, are judged with the whole.
@@ -91,9 +91,8 @@ class CleanDetail:
         faded = 1 - self._surface.fading.of_mesh(judged)[1]
         better, evened, faded = (max(each, 0.0) for each in (better, evened, faded))
         # Noise that is alike at neighbours has the last two, but not the first.
-        if np.sqrt(better * (better + evened + faded)) <= tuned.most_shape:
-            return ""
-        return (
+        signs = float(np.sqrt(better * (better + evened + faded)))
+        return signs / tuned.most_shape, (
             f"{100 * better:.0f} % more of its edges follow bends than noise would leave, longer "
             f"ones bend less by a correlation of {evened:.2f}, and its roughness fades by "
             f"{100 * faded:.0f} %"

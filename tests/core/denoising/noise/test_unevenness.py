@@ -80,15 +80,15 @@ def test_noise_is_removed_where_it_is_strong_and_where_it_is_weak(clean):
 
 def test_where_it_does_not_look_like_noise_noise_is_even(monkeypatch):
     """Uneven noise that removes clusters may be shape: then it counts as even, as it did before."""
-    looks = mixing._look_like_noise
+    looks = mixing._certainty
 
     def strictly(before, after, verdict, clean):
-        is_noise, clusters = looks(before, after, verdict, clean)
-        return is_noise & (verdict.unevenness is None), clusters
+        certainty, clusters = looks(before, after, verdict, clean)
+        return certainty * (verdict.unevenness is None), clusters
 
     points = noisy(GROWING)
     uneven = denoise(points, FACES).positions
-    monkeypatch.setattr(mixing, "_look_like_noise", strictly)
+    monkeypatch.setattr(mixing, "_certainty", strictly)
     rejected = denoise(points, FACES).positions
     monkeypatch.setattr(mesh_parts, "unevenness", lambda *_: None)
     even = denoise(points, FACES).positions
